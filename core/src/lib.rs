@@ -1,0 +1,3 @@
+//! slicecast: a fixed-point, slice-order volume renderer.
+#![no_std]
+#![forbid(unsafe_code)]

@@ -1,0 +1,1 @@
+//! Bit-exactness regressions of slicecast.

@@ -1,0 +1,2 @@
+//! The `slicecast` program.
+fn main() {}

@@ -1,0 +1,37 @@
+//! A volume in memory, as the machine sees it: 12-bit voxels with their shape, spacing and unit.
+
+/// How 12-bit codes map back to the data's own unit: `value = code * scale + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mapping {
+    /// Data units per code.
+    pub scale: f64,
+    /// The data value of code 0.
+    pub offset: f64,
+}
+
+impl Mapping {
+    /// The data value of a code (or of a sample between codes).
+    pub fn value(&self, code: f64) -> f64 {
+        code * self.scale + self.offset
+    }
+
+    /// The code, with fraction, of a data value. It may lie outside 0 to 4095.
+    pub fn code(&self, value: f64) -> f64 {
+        (value - self.offset) / self.scale
+    }
+}
+
+/// A volume of 12-bit voxels.
+#[derive(Clone, Debug)]
+pub struct Volume {
+    /// Where it came from, for messages.
+    pub name: String,
+    /// Voxels along x, y and z.
+    pub dims: [usize; 3],
+    /// Distance between voxels along x, y and z, in the file's unit (millimetres for medical data).
+    pub spacing: [f64; 3],
+    /// Voxels, x fastest, each 0 to 4095.
+    pub voxels: Vec<u16>,
+    /// From codes back to the data's unit.
+    pub mapping: Mapping,
+}
