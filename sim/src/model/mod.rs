@@ -9,13 +9,18 @@
 //! | file        | stage                                                      | paper           |
 //! | rays        | major axis, shear, lattice of rays, sample positions       | section 4.6     |
 //! | grid        | voxels in the frame (i, j, k), differences of neighbours   | section 4.3     |
+//! | interpolate | value at a position                                        | equations 13-14 |
+//! | gradient    | gradient at a position, normal                             | section 4.3     |
 //!
 //! Two things are left out on purpose, because they are the pipeline's approximations and should show up as its
 //! error: tables (the transfer function is evaluated at the sample itself) and early termination.
 
+pub mod gradient;
 pub mod grid;
+pub mod interpolate;
 pub mod rays;
 #[cfg(test)]
 mod testing;
+mod vector;
 
 pub use rays::{Geometry, Lattice};
