@@ -11,10 +11,12 @@
 //! | grid        | voxels in the frame (i, j, k), differences of neighbours   | section 4.3     |
 //! | interpolate | value at a position                                        | equations 13-14 |
 //! | gradient    | gradient at a position, normal                             | section 4.3     |
+//! | classify    | colour and opacity of a value, correction for the step     | equation 7      |
 //!
 //! Two things are left out on purpose, because they are the pipeline's approximations and should show up as its
 //! error: tables (the transfer function is evaluated at the sample itself) and early termination.
 
+pub mod classify;
 pub mod gradient;
 pub mod grid;
 pub mod interpolate;
@@ -23,4 +25,5 @@ pub mod rays;
 mod testing;
 mod vector;
 
+pub use classify::Classified;
 pub use rays::{Geometry, Lattice};
