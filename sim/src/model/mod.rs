@@ -12,6 +12,7 @@
 //! | interpolate | value at a position                                        | equations 13-14 |
 //! | gradient    | gradient at a position, normal                             | section 4.3     |
 //! | classify    | colour and opacity of a value, correction for the step     | equation 7      |
+//! | shade       | Phong                                                      | equation 10     |
 //!
 //! Two things are left out on purpose, because they are the pipeline's approximations and should show up as its
 //! error: tables (the transfer function is evaluated at the sample itself) and early termination.
@@ -21,9 +22,11 @@ pub mod gradient;
 pub mod grid;
 pub mod interpolate;
 pub mod rays;
+pub mod shade;
 #[cfg(test)]
 mod testing;
 mod vector;
 
 pub use classify::Classified;
 pub use rays::{Geometry, Lattice};
+pub use shade::Lights;
