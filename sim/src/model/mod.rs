@@ -13,11 +13,14 @@
 //! | gradient    | gradient at a position, normal                             | section 4.3     |
 //! | classify    | colour and opacity of a value, correction for the step     | equation 7      |
 //! | shade       | Phong                                                      | equation 10     |
+//! | composite   | samples into pixels                                        | equations 4, 6  |
+//! | warp        | base plane into the viewer's image                         |                 |
 //!
 //! Two things are left out on purpose, because they are the pipeline's approximations and should show up as its
 //! error: tables (the transfer function is evaluated at the sample itself) and early termination.
 
 pub mod classify;
+pub mod composite;
 pub mod gradient;
 pub mod grid;
 pub mod interpolate;
@@ -26,7 +29,10 @@ pub mod shade;
 #[cfg(test)]
 mod testing;
 mod vector;
+pub mod warp;
 
 pub use classify::Classified;
+pub use composite::Pixel;
 pub use rays::{Geometry, Lattice};
 pub use shade::Lights;
+pub use warp::{Affine, ModelImage};
