@@ -15,6 +15,7 @@
 //! | shade       | Phong                                                      | equation 10     |
 //! | composite   | samples into pixels                                        | equations 4, 6  |
 //! | warp        | base plane into the viewer's image                         |                 |
+//! | render      | one ray, all rays                                          |                 |
 //!
 //! Two things are left out on purpose, because they are the pipeline's approximations and should show up as its
 //! error: tables (the transfer function is evaluated at the sample itself) and early termination.
@@ -25,14 +26,18 @@ pub mod gradient;
 pub mod grid;
 pub mod interpolate;
 pub mod rays;
+mod render;
 pub mod shade;
 #[cfg(test)]
 mod testing;
+#[cfg(test)]
+mod tests;
 mod vector;
 pub mod warp;
 
 pub use classify::Classified;
 pub use composite::Pixel;
 pub use rays::{Geometry, Lattice};
+pub use render::{Model, ModelSample, Positions};
 pub use shade::Lights;
 pub use warp::{Affine, ModelImage};
