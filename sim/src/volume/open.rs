@@ -12,7 +12,7 @@ use super::{Volume, nrrd};
 /// The CT head that comes with the program, 64 x 64 x 93 voxels (see `sim/data/LICENSE-headsq.txt`).
 const BUILT_IN: &[u8] = include_bytes!("../../data/headsq-quarter.nrrd");
 
-/// What [`load`] can fail with.
+/// What [`load`] and [`prepare`] can fail with.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file cannot be read.
@@ -60,19 +60,45 @@ pub fn read_built_in() -> Result<Decoded, ReadError> {
     nrrd::read_bytes(BUILT_IN, "built-in CT head")
 }
 
+/// A volume ready for the pipeline, and what the user should know about it.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// The volume in 12-bit codes.
+    pub volume: Volume,
+    /// What the mapping to codes did to the values.
+    pub report: MappingReport,
+    /// What was assumed or left aside in reading the file, a sentence each.
+    pub notes: Vec<String>,
+}
+
 /// Reads a volume file, or the built-in CT head if there is no path, and maps it to 12 bits.
 ///
 /// # Errors
 /// [`LoadError`] if the file cannot be read or its values cannot be mapped as asked.
-pub fn load(path: Option<&Path>, window: Window) -> Result<(Volume, MappingReport), LoadError> {
+pub fn load(path: Option<&Path>, window: Window) -> Result<Loaded, LoadError> {
     let decoded = match path {
         Some(path) => read(path)?,
         None => read_built_in()?,
     };
-    map(&decoded, window).map_err(|error| LoadError::Mapping {
-        name: decoded.name().to_owned(),
-        error,
-    })
+    prepare(&decoded, window)
+}
+
+/// Maps a volume that has been read (as raw files have to be, by [`super::raw::read`]) to 12 bits.
+///
+/// # Errors
+/// [`LoadError::Mapping`] if its values cannot be mapped as asked.
+pub fn prepare(decoded: &Decoded, window: Window) -> Result<Loaded, LoadError> {
+    match map(decoded, window) {
+        Ok((volume, report)) => Ok(Loaded {
+            volume,
+            report,
+            notes: decoded.notes().to_vec(),
+        }),
+        Err(error) => Err(LoadError::Mapping {
+            name: decoded.name().to_owned(),
+            error,
+        }),
+    }
 }
 
 /// Opens a file that is not empty and neither a folder nor a device; its length in bytes comes with it.
@@ -111,7 +137,12 @@ mod tests {
 
     #[test]
     fn the_built_in_volume_is_the_documented_one() {
-        let (volume, report) = load(None, Window::Auto).unwrap();
+        let Loaded {
+            volume,
+            report,
+            notes,
+        } = load(None, Window::Auto).unwrap();
+        assert!(notes.is_empty());
         assert_eq!(volume.dims, [64, 64, 93]);
         assert_eq!(volume.spacing, [3.2, 3.2, 1.5]);
         assert_eq!(volume.voxels.iter().max(), Some(&3926));
