@@ -2,6 +2,15 @@
 //!
 //! The pipeline's tables, shears and light vectors are made from it (`table`, `camera`), and the f64 model reads it
 //! directly: nothing here has been rounded to a hardware format.
+//!
+//! [`file`] reads scenes from TOML, [`check`] holds the range of every field, [`transfer`] evaluates transfer functions.
+
+pub mod check;
+mod colour;
+pub mod file;
+pub mod transfer;
+
+use serde::{Deserialize, Serialize};
 
 /// Everything that decides a picture, apart from the volume.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +63,17 @@ pub struct CameraAxes {
     pub forward: [f64; 3],
 }
 
+impl Default for View {
+    /// From the front, level, upright.
+    fn default() -> Self {
+        Self {
+            azimuth: 0.0,
+            elevation: 0.0,
+            roll: 0.0,
+        }
+    }
+}
+
 impl View {
     /// The camera's axes. Components smaller than 1e-15 are exactly zero, so that axis-aligned views are exact.
     pub fn axes(&self) -> CameraAxes {
@@ -76,10 +96,10 @@ impl View {
 fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let turn = degrees.rem_euclid(360.0);
     match turn {
-        t if t == 0.0 => (0.0, 1.0),
-        t if t == 90.0 => (1.0, 0.0),
-        t if t == 180.0 => (0.0, -1.0),
-        t if t == 270.0 => (-1.0, 0.0),
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
         t => t.to_radians().sin_cos(),
     }
 }
@@ -100,6 +120,17 @@ pub struct Image {
     pub background: [f64; 3],
 }
 
+impl Default for Image {
+    /// Large enough to show every ray, the whole volume, on black.
+    fn default() -> Self {
+        Self {
+            size: None,
+            zoom: 1.0,
+            background: [0.0; 3],
+        }
+    }
+}
+
 /// Sampling rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
@@ -107,6 +138,16 @@ pub struct Sampling {
     pub planes_per_voxel: u32,
     /// Rays per voxel along each axis of the base plane, 1 to 8.
     pub rays_per_voxel: u32,
+}
+
+impl Default for Sampling {
+    /// One plane and one ray a voxel.
+    fn default() -> Self {
+        Self {
+            planes_per_voxel: 1,
+            rays_per_voxel: 1,
+        }
+    }
 }
 
 /// Colour and opacity as piecewise linear functions of the data value.
@@ -149,8 +190,23 @@ pub struct Lighting {
     pub lights: Vec<Light>,
 }
 
+impl Default for Lighting {
+    /// A matt surface with a small highlight (exponent 32) under one white light from the viewer.
+    fn default() -> Self {
+        Self {
+            ambient: 0.2,
+            diffuse: 0.7,
+            specular: 0.2,
+            exponent_log2: 5,
+            highlight: Highlight::Reflection,
+            lights: vec![Light::default()],
+        }
+    }
+}
+
 /// The two forms of the specular term.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Highlight {
     /// Phong: the reflected viewing vector and the light vector (R.L).
     Reflection,
@@ -169,8 +225,20 @@ pub struct Light {
     pub colour: [f64; 3],
 }
 
+impl Default for Light {
+    /// White, from the viewer.
+    fn default() -> Self {
+        Self {
+            direction: [0.0, 0.0, 1.0],
+            frame: Frame::Camera,
+            colour: [1.0; 3],
+        }
+    }
+}
+
 /// A frame of reference for directions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Frame {
     /// x to the right of the picture, y up, z towards the viewer.
     Camera,
@@ -179,7 +247,8 @@ pub enum Frame {
 }
 
 /// How samples along a ray combine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Blend {
     /// Alpha compositing, nearest sample first.
     FrontToBack,
@@ -192,7 +261,8 @@ pub enum Blend {
 }
 
 /// The named precisions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum PrecisionName {
     /// Squeeze to the letter.
     Paper,
@@ -203,7 +273,8 @@ pub enum PrecisionName {
 }
 
 /// How a table entry holds its opacity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum AlphaCodeName {
     /// The square root in 8 bits.
     Sqrt8,
@@ -212,7 +283,8 @@ pub enum AlphaCodeName {
 }
 
 /// How a sample finds its table entry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LookupName {
     /// The nearest entry.
     Nearest,

@@ -1,0 +1,276 @@
+//! NRRD volumes (`.nrrd`, and `.nhdr` with a data file beside it).
+//!
+//! Read: versions 1 to 5; integers of 8, 16 and 32 bits, `float`, `double`; either byte order; encodings `raw` and `gzip`;
+//! exactly three dimensions. Spacing comes from `spacings`, or from the lengths of `space directions`, or is 1.
+//! The volume keeps the file's own axes: a direction's sign and the name of the space turn nothing, and directions that
+//! are not along the axes are refused. A key `hounsfield_offset:=N` makes the data's unit the stored value plus N.
+
+mod header;
+mod orientation;
+
+use std::io::{BufRead, Cursor};
+use std::path::{Component, Path, PathBuf};
+
+use self::header::{Header, shorten};
+use super::error::{Problem, ReadError};
+use super::open::open_regular;
+use super::payload::{ByteSkip, Encoding, Layout, read_values};
+use super::values::{Decoded, Endian, ValueType, check_spacing};
+
+/// What a header says about its volume, interpreted.
+#[derive(Debug)]
+struct Description {
+    layout: Layout,
+    spacing: [f64; 3],
+    value_offset: i32,
+    data_file: Option<PathBuf>,
+    notes: Vec<String>,
+}
+
+/// Reads an NRRD file. A detached header's data file must lie in the header's folder or below it.
+///
+/// # Errors
+/// [`ReadError`] names the file (header or data), what was wrong and what was expected; see [`Problem`].
+pub fn read(path: &Path) -> Result<Decoded, ReadError> {
+    let at_header = |problem| ReadError::new(path, problem);
+    let (mut source, len) = open_regular(path)?;
+    let (header, description) = describe(&mut source).map_err(at_header)?;
+    let name = path.display().to_string();
+    let Some(data_file) = &description.data_file else {
+        return attached(&header, description, &mut source, len, name).map_err(at_header);
+    };
+    let data_path = path.parent().unwrap_or(Path::new("")).join(data_file);
+    let (mut data, data_len) = open_regular(&data_path)?;
+    finish(description, &mut data, data_len, name)
+        .map_err(|problem| ReadError::new(&data_path, problem))
+}
+
+/// Reads an NRRD file with attached data that is already in memory; `name` stands for its path in messages.
+///
+/// # Errors
+/// As [`read`]; a header that names a data file is refused.
+pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+    let fail = |problem| ReadError::new(Path::new(name), problem);
+    let mut source = Cursor::new(bytes);
+    let (header, description) = describe(&mut source).map_err(fail)?;
+    if description.data_file.is_some() {
+        return Err(fail(Problem::FieldValue {
+            field: "data file",
+            value: shorten(header.get("data file").unwrap_or_default()),
+            expected: "no such field, since the data have to be attached here",
+        }));
+    }
+    attached(
+        &header,
+        description,
+        &mut source,
+        bytes.len() as u64,
+        name.to_owned(),
+    )
+    .map_err(fail)
+}
+
+/// Reads and interprets a header.
+fn describe(source: &mut impl BufRead) -> Result<(Header, Description), Problem> {
+    let header = Header::read(source)?;
+    let description = interpret(&header)?;
+    Ok((header, description))
+}
+
+/// Reads data that follow the header in the same file of `file_len` bytes.
+fn attached(
+    header: &Header,
+    description: Description,
+    source: &mut impl BufRead,
+    file_len: u64,
+    name: String,
+) -> Result<Decoded, Problem> {
+    if !header.ended {
+        return Err(Problem::NoData);
+    }
+    finish(
+        description,
+        source,
+        file_len.saturating_sub(header.len),
+        name,
+    )
+}
+
+/// Reads the data and joins them with the header's description.
+fn finish(
+    description: Description,
+    source: &mut impl BufRead,
+    source_len: u64,
+    name: String,
+) -> Result<Decoded, Problem> {
+    let values = read_values(&description.layout, source, source_len)?;
+    let dims = description.layout.dims.map(|d| d as usize);
+    let decoded = Decoded::new(name, dims, description.spacing, values)?;
+    Ok(decoded
+        .with_value_offset(description.value_offset)
+        .with_notes(description.notes))
+}
+
+/// Makes sense of a header's fields.
+fn interpret(header: &Header) -> Result<Description, Problem> {
+    let dimension = header.require("dimension", "3")?;
+    if dimension != "3" {
+        return Err(refuse(
+            "dimension",
+            dimension,
+            "3: a volume of one value a voxel",
+        ));
+    }
+    let types =
+        "int8, uint8, int16, uint16, int32, uint32, float or double, in one of NRRD's spellings";
+    let name = header.require("type", types)?;
+    let value_type = ValueType::from_name(name).ok_or_else(|| refuse("type", name, types))?;
+    let sizes = header.require("sizes", "three whole numbers")?;
+    let dims = three(sizes, |word| word.parse::<u64>().ok());
+    let dims = dims.ok_or_else(|| refuse("sizes", sizes, "three whole numbers"))?;
+    check_kinds(header)?;
+    let (spacing, notes) = orientation::spacing(header)?;
+    check_spacing(spacing)?;
+    let encoding = encoding(header)?;
+    let layout = Layout {
+        dims,
+        value_type,
+        endian: endian(header, value_type)?,
+        encoding,
+        line_skip: line_skip(header)?,
+        byte_skip: byte_skip(header, encoding)?,
+    };
+    let value_offset = value_offset(header)?;
+    Ok(Description {
+        layout,
+        spacing,
+        value_offset,
+        data_file: data_file(header)?,
+        notes,
+    })
+}
+
+/// Refuses axes that are no directions of space, such as the three colours of a picture.
+fn check_kinds(header: &Header) -> Result<(), Problem> {
+    let Some(kinds) = header.get("kinds") else {
+        return Ok(());
+    };
+    let spatial = |word: &str| {
+        ["domain", "space", "none", "???"].contains(&word.to_ascii_lowercase().as_str())
+    };
+    match three(kinds, |word| spatial(word).then_some(())) {
+        Some(_) => Ok(()),
+        None => Err(refuse(
+            "kinds",
+            kinds,
+            "`domain` or `space` for each of three axes",
+        )),
+    }
+}
+
+fn encoding(header: &Header) -> Result<Encoding, Problem> {
+    let expected = "`raw` or `gzip`";
+    let name = header.require("encoding", expected)?;
+    match name.to_ascii_lowercase().as_str() {
+        "raw" => Ok(Encoding::Raw),
+        "gzip" | "gz" => Ok(Encoding::Gzip),
+        _ => Err(refuse("encoding", name, expected)),
+    }
+}
+
+fn endian(header: &Header, value_type: ValueType) -> Result<Endian, Problem> {
+    let expected = "`little` or `big`";
+    match header.get("endian") {
+        // Single bytes have no order.
+        None if value_type.byte_len() == 1 => Ok(Endian::Little),
+        None => Err(Problem::MissingField {
+            field: "endian",
+            expected,
+        }),
+        Some(name) => match name.to_ascii_lowercase().as_str() {
+            "little" => Ok(Endian::Little),
+            "big" => Ok(Endian::Big),
+            _ => Err(refuse("endian", name, expected)),
+        },
+    }
+}
+
+fn line_skip(header: &Header) -> Result<u64, Problem> {
+    let text = header.get("line skip").unwrap_or("0");
+    text.parse()
+        .map_err(|_| refuse("line skip", text, "a whole number, 0 or more"))
+}
+
+fn byte_skip(header: &Header, encoding: Encoding) -> Result<ByteSkip, Problem> {
+    let text = header.get("byte skip").unwrap_or("0");
+    match (text, encoding) {
+        ("-1", Encoding::Raw) => Ok(ByteSkip::FromEnd),
+        ("-1", Encoding::Gzip) => Err(refuse(
+            "byte skip",
+            text,
+            "0 or more, since -1 needs encoding `raw`",
+        )),
+        _ => match text.parse() {
+            Ok(bytes) => Ok(ByteSkip::Bytes(bytes)),
+            Err(_) => Err(refuse(
+                "byte skip",
+                text,
+                "a whole number, 0 or more, or -1",
+            )),
+        },
+    }
+}
+
+/// Our own key: what to add to a stored value to get Hounsfield units.
+fn value_offset(header: &Header) -> Result<i32, Problem> {
+    let Some(text) = header.keys.get("hounsfield_offset") else {
+        return Ok(0);
+    };
+    text.trim().parse().map_err(|_| {
+        refuse(
+            "hounsfield_offset",
+            text,
+            "a whole number of at most 32 bits",
+        )
+    })
+}
+
+/// The data file's path below the header's folder.
+fn data_file(header: &Header) -> Result<Option<PathBuf>, Problem> {
+    let Some(text) = header.get("data file") else {
+        return Ok(None);
+    };
+    let refuse = |expected| Err(refuse("data file", text, expected));
+    let words: Vec<&str> = text.split_ascii_whitespace().collect();
+    let numbered = text.contains('%') && words.len() >= 4;
+    if words.first() == Some(&"LIST") || numbered {
+        return refuse("one file: data in many files are not read yet");
+    }
+    let path = Path::new(text);
+    let inside = path
+        .components()
+        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    if !inside || path.file_name().is_none() {
+        return refuse("a file in the header's folder or below it");
+    }
+    Ok(Some(path.to_path_buf()))
+}
+
+/// Exactly three words, each read by `parse`.
+fn three<T>(text: &str, parse: impl Fn(&str) -> Option<T>) -> Option<[T; 3]> {
+    let words: Vec<&str> = text.split_ascii_whitespace().collect();
+    let [x, y, z] = words[..] else { return None };
+    Some([parse(x)?, parse(y)?, parse(z)?])
+}
+
+/// A field whose value is not usable.
+fn refuse(field: &'static str, value: &str, expected: &'static str) -> Problem {
+    Problem::FieldValue {
+        field,
+        value: shorten(value),
+        expected,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,160 @@
+//! Raw volumes: values without a header, in a shape that the user states.
+
+use std::path::Path;
+
+use super::error::ReadError;
+use super::open::open_regular;
+use super::payload::{ByteSkip, Encoding, Layout, read_values};
+use super::values::{Decoded, Endian, ValueType, check_spacing};
+
+/// What a raw file holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawShape {
+    /// Voxels along x (fastest), y and z.
+    pub dims: [u64; 3],
+    /// Distance between voxels along x, y and z; any unit of length.
+    pub spacing: [f64; 3],
+    /// Number type of a voxel.
+    pub value_type: ValueType,
+    /// Byte order of a voxel; without effect on single bytes.
+    pub endian: Endian,
+    /// Bytes before the first voxel.
+    pub skip: u64,
+}
+
+/// Reads a raw file, which has to hold exactly the skipped bytes and the voxels.
+///
+/// # Errors
+/// [`ReadError`] if the shape is out of range, the file is no regular file, cannot be read or is shorter or longer than
+/// the shape says, or a voxel is NaN or infinite.
+pub fn read(path: &Path, shape: &RawShape) -> Result<Decoded, ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    check_spacing(shape.spacing).map_err(|error| ReadError::new(path, error))?;
+    let layout = Layout {
+        dims: shape.dims,
+        value_type: shape.value_type,
+        endian: shape.endian,
+        encoding: Encoding::Raw,
+        line_skip: 0,
+        byte_skip: ByteSkip::Bytes(shape.skip),
+    };
+    let (mut source, len) = open_regular(path)?;
+    let values = read_values(&layout, &mut source, len).map_err(fail)?;
+    let dims = shape.dims.map(|d| d as usize);
+    Decoded::new(path.display().to_string(), dims, shape.spacing, values)
+        .map_err(|error| ReadError::new(path, error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::volume::error::Problem;
+    use crate::volume::values::Values;
+
+    const SHAPE: RawShape = RawShape {
+        dims: [2, 1, 1],
+        spacing: [1.0, 2.0, 3.0],
+        value_type: ValueType::I16,
+        endian: Endian::Big,
+        skip: 1,
+    };
+
+    fn read_these(bytes: &[u8], shape: &RawShape) -> Result<Decoded, ReadError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("v.raw");
+        std::fs::write(&path, bytes).unwrap();
+        read(&path, shape)
+    }
+
+    #[test]
+    fn the_stated_shape_is_read() {
+        let volume = read_these(&[9, 0x01, 0x02, 0xff, 0xfe], &SHAPE).unwrap();
+        assert_eq!(volume.values(), &Values::I16(vec![0x0102, -2]));
+        assert_eq!(
+            (volume.dims(), volume.spacing()),
+            ([2, 1, 1], [1.0, 2.0, 3.0])
+        );
+        let little = RawShape {
+            endian: Endian::Little,
+            ..SHAPE
+        };
+        let volume = read_these(&[9, 0x01, 0x02, 0xff, 0xfe], &little).unwrap();
+        assert_eq!(volume.values(), &Values::I16(vec![0x0201, -257]));
+    }
+
+    #[test]
+    fn other_lengths_are_refused_before_memory_is_taken() {
+        for len in [1, 4, 6, 100] {
+            let error = read_these(&vec![0; len], &SHAPE).unwrap_err();
+            assert!(
+                matches!(error.problem, Problem::Length { expected: 4, .. }),
+                "{len}: {error}"
+            );
+        }
+        let huge = RawShape {
+            dims: [8192, 8192, 32],
+            value_type: ValueType::F64,
+            ..SHAPE
+        };
+        let error = read_these(&[0; 5], &huge).unwrap_err().to_string();
+        assert!(
+            error.ends_with("has 4 bytes of data after the 1 skipped, expected 17179869184 for 8192 x 8192 x 32 double"),
+            "{error}"
+        );
+        let far = RawShape {
+            skip: u64::MAX,
+            ..SHAPE
+        };
+        assert!(matches!(
+            read_these(&[0; 5], &far).unwrap_err().problem,
+            Problem::Length { found: 0, .. }
+        ));
+    }
+
+    #[test]
+    fn impossible_shapes_and_values_are_refused() {
+        let flat = RawShape {
+            dims: [2, 0, 1],
+            ..SHAPE
+        };
+        assert!(matches!(
+            read_these(&[0; 5], &flat).unwrap_err().problem,
+            Problem::Shape(_)
+        ));
+        let spacing = RawShape {
+            spacing: [1.0, f64::NAN, 1.0],
+            ..SHAPE
+        };
+        assert!(matches!(
+            read_these(&[0; 5], &spacing).unwrap_err().problem,
+            Problem::Shape(_)
+        ));
+        let float = RawShape {
+            dims: [1, 1, 1],
+            value_type: ValueType::F32,
+            ..SHAPE
+        };
+        let mut bytes = vec![0];
+        bytes.extend(f32::NAN.to_be_bytes());
+        assert!(matches!(
+            read_these(&bytes, &float).unwrap_err().problem,
+            Problem::Shape(_)
+        ));
+    }
+
+    #[test]
+    fn folders_and_missing_and_empty_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = read(folder.path(), &SHAPE).unwrap_err();
+        assert!(matches!(
+            error.problem,
+            Problem::NotAFile { found: "a folder" }
+        ));
+        let error = read(&folder.path().join("none"), &SHAPE).unwrap_err();
+        assert!(matches!(error.problem, Problem::Io { .. }));
+        assert!(matches!(
+            read_these(&[], &SHAPE).unwrap_err().problem,
+            Problem::Empty
+        ));
+    }
+}

@@ -1,0 +1,379 @@
+//! Volumes as their files state them: shape, spacing, and values in the file's own number type.
+//!
+//! Every reader ends in [`Decoded::new`], which checks once what the rest of the program relies on: no side is empty or
+//! over [`MAX_AXIS`], the spacing is a length, there is one value a voxel, and every value is finite.
+
+use super::error::ShapeError;
+
+/// Voxels that a volume may have along one axis.
+pub const MAX_AXIS: usize = 8192;
+
+/// Voxels that a volume may have in all (2^31, which is 4 GiB of 12-bit voxels).
+pub const MAX_VOXELS: u64 = 1 << 31;
+
+/// The number types that volume files hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ValueType {
+    /// Signed 8-bit integer.
+    I8,
+    /// Unsigned 8-bit integer.
+    U8,
+    /// Signed 16-bit integer.
+    I16,
+    /// Unsigned 16-bit integer.
+    U16,
+    /// Signed 32-bit integer.
+    I32,
+    /// Unsigned 32-bit integer.
+    U32,
+    /// IEEE single precision.
+    F32,
+    /// IEEE double precision.
+    F64,
+}
+
+impl ValueType {
+    /// Names accepted by [`ValueType::from_name`], the short one of each type.
+    pub const NAMES: &'static str = "int8, uint8, int16, uint16, int32, uint32, float or double";
+
+    /// Bytes of one value.
+    pub const fn byte_len(self) -> u64 {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// The type of a name in any of NRRD's spellings, such as `short`, `signed short int` or `int16_t`, in either case.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let words: Vec<String> = name
+            .split_ascii_whitespace()
+            .map(str::to_ascii_lowercase)
+            .collect();
+        match words.join(" ").as_str() {
+            "signed char" | "int8" | "int8_t" => Some(Self::I8),
+            "uchar" | "unsigned char" | "uint8" | "uint8_t" => Some(Self::U8),
+            "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => {
+                Some(Self::I16)
+            }
+            "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => {
+                Some(Self::U16)
+            }
+            "int" | "signed int" | "int32" | "int32_t" => Some(Self::I32),
+            "uint" | "unsigned int" | "uint32" | "uint32_t" => Some(Self::U32),
+            "float" => Some(Self::F32),
+            "double" => Some(Self::F64),
+            _ => None,
+        }
+    }
+
+    /// The short name, which [`ValueType::from_name`] accepts.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::I8 => "int8",
+            Self::U8 => "uint8",
+            Self::I16 => "int16",
+            Self::U16 => "uint16",
+            Self::I32 => "int32",
+            Self::U32 => "uint32",
+            Self::F32 => "float",
+            Self::F64 => "double",
+        }
+    }
+}
+
+/// The order of the bytes of one value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Endian {
+    /// Least significant byte first.
+    Little,
+    /// Most significant byte first.
+    Big,
+}
+
+/// Values in their file's number type, x fastest.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Signed 8-bit integers.
+    I8(Vec<i8>),
+    /// Unsigned 8-bit integers.
+    U8(Vec<u8>),
+    /// Signed 16-bit integers.
+    I16(Vec<i16>),
+    /// Unsigned 16-bit integers.
+    U16(Vec<u16>),
+    /// Signed 32-bit integers.
+    I32(Vec<i32>),
+    /// Unsigned 32-bit integers.
+    U32(Vec<u32>),
+    /// Single precision.
+    F32(Vec<f32>),
+    /// Double precision.
+    F64(Vec<f64>),
+}
+
+impl Values {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::I8(v) => v.len(),
+            Self::U8(v) => v.len(),
+            Self::I16(v) => v.len(),
+            Self::U16(v) => v.len(),
+            Self::I32(v) => v.len(),
+            Self::U32(v) => v.len(),
+            Self::F32(v) => v.len(),
+            Self::F64(v) => v.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Their number type.
+    pub const fn value_type(&self) -> ValueType {
+        match self {
+            Self::I8(_) => ValueType::I8,
+            Self::U8(_) => ValueType::U8,
+            Self::I16(_) => ValueType::I16,
+            Self::U16(_) => ValueType::U16,
+            Self::I32(_) => ValueType::I32,
+            Self::U32(_) => ValueType::U32,
+            Self::F32(_) => ValueType::F32,
+            Self::F64(_) => ValueType::F64,
+        }
+    }
+
+    /// Index and value of the first NaN or infinity.
+    fn first_not_finite(&self) -> Option<(usize, f64)> {
+        let find = |found: Option<(usize, f64)>| found.filter(|(_, value)| !value.is_finite());
+        match self {
+            Self::F32(v) => find(
+                v.iter()
+                    .position(|x| !x.is_finite())
+                    .map(|i| (i, f64::from(v[i]))),
+            ),
+            Self::F64(v) => find(v.iter().position(|x| !x.is_finite()).map(|i| (i, v[i]))),
+            _ => None,
+        }
+    }
+}
+
+/// A volume as its file states it. Its fields are checked by [`Decoded::new`], so they are read-only.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decoded {
+    name: String,
+    dims: [usize; 3],
+    spacing: [f64; 3],
+    values: Values,
+    value_offset: f64,
+    notes: Vec<String>,
+}
+
+impl Decoded {
+    /// Checks and joins the parts of a volume.
+    ///
+    /// `dims` are voxels along x, y, z; `spacing` is the distance between voxels; `values` are x fastest.
+    ///
+    /// # Errors
+    /// [`ShapeError`] if a side or the whole is empty or too large, a spacing is not a finite number above 0, the values
+    /// are not one a voxel, or one of them is not finite.
+    pub fn new(
+        name: String,
+        dims: [usize; 3],
+        spacing: [f64; 3],
+        values: Values,
+    ) -> Result<Self, ShapeError> {
+        let voxels = voxel_count(dims.map(|d| d as u64))?;
+        check_spacing(spacing)?;
+        if values.len() as u64 != voxels {
+            return Err(ShapeError::Values {
+                expected: voxels,
+                found: values.len() as u64,
+            });
+        }
+        if let Some((index, value)) = values.first_not_finite() {
+            let voxel = [
+                index % dims[0],
+                index / dims[0] % dims[1],
+                index / dims[0] / dims[1],
+            ];
+            return Err(ShapeError::NotFinite { voxel, value });
+        }
+        Ok(Self {
+            name,
+            dims,
+            spacing,
+            values,
+            value_offset: 0.0,
+            notes: Vec::new(),
+        })
+    }
+
+    /// States that the data's unit is the stored value plus `offset` (for CT: Hounsfield units).
+    ///
+    /// `offset` comes from a file as an integer; every value plus it is exact in f64.
+    #[must_use]
+    pub fn with_value_offset(mut self, offset: i32) -> Self {
+        self.value_offset = f64::from(offset);
+        self
+    }
+
+    /// Adds something that the user should know about how the file was read.
+    #[must_use]
+    pub fn with_notes(mut self, notes: Vec<String>) -> Self {
+        self.notes.extend(notes);
+        self
+    }
+
+    /// Where it came from, for messages.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Voxels along x, y and z, each 1 to [`MAX_AXIS`].
+    pub const fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    /// Distance between voxels along x, y and z, in the file's unit; finite and above 0.
+    pub const fn spacing(&self) -> [f64; 3] {
+        self.spacing
+    }
+
+    /// The stored values, x fastest, all finite.
+    pub const fn values(&self) -> &Values {
+        &self.values
+    }
+
+    /// What to add to a stored value to get the data's unit.
+    pub const fn value_offset(&self) -> f64 {
+        self.value_offset
+    }
+
+    /// What the user should know about how the file was read, a sentence each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+}
+
+/// The number of voxels of a shape, checked.
+///
+/// # Errors
+/// [`ShapeError::Axis`] or [`ShapeError::Voxels`] if a side or the product is out of range.
+pub(super) fn voxel_count(dims: [u64; 3]) -> Result<u64, ShapeError> {
+    if let Some(axis) = (0..3).find(|&axis| !(1..=MAX_AXIS as u64).contains(&dims[axis])) {
+        return Err(ShapeError::Axis {
+            axis,
+            len: dims[axis],
+        });
+    }
+    // At most 2^39, since each side is at most 2^13.
+    let voxels = dims[0] * dims[1] * dims[2];
+    if voxels > MAX_VOXELS {
+        return Err(ShapeError::Voxels { voxels });
+    }
+    Ok(voxels)
+}
+
+/// Refuses spacings that are no lengths.
+pub(super) fn check_spacing(spacing: [f64; 3]) -> Result<(), ShapeError> {
+    match (0..3).find(|&axis| !(spacing[axis].is_finite() && spacing[axis] > 0.0)) {
+        Some(axis) => Err(ShapeError::Spacing {
+            axis,
+            spacing: spacing[axis],
+        }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_types_come_back() {
+        for name in [
+            "int8", "uint8", "int16", "uint16", "int32", "uint32", "float", "double",
+        ] {
+            assert_eq!(ValueType::from_name(name).unwrap().name(), name);
+        }
+        assert_eq!(
+            ValueType::from_name("Signed  Short INT"),
+            Some(ValueType::I16)
+        );
+        assert_eq!(ValueType::from_name("block"), None);
+    }
+
+    #[test]
+    fn shapes_out_of_range_are_refused() {
+        assert_eq!(
+            voxel_count([1, 0, 1]),
+            Err(ShapeError::Axis { axis: 1, len: 0 })
+        );
+        assert_eq!(
+            voxel_count([8192, 1, 8193]),
+            Err(ShapeError::Axis { axis: 2, len: 8193 })
+        );
+        assert_eq!(voxel_count([8192, 8192, 32]), Ok(MAX_VOXELS));
+        assert_eq!(
+            voxel_count([8192, 8192, 33]),
+            Err(ShapeError::Voxels {
+                voxels: 8192 * 8192 * 33
+            })
+        );
+        assert_eq!(
+            voxel_count([u64::MAX; 3]),
+            Err(ShapeError::Axis {
+                axis: 0,
+                len: u64::MAX
+            })
+        );
+    }
+
+    #[test]
+    fn spacings_that_are_no_lengths_are_refused() {
+        for bad in [0.0, -1.0, f64::INFINITY] {
+            let result = Decoded::new("t".into(), [1; 3], [1.0, bad, 1.0], Values::U8(vec![0]));
+            assert_eq!(
+                result,
+                Err(ShapeError::Spacing {
+                    axis: 1,
+                    spacing: bad
+                })
+            );
+        }
+        assert!(check_spacing([f64::NAN, 1.0, 1.0]).is_err());
+    }
+
+    #[test]
+    fn one_finite_value_a_voxel_is_required() {
+        let result = Decoded::new("t".into(), [2, 1, 1], [1.0; 3], Values::U8(vec![0]));
+        assert_eq!(
+            result,
+            Err(ShapeError::Values {
+                expected: 2,
+                found: 1
+            })
+        );
+        let mut values = vec![0.0_f32; 12];
+        values[2 * 2 + 2 + 1] = f32::NEG_INFINITY;
+        let result = Decoded::new("t".into(), [2, 2, 3], [1.0; 3], Values::F32(values));
+        assert_eq!(
+            result,
+            Err(ShapeError::NotFinite {
+                voxel: [1, 1, 1],
+                value: f64::NEG_INFINITY
+            })
+        );
+        let message = result.unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "voxel (1, 1, 1) is -inf, expected finite numbers only"
+        );
+    }
+}
