@@ -62,6 +62,35 @@ pub trait Pipeline: Sync {
     fn pixel(&self, row: &[Self::Element], column: usize) -> Pixel<ChannelOf<Self::Precision>>;
 }
 
+impl<L: Pipeline> Pipeline for &L {
+    type Precision = L::Precision;
+    type Element = L::Element;
+    const CHANNELS: usize = L::CHANNELS;
+    const SLICES: usize = L::SLICES;
+    const SCRATCH_ROWS: usize = L::SCRATCH_ROWS;
+    const BACK_TO_FRONT: bool = L::BACK_TO_FRONT;
+
+    fn empty(channel: usize) -> Self::Element {
+        L::empty(channel)
+    }
+
+    fn fold<T: Tap>(
+        &self,
+        plan: &Plan,
+        plane: &Plane,
+        window: &Window<'_>,
+        rows: Rows<'_, Self::Element>,
+        scratch: &mut [i32],
+        tap: &mut T,
+    ) {
+        L::fold(self, plan, plane, window, rows, scratch, tap);
+    }
+
+    fn pixel(&self, row: &[Self::Element], column: usize) -> Pixel<ChannelOf<Self::Precision>> {
+        L::pixel(self, row, column)
+    }
+}
+
 /// Words of scratch memory that a pipeline needs for slices of this width.
 pub const fn scratch_len<L: Pipeline>(width: u32) -> usize {
     L::SCRATCH_ROWS * row_len(width)

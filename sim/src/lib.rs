@@ -1,5 +1,10 @@
 //! The host side of slicecast: real volumes in, pictures and error figures out.
 
+pub mod camera;
+pub mod engine;
 pub mod model;
+pub mod oriented;
+pub mod pipelines;
 pub mod scene;
+pub mod table;
 pub mod volume;

@@ -87,10 +87,10 @@ impl Table {
             (AlphaCodeName::Sqrt8, LookupName::Nearest) => AnyTable::Nearest8(PointTable::new(&self.entries, ())),
             (AlphaCodeName::Sqrt8, LookupName::Linear) => AnyTable::Linear8(PointTable::new(&self.entries, ())),
             (AlphaCodeName::Sqrt16, LookupName::Nearest) => {
-                AnyTable::Nearest16(PointTable::new(&self.entries, &self.plane))
+                AnyTable::Nearest16(PointTable::new(&self.entries, &*self.plane))
             }
             (AlphaCodeName::Sqrt16, LookupName::Linear) => {
-                AnyTable::Linear16(PointTable::new(&self.entries, &self.plane))
+                AnyTable::Linear16(PointTable::new(&self.entries, &*self.plane))
             }
         }
     }

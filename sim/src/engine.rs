@@ -1,0 +1,342 @@
+//! Renders a scene: tiles of base-plane rows through all slices, on all cores; or slice by slice, as firmware does.
+
+use rayon::prelude::*;
+use slicecast::composite::{Channel, Pixel};
+use slicecast::format::Intensity;
+use slicecast::locate::{cell, plane};
+use slicecast::plan::Plan;
+use slicecast::plane::{ChannelOf, Pipeline, Rows, clear, scratch_len};
+use slicecast::slice::{RowRange, Slice, SliceError, Window};
+use slicecast::stream::{Memory, Needs, Stream, StreamError, base_pixel, phase_len};
+use slicecast::tap::{NoTap, Tap};
+use slicecast::warp::in_front_of;
+
+use crate::camera::{CameraError, Picture, Setup, set_up};
+use crate::oriented::{packed, with_slices};
+use crate::pipelines::{Job, compile, dispatch};
+use crate::scene::Scene;
+use crate::table::Table;
+use crate::volume::Volume;
+
+/// Rows of the base plane that one thread takes through all slices at a time.
+pub const TILE_ROWS: usize = 32;
+
+/// Why a frame was not rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The scene does not fit the pipeline.
+    #[error("{0}")]
+    Camera(#[from] CameraError),
+    /// The volume is not one.
+    #[error("the volume: {0}")]
+    Volume(#[from] SliceError),
+    /// The stream layer refused a slice.
+    #[error("the stream: {0}")]
+    Stream(#[from] StreamError),
+    /// The base plane would be too large.
+    #[error("the base-plane image would take {bytes} bytes; accepted: at most {limit}")]
+    Memory {
+        /// What it would take.
+        bytes: u64,
+        /// What this program allows.
+        limit: u64,
+    },
+    /// The threads could not be started.
+    #[error("the threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+/// The largest base-plane image that is rendered, bytes.
+const IMAGE_BYTES_MAX: u64 = 4 << 30;
+
+/// The base-plane image of a frame, all phases interleaved, as raw bits of the precision's channels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BaseImage {
+    /// Pixels across and down.
+    pub size: [usize; 2],
+    /// Fraction bits of a channel: 15 or 31.
+    pub bits: u32,
+    /// Red, green, blue and transparency, row after row.
+    pub planes: [Vec<u32>; 4],
+}
+
+/// An 8-bit RGB picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rgb {
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// Red, green, blue, pixel after pixel.
+    pub bytes: Vec<u8>,
+}
+
+/// A rendered frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Frame {
+    /// What the pipeline made.
+    pub base: BaseImage,
+    /// What the viewer sees.
+    pub picture: Rgb,
+}
+
+/// A scene on a volume, ready to be rendered.
+#[derive(Clone, Debug)]
+pub struct Prepared<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The volume.
+    pub volume: &'a Volume,
+    /// Geometry, picture and lights.
+    pub setup: Setup,
+    /// The table.
+    pub table: Table,
+}
+
+/// How slices reach the pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    /// The plane layer on the volume in memory, in tiles of this many rows.
+    Tiles(usize),
+    /// The stream layer, one slice at a time on one thread.
+    Stream,
+}
+
+impl<'a> Prepared<'a> {
+    /// Prepares a scene.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`] if the scene does not fit the pipeline.
+    pub fn new(scene: &'a Scene, volume: &'a Volume) -> Result<Self, RenderError> {
+        let setup = set_up(scene, volume)?;
+        Ok(Self {
+            table: compile(scene, &volume.mapping, setup.step_length),
+            scene,
+            volume,
+            setup,
+        })
+    }
+
+    /// Does a job with this scene's pipeline.
+    pub fn dispatch<J: Job>(&self, job: J) -> J::Output {
+        dispatch(self.scene, &self.table, self.setup.phong.as_ref(), job)
+    }
+
+    /// Renders the frame. `progress` is told how many steps of how many are done (tiles, or slices of a stream).
+    ///
+    /// # Errors
+    /// [`RenderError`]; nothing is rendered then.
+    pub fn render(&self, layer: Layer, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
+        with_slices(self.volume, self.setup.plan.view(), |slices| {
+            self.dispatch(Render {
+                prepared: self,
+                slices,
+                layer,
+                progress,
+            })
+        })?
+    }
+}
+
+struct Render<'a> {
+    prepared: &'a Prepared<'a>,
+    slices: &'a [Slice<'a>],
+    layer: Layer,
+    progress: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+impl Job for Render<'_> {
+    type Output = Result<Frame, RenderError>;
+
+    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+        let plan = &self.prepared.setup.plan;
+        let mut image = new_image::<L>(plan)?;
+        match self.layer {
+            Layer::Tiles(rows) => fold_tiles(plan, pipeline, self.slices, &mut image, rows, self.progress, |_| NoTap),
+            Layer::Stream => stream(plan, pipeline, self.slices, &mut image, self.progress)?,
+        };
+        Ok(Frame {
+            base: base_image(plan, pipeline, &image),
+            picture: picture(self.prepared, pipeline, &image),
+        })
+    }
+}
+
+/// An untouched base-plane image.
+///
+/// # Errors
+/// [`RenderError::Memory`] before anything too large is allocated.
+pub fn new_image<L: Pipeline>(plan: &Plan) -> Result<Vec<L::Element>, RenderError> {
+    let needs = Needs::of::<L>(plan);
+    let bytes = needs.image as u64 * needs.element_bytes as u64;
+    if bytes > IMAGE_BYTES_MAX {
+        return Err(RenderError::Memory {
+            bytes,
+            limit: IMAGE_BYTES_MAX,
+        });
+    }
+    let mut image = vec![L::empty(0); needs.image];
+    clear::<L>(plan, &mut image);
+    Ok(image)
+}
+
+/// Some rows of one phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Number of the phase.
+    pub phase: u32,
+    /// First row.
+    pub first: u32,
+    /// Number of rows.
+    pub rows: u32,
+}
+
+/// Folds all planes into an image, tile by tile on rayon's current threads, each tile under a tap of its own. Returns
+/// the taps in the order of the tiles, which does not depend on the number of threads.
+pub fn fold_tiles<L: Pipeline, T: Tap + Send>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    image: &mut [L::Element],
+    tile_rows: usize,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    tap: impl Fn(Tile) -> T + Sync,
+) -> Vec<T> {
+    let [base_width, base_height] = plan.base();
+    let row_len = L::CHANNELS * base_width as usize;
+    let tile_rows = tile_rows.clamp(1, base_height as usize);
+    let [slice_width, _, _] = plan.dims();
+    let planes = plan.planes();
+    let tiles_per_phase = (base_height as usize).div_ceil(tile_rows);
+    let total = tiles_per_phase * plan.phases() as usize;
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let phases: Vec<(u32, &mut [L::Element])> = (0..).zip(image.chunks_mut(phase_len::<L>(plan))).collect();
+    phases
+        .into_par_iter()
+        .flat_map(|(phase, data)| {
+            let tiles = data.par_chunks_mut(row_len * tile_rows).enumerate();
+            tiles.map(move |(index, data)| (phase, index, data))
+        })
+        .map_init(
+            || vec![0; scratch_len::<L>(slice_width)],
+            |scratch, (phase, index, data)| {
+                let tile = Tile {
+                    phase,
+                    first: (index * tile_rows) as u32,
+                    rows: (data.len() / row_len) as u32,
+                };
+                let mut tap = tap(tile);
+                let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
+                for step in 0..planes {
+                    let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
+                    let plane = plane(plan, plan.phase(phase), index);
+                    if let Some(window) = Window::at(cell(plane.z).index, slice) {
+                        let rows = Rows {
+                            first: tile.first,
+                            data: &mut *data,
+                        };
+                        pipeline.fold(plan, &plane, &window, rows, scratch, &mut tap);
+                    }
+                }
+                progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
+                tap
+            },
+        )
+        .collect()
+}
+
+/// Renders through the stream layer, one slice at a time.
+fn stream<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    image: &mut [L::Element],
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Vec<NoTap>, StreamError> {
+    stream_tapped(plan, pipeline, slices, image, progress, &mut NoTap)?;
+    Ok(Vec::new())
+}
+
+/// Renders through the stream layer under a tap.
+///
+/// # Errors
+/// [`StreamError`] if a slice is refused.
+pub fn stream_tapped<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    image: &mut [L::Element],
+    progress: &(dyn Fn(usize, usize) + Sync),
+    tap: &mut impl Tap,
+) -> Result<(), StreamError> {
+    let needs = Needs::of::<L>(plan);
+    let (mut ring, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
+    let mut scratch = vec![0; needs.scratch];
+    let memory = Memory {
+        slices: &mut ring,
+        ranges: &mut ranges,
+        scratch: &mut scratch,
+        image,
+    };
+    let mut stream = Stream::new(*plan, pipeline, memory)?;
+    let mut pushed = 0;
+    while let Some(wanted) = stream.wanted() {
+        let slice = slices.get(wanted as usize).ok_or(StreamError::Complete)?;
+        stream.push(&packed(slice), tap)?;
+        pushed += 1;
+        progress(pushed, slices.len());
+    }
+    Ok(())
+}
+
+/// The base-plane image with its phases interleaved.
+pub fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) -> BaseImage {
+    let n = plan.sampling().rays_per_voxel as usize;
+    let size = plan.base().map(|side| side as usize * n);
+    let mut planes = [(); 4].map(|()| Vec::with_capacity(size[0] * size[1]));
+    for v in 0..size[1] {
+        for u in 0..size[0] {
+            let pixel = base_pixel(plan, pipeline, image, u as i64, v as i64);
+            for (plane, c) in planes.iter_mut().zip(pixel.colour) {
+                plane.push(c.bits());
+            }
+            planes[3].push(pixel.transparency.bits());
+        }
+    }
+    BaseImage {
+        size,
+        bits: ChannelOf::<L::Precision>::BITS,
+        planes,
+    }
+}
+
+/// The viewer's picture, in front of the scene's background.
+fn picture<L: Pipeline>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
+    let Picture { size, warp, .. } = prepared.setup.picture;
+    let plan = &prepared.setup.plan;
+    let background = background(prepared.scene);
+    let row = |y: u32| -> Vec<u8> {
+        (0..size[0])
+            .flat_map(|x| {
+                let base = |u, v| -> Pixel<ChannelOf<L::Precision>> { base_pixel(plan, pipeline, image, u, v) };
+                in_front_of(warp.pixel(x, y, base), background)
+            })
+            .collect()
+    };
+    Rgb {
+        size,
+        bytes: (0..size[1]).into_par_iter().flat_map_iter(row).collect(),
+    }
+}
+
+/// The scene's background, 1.15.
+pub fn background(scene: &Scene) -> [Intensity; 3] {
+    scene.image.background.map(|c| Intensity::from_bits((c * 32768.0).round() as u16))
+}
+
+/// Runs `work` on this many threads; `None` uses all processors.
+///
+/// # Errors
+/// [`RenderError::Threads`] if they cannot be started.
+pub fn on_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> Result<R, RenderError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?;
+    Ok(pool.install(work))
+}

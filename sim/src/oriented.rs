@@ -1,0 +1,53 @@
+//! A volume read along the view's major axis: measured slices, nearest to the eye first.
+//!
+//! Slices across y and z are read in place (rows along x are contiguous); slices across x need a transposed copy.
+
+use slicecast::slice::{RowRange, Slice, SliceError};
+use slicecast::view::{Axis, View};
+
+use crate::volume::Volume;
+
+/// Calls `run` with the slices of a volume in the order in which the view meets them.
+///
+/// # Errors
+/// [`SliceError`] if a voxel is above 4095 or the volume has fewer voxels than its shape says.
+pub fn with_slices<R>(volume: &Volume, view: &View, run: impl FnOnce(&[Slice<'_>]) -> R) -> Result<R, SliceError> {
+    let [nx, ny, nz] = volume.dims;
+    let transposed;
+    // Width, height and number of slices; where slice k starts; how far its rows are apart.
+    let (voxels, [width, height, depth], start, stride) = match view.major() {
+        Axis::Z => (&volume.voxels[..], [nx, ny, nz], nx * ny, nx),
+        Axis::Y => (&volume.voxels[..], [nx, nz, ny], nx, nx * ny),
+        Axis::X => {
+            transposed = transpose(&volume.voxels, volume.dims);
+            (&transposed[..], [ny, nz, nx], ny * nz, ny)
+        }
+    };
+    let mut ranges = vec![RowRange::EMPTY; height * depth];
+    let mut slices = Vec::with_capacity(depth);
+    for (k, ranges) in ranges.chunks_mut(height).enumerate() {
+        let voxels = voxels.get(k * start..).unwrap_or(&[]);
+        slices.push(Slice::measure(voxels, width, height, stride, ranges)?);
+    }
+    if view.reversed() {
+        slices.reverse();
+    }
+    Ok(run(&slices))
+}
+
+/// The voxels of slices across x, rows along y: `out[(x * nz + z) * ny + y]`.
+fn transpose(voxels: &[u16], [nx, ny, nz]: [usize; 3]) -> Vec<u16> {
+    let mut out = vec![0; voxels.len()];
+    for (row_index, row) in voxels.chunks_exact(nx).enumerate() {
+        let (y, z) = (row_index % ny, row_index / ny);
+        for (x, &v) in row.iter().enumerate() {
+            out[(x * nz + z) * ny + y] = v;
+        }
+    }
+    out
+}
+
+/// A slice's voxels as one run, as a scanner would deliver them.
+pub fn packed(slice: &Slice<'_>) -> Vec<u16> {
+    (0..slice.height()).flat_map(|row| slice.row(row)).copied().collect()
+}

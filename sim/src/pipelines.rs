@@ -1,0 +1,93 @@
+//! From a scene to one of core's pipeline types: the one place where run-time choices become types.
+
+use slicecast::composite::{BackToFront, FrontToBack};
+use slicecast::plane::{Composite, Pipeline, Project};
+use slicecast::precision::{Compact, Paper, Precision, Wide};
+use slicecast::project::{Maximum, Minimum};
+use slicecast::shade::{Phong, Unlit};
+
+use crate::scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
+use crate::table::{AnyTable, Correction, Table};
+use crate::volume::Mapping;
+
+/// Something that can be done with any pipeline.
+pub trait Job {
+    /// What comes of it.
+    type Output;
+    /// Does it.
+    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output;
+}
+
+impl PrecisionName {
+    /// The name that scenes and reports use.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Paper => Paper::NAME,
+            Self::Compact => Compact::NAME,
+            Self::Wide => Wide::NAME,
+        }
+    }
+
+    /// All of them, in the order of reports.
+    pub const ALL: [Self; 3] = [Self::Paper, Self::Compact, Self::Wide];
+
+    /// The table code that belongs to the precision.
+    pub const fn table(self) -> AlphaCodeName {
+        match self {
+            Self::Paper => AlphaCodeName::Sqrt8,
+            Self::Compact | Self::Wide => AlphaCodeName::Sqrt16,
+        }
+    }
+
+    /// The table look-up that belongs to the precision.
+    pub const fn lookup(self) -> LookupName {
+        match self {
+            Self::Paper => LookupName::Nearest,
+            Self::Compact | Self::Wide => LookupName::Linear,
+        }
+    }
+}
+
+/// The table of a scene: opacities corrected for the step, or as written where rays are not composited.
+pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
+    let correction = match scene.blend {
+        Blend::FrontToBack | Blend::BackToFront => Correction::Step(step_length),
+        Blend::Maximum | Blend::Minimum => Correction::None,
+    };
+    let code = scene.table.unwrap_or(scene.precision.table());
+    let lookup = scene.lookup.unwrap_or(scene.precision.lookup());
+    Table::compile(&scene.transfer, mapping, correction, code, lookup)
+}
+
+/// Does a job with the pipeline of a scene.
+pub fn dispatch<J: Job>(scene: &Scene, table: &Table, phong: Option<&Phong>, job: J) -> J::Output {
+    let table = table.classifier();
+    match scene.precision {
+        PrecisionName::Paper => with_precision::<Paper, J>(scene, table, phong, job),
+        PrecisionName::Compact => with_precision::<Compact, J>(scene, table, phong, job),
+        PrecisionName::Wide => with_precision::<Wide, J>(scene, table, phong, job),
+    }
+}
+
+fn with_precision<P: Precision, J: Job>(scene: &Scene, table: AnyTable<'_>, phong: Option<&Phong>, job: J) -> J::Output {
+    match (scene.blend, phong) {
+        (Blend::FrontToBack, Some(phong)) => {
+            let pipeline = Composite::<P, _, _, FrontToBack>::new(table, phong.clone());
+            job.run(&match scene.early_termination {
+                Some(bits) => pipeline.with_early_termination(bits),
+                None => pipeline,
+            })
+        }
+        (Blend::FrontToBack, None) => {
+            let pipeline = Composite::<P, _, _, FrontToBack>::new(table, Unlit);
+            job.run(&match scene.early_termination {
+                Some(bits) => pipeline.with_early_termination(bits),
+                None => pipeline,
+            })
+        }
+        (Blend::BackToFront, Some(phong)) => job.run(&Composite::<P, _, _, BackToFront>::new(table, phong.clone())),
+        (Blend::BackToFront, None) => job.run(&Composite::<P, _, _, BackToFront>::new(table, Unlit)),
+        (Blend::Maximum, _) => job.run(&Project::<P, _, Maximum>::new(table)),
+        (Blend::Minimum, _) => job.run(&Project::<P, _, Minimum>::new(table)),
+    }
+}
