@@ -223,3 +223,49 @@ fn colour(field: &str, rgb: [f64; 3]) -> Result<(), FieldError> {
 
 /// The colours that a file may state.
 pub(super) const COLOURS: &str = "\"#rrggbb\" or three numbers from 0 to 1";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::file;
+
+    /// Changes the default scene as a command line would and returns the field that is refused.
+    fn refused(change: impl Fn(&mut Scene, &mut Lighting)) -> String {
+        let mut scene = file::built_in(file::DEFAULT).unwrap();
+        let mut lighting = scene.lighting.clone().unwrap();
+        change(&mut scene, &mut lighting);
+        scene.lighting = Some(lighting);
+        scene.check().unwrap_err().field
+    }
+
+    #[test]
+    fn scenes_changed_in_memory_are_held_to_the_same_ranges() {
+        assert_eq!(refused(|_, l| l.exponent_log2 = 9), "lighting.exponent");
+        assert_eq!(
+            refused(|_, l| l.lights[1].direction = [0.0, 0.0, 1.001]),
+            "lighting.lights[1].direction"
+        );
+        assert_eq!(
+            refused(|_, l| l.lights[1].direction = [f64::NAN; 3]),
+            "lighting.lights[1].direction"
+        );
+        assert_eq!(refused(|_, l| l.lights.clear()), "lighting.lights");
+        assert_eq!(refused(|s, _| s.view.azimuth = f64::NAN), "view.azimuth");
+        assert_eq!(
+            refused(|s, _| s.image.size = Some([1, u32::MAX])),
+            "image.size[1]"
+        );
+        assert_eq!(
+            refused(|s, _| s.sampling.planes_per_voxel = 0),
+            "sampling.planes_per_voxel"
+        );
+        assert_eq!(
+            refused(|s, _| s.early_termination = Some(21)),
+            "render.early_termination"
+        );
+        assert_eq!(
+            refused(|s, _| s.transfer.points.swap(0, 1)),
+            "transfer.points[1].value"
+        );
+    }
+}
