@@ -1,1 +1,43 @@
-//! The f64 model.
+//! The f64 model: what the picture would be if numbers were real.
+//!
+//! Written ray by ray from the equations of Bitter, Neophytou, Mueller and Kaufman, "Squeeze: Numerical-Precision-
+//! Optimized Volume Rendering", 2004 (*the paper*), and from the project's conventions, independently of the
+//! pipeline that it judges: no code, table or number format of the core is used here. Every stage is a pure function
+//! that can also be called on the pipeline's own (dequantised) inputs, which gives that stage's local error; the
+//! whole model gives the error carried from the beginning.
+//!
+//! | file        | stage                                                      | paper           |
+//! | rays        | major axis, shear, lattice of rays, sample positions       | section 4.6     |
+//! | grid        | voxels in the frame (i, j, k), differences of neighbours   | section 4.3     |
+//! | interpolate | value at a position                                        | equations 13-14 |
+//! | gradient    | gradient at a position, normal                             | section 4.3     |
+//! | classify    | colour and opacity of a value, correction for the step     | equation 7      |
+//! | shade       | Phong                                                      | equation 10     |
+//! | composite   | samples into pixels                                        | equations 4, 6  |
+//! | warp        | base plane into the viewer's image                         |                 |
+//! | render      | one ray, all rays                                          |                 |
+//!
+//! Two things are left out on purpose, because they are the pipeline's approximations and should show up as its
+//! error: tables (the transfer function is evaluated at the sample itself) and early termination.
+
+pub mod classify;
+pub mod composite;
+pub mod gradient;
+pub mod grid;
+pub mod interpolate;
+pub mod rays;
+mod render;
+pub mod shade;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+mod vector;
+pub mod warp;
+
+pub use classify::Classified;
+pub use composite::Pixel;
+pub use rays::{Geometry, Lattice};
+pub use render::{Model, ModelSample, Positions};
+pub use shade::Lights;
+pub use warp::{Affine, ModelImage};

@@ -1,0 +1,390 @@
+//! Classification: colour and opacity of a sample.
+//!
+//! Source: Squeeze, section 4.4: a table of 4096 entries R 0.8, G 0.8, B 0.8, sqrt(opacity) 0.8. The square root
+//! puts the codes where thin material needs them; [`Sqrt16`] adds 8 more bits of it in a plane of 4 KiB. Opacity is
+//! corrected for the length of a ray's step when the table is built.
+//!
+//! | value | format | range |
+//! |---|---|---|
+//! | sample s | 12.F | 0 to 4095 |
+//! | square root q | 0.16; of an 8-bit code 257 q8 | 0 to 65535 |
+//! | opacity a | 1.31, `(q^2 + 1) >> 1` | 0 to 2147418113 |
+//! | colour c | 1.15, `(257 O8 + 1) >> 1` | 0 to 32768 |
+//!
+//! Index: the nearest entry, `(s + 2^(F-1)) >> F`, taken from the stored sample only ([`Nearest`]); or linear between
+//! the two neighbours, opacity and colour alike, rounded to nearest ([`Linear`]). Neither can leave the table.
+//! Error: nearest half an entry; linear none for a transfer function whose corners are table entries. The code:
+//! opacity to 2^-16 relative to its square root; an opaque entry leaves 2^-15 of the light. State: none.
+
+use core::marker::PhantomData;
+
+use crate::format::{Intensity, Opacity};
+use crate::precision::Precision;
+use crate::slice::RowRange;
+
+/// Entries of a table: one for each 12-bit code.
+pub const ENTRIES: usize = 4096;
+
+/// Gives samples their colour and opacity. Point tables are one kind; pre-integrated tables and isosurfaces are
+/// others.
+pub trait Classifier<P: Precision>: Sync {
+    /// Opacity of a sample: the definition.
+    fn opacity(&self, sample: P::Sample) -> Opacity;
+
+    /// Colour of a sample (not weighted by its opacity), red, green, blue: the definition.
+    fn colour(&self, sample: P::Sample) -> [Intensity; 3];
+
+    /// Which voxel ranges can hold a visible sample.
+    fn support(&self) -> Support;
+
+    /// Opacities of a row, as the bits of 1.31 in an `i32` lane. Both rows equally long.
+    #[inline]
+    fn opacity_row(&self, samples: &[i32], out: &mut [i32]) {
+        for (o, &s) in out.iter_mut().zip(samples) {
+            *o = self.opacity(sample::<P>(s)).to_bits() as i32;
+        }
+    }
+
+    /// Colours of a row, 1.15. All rows equally long.
+    #[inline]
+    fn colour_row(&self, samples: &[i32], out: [&mut [i32]; 3]) {
+        let [red, green, blue] = out;
+        for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(samples) {
+            let c = self.colour(sample::<P>(s)).map(|c| i32::from(c.to_bits()));
+            [*r, *g, *b] = c;
+        }
+    }
+}
+
+#[inline(always)]
+fn sample<P: Precision>(bits: i32) -> P::Sample {
+    fixed::traits::Fixed::from_bits(bits)
+}
+
+/// The set of codes that are visible, in blocks of 64: bit b stands for codes 64 b to 64 b + 63. A row whose range
+/// meets no block classifies to nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Support(u64);
+
+impl Support {
+    /// Nothing is visible.
+    pub const NONE: Self = Self(0);
+
+    /// The blocks that hold a visible entry.
+    pub fn of(visible: impl Iterator<Item = bool>) -> Self {
+        let mut bits = 0;
+        for (code, _) in visible.take(ENTRIES).enumerate().filter(|(_, visible)| *visible) {
+            bits |= 1 << (code >> 6);
+        }
+        Self(bits)
+    }
+
+    /// Whether a sample between voxels of this range may be visible.
+    #[inline]
+    pub fn meets(self, range: RowRange) -> bool {
+        if range.low > range.high {
+            return false;
+        }
+        let (low, high) = (u32::from(range.low >> 6).min(63), u32::from(range.high >> 6).min(63));
+        self.0 << (63 - high) >> (63 - high) >> low != 0
+    }
+}
+
+/// How an entry holds the square root of its opacity.
+pub trait AlphaCode: Copy + Send + Sync + 'static {
+    /// What there is beside the 32-bit entries.
+    type Plane<'a>: Copy + Send + Sync;
+    /// Bytes that it takes.
+    const PLANE_BYTES: usize;
+    /// The square root of an entry's opacity, 0.16.
+    fn root(entry: u32, plane: Self::Plane<'_>, index: usize) -> u16;
+}
+
+/// The square root in 8 bits, inside the 32-bit entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sqrt8;
+
+/// The square root in 16 bits: the high byte inside the entry, the low byte in a plane of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sqrt16;
+
+impl AlphaCode for Sqrt8 {
+    type Plane<'a> = ();
+    const PLANE_BYTES: usize = 0;
+    #[inline(always)]
+    fn root(entry: u32, (): (), _: usize) -> u16 {
+        257 * (entry >> 24) as u16
+    }
+}
+
+impl AlphaCode for Sqrt16 {
+    type Plane<'a> = &'a [u8; ENTRIES];
+    const PLANE_BYTES: usize = ENTRIES;
+    #[inline(always)]
+    fn root(entry: u32, plane: &[u8; ENTRIES], index: usize) -> u16 {
+        let low = plane.get(index).copied().unwrap_or(0);
+        (entry >> 16) as u16 & 0xff00 | u16::from(low)
+    }
+}
+
+/// How a sample finds its entry.
+pub trait Lookup: Copy + Send + Sync + 'static {
+    /// Whether two entries are mixed.
+    const LINEAR: bool;
+}
+
+/// The nearest entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Nearest;
+
+/// Linear between the two neighbouring entries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Linear;
+
+impl Lookup for Nearest {
+    const LINEAR: bool = false;
+}
+
+impl Lookup for Linear {
+    const LINEAR: bool = true;
+}
+
+/// Opacity of a square root, 1.31.
+#[inline]
+pub const fn opacity_of_root(root: u16) -> Opacity {
+    Opacity::from_bits((root as u32 * root as u32 + 1) >> 1)
+}
+
+/// Intensity of an 8-bit colour, 1.15: 255 is exactly 1, and all 256 values come back from 8-bit output.
+#[inline]
+pub const fn intensity_of_byte(byte: u8) -> Intensity {
+    Intensity::from_bits((257 * byte as u16).div_ceil(2))
+}
+
+/// Packs an entry: red in the lowest byte, then green, blue and the square root of the opacity (or its high byte).
+pub const fn entry([red, green, blue]: [u8; 3], root: u8) -> u32 {
+    u32::from_le_bytes([red, green, blue, root])
+}
+
+/// A table of points: one entry a code.
+#[derive(Clone, Copy, Debug)]
+pub struct PointTable<'a, A: AlphaCode, L> {
+    entries: &'a [u32; ENTRIES],
+    plane: A::Plane<'a>,
+    support: Support,
+    lookup: PhantomData<L>,
+}
+
+impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
+    /// A table over [`entry`]s in the caller's memory (16 KiB), and the plane that its alpha code needs.
+    pub fn new(entries: &'a [u32; ENTRIES], plane: A::Plane<'a>) -> Self {
+        let visible = |(index, &entry): (usize, &u32)| A::root(entry, plane, index) != 0;
+        Self {
+            entries,
+            plane,
+            support: Support::of(entries.iter().enumerate().map(visible)),
+            lookup: PhantomData,
+        }
+    }
+
+    /// Bytes of the table, entries and plane.
+    pub const BYTES: usize = 4 * ENTRIES + A::PLANE_BYTES;
+
+    #[inline(always)]
+    fn opacity_at(&self, index: usize) -> u32 {
+        let index = index.min(ENTRIES - 1);
+        let entry = self.entries.get(index).copied().unwrap_or(0);
+        opacity_of_root(A::root(entry, self.plane, index)).to_bits()
+    }
+
+    #[inline(always)]
+    fn colour_at(&self, index: usize) -> [i32; 3] {
+        let entry = self.entries.get(index.min(ENTRIES - 1)).copied().unwrap_or(0);
+        let [r, g, b, _] = entry.to_le_bytes();
+        [r, g, b].map(|byte| i32::from(intensity_of_byte(byte).to_bits()))
+    }
+}
+
+/// Entry and fraction of a sample that lies between two entries.
+#[inline(always)]
+fn split<P: Precision>(bits: i32) -> (usize, i32) {
+    (
+        (bits >> P::SAMPLE_BITS).max(0) as usize,
+        bits & ((1 << P::SAMPLE_BITS) - 1),
+    )
+}
+
+/// Nearest entry of a sample.
+#[inline(always)]
+fn nearest<P: Precision>(bits: i32) -> usize {
+    ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS).max(0) as usize
+}
+
+/// `a + (b - a) f / 2^bits` to nearest in 32 bits: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 16.
+#[inline(always)]
+fn mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
+    let d = b.wrapping_sub(a) as i32;
+    let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
+    a.wrapping_add((((d >> 16) * f << (16 - bits)) + low) as u32)
+}
+
+impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, L> {
+    #[inline]
+    fn opacity(&self, sample: P::Sample) -> Opacity {
+        let bits = fixed::traits::Fixed::to_bits(sample);
+        Opacity::from_bits(if L::LINEAR {
+            let (index, f) = split::<P>(bits);
+            mix(self.opacity_at(index), self.opacity_at(index + 1), f, P::SAMPLE_BITS)
+        } else {
+            self.opacity_at(nearest::<P>(bits))
+        })
+    }
+
+    #[inline]
+    fn colour(&self, sample: P::Sample) -> [Intensity; 3] {
+        let bits = fixed::traits::Fixed::to_bits(sample);
+        let raw = if L::LINEAR {
+            let (index, f) = split::<P>(bits);
+            let half = 1 << P::SAMPLE_BITS >> 1;
+            let [r0, g0, b0] = self.colour_at(index);
+            let [r1, g1, b1] = self.colour_at(index + 1);
+            [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| a + (((b - a) * f + half) >> P::SAMPLE_BITS))
+        } else {
+            self.colour_at(nearest::<P>(bits))
+        };
+        raw.map(|c| Intensity::from_bits(c as u16))
+    }
+
+    fn support(&self) -> Support {
+        self.support
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::{Sample12, Sample15};
+    use crate::precision::{Compact, Wide};
+    use proptest::prelude::*;
+    use std::boxed::Box;
+    use std::vec::Vec;
+
+    #[test]
+    fn every_root_decodes_within_half_a_unit_and_rises() {
+        let mut last = None;
+        for root in 0..=u16::MAX {
+            let a = opacity_of_root(root).to_bits();
+            let exact = (f64::from(root) / 65536.0).powi(2) * 2147483648.0;
+            assert!((f64::from(a) - exact).abs() <= 0.5);
+            assert!(last < Some(a));
+            last = Some(a);
+        }
+        assert_eq!(last, Some(2147418113));
+    }
+
+    #[test]
+    fn every_byte_survives_a_round_trip() {
+        for byte in 0..=255u8 {
+            let c = u32::from(intensity_of_byte(byte).to_bits());
+            assert_eq!((c * 255 + (1 << 14)) >> 15, u32::from(byte));
+        }
+        assert_eq!(intensity_of_byte(255), Intensity::ONE);
+    }
+
+    #[test]
+    fn index_comes_from_the_stored_sample() {
+        for (bits, index) in [
+            (0, 0),
+            (16383, 0),
+            (16384, 1),
+            (3260415, 99),
+            (3260416, 100),
+            (134168576, 4095),
+        ] {
+            assert_eq!(nearest::<Wide>(bits), index);
+        }
+        assert_eq!(split::<Wide>(3260415), (99, 16383));
+        assert_eq!(split::<Wide>(134184960), (4095, 0));
+    }
+
+    #[test]
+    fn support_meets_exactly_the_blocks_of_visible_codes() {
+        for code in [0usize, 63, 64, 2000, 4095] {
+            let support = Support::of((0..ENTRIES).map(|c| c == code));
+            for low in (0..4096).step_by(31) {
+                for high in (low..4096).step_by(53) {
+                    let meets = support.meets(RowRange { low, high });
+                    let block = code >> 6;
+                    assert_eq!(meets, usize::from(low >> 6) <= block && block <= usize::from(high >> 6));
+                }
+            }
+        }
+        assert!(!Support::NONE.meets(RowRange { low: 0, high: 4095 }));
+        assert!(!Support(u64::MAX).meets(RowRange::EMPTY));
+        assert!(Support(u64::MAX).meets(RowRange {
+            low: 65535,
+            high: 65535
+        }));
+    }
+
+    fn table(seed: u64) -> (Box<[u32; ENTRIES]>, Box<[u8; ENTRIES]>) {
+        let mut state = seed | 1;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 32) as u32
+        };
+        let entries: Vec<u32> = (0..ENTRIES).map(|_| next()).collect();
+        let plane: Vec<u8> = (0..ENTRIES).map(|_| (next() >> 24) as u8).collect();
+        (
+            entries.into_boxed_slice().try_into().unwrap(),
+            plane.into_boxed_slice().try_into().unwrap(),
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn linear_is_the_nearest_value_between_two_entries(seed in any::<u64>(), bits in 0i32..=4095 << 15) {
+            let (entries, plane) = table(seed);
+            let t = PointTable::<Sqrt16, Linear>::new(&entries, &plane);
+            let s = Sample15::from_bits(bits);
+            let (i, f) = (bits as usize >> 15, f64::from(bits & 32767) / 32768.0);
+            let between = |a: u32, b: u32| f64::from(a) * (1.0 - f) + f64::from(b) * f;
+            let exact = between(t.opacity_at(i), t.opacity_at(i + 1));
+            let got = f64::from(Classifier::<Wide>::opacity(&t, s).to_bits());
+            prop_assert!((got - exact).abs() <= 0.5 + 1e-6, "{got} {exact}");
+            let colour = Classifier::<Wide>::colour(&t, s);
+            for (c, (a, b)) in colour.iter().zip(t.colour_at(i).into_iter().zip(t.colour_at(i + 1))) {
+                prop_assert!((f64::from(c.to_bits()) - between(a as u32, b as u32)).abs() <= 0.5 + 1e-9);
+            }
+        }
+
+        #[test]
+        fn linear_meets_nearest_at_entries(seed in any::<u64>(), code in 0i32..4096) {
+            let (entries, plane) = table(seed);
+            let linear = PointTable::<Sqrt16, Linear>::new(&entries, &plane);
+            let nearest = PointTable::<Sqrt16, Nearest>::new(&entries, &plane);
+            let s = Sample12::from_bits(code << 12);
+            prop_assert_eq!(Classifier::<Compact>::opacity(&linear, s), Classifier::<Compact>::opacity(&nearest, s));
+            prop_assert_eq!(Classifier::<Compact>::colour(&linear, s), Classifier::<Compact>::colour(&nearest, s));
+        }
+
+        #[test]
+        fn rows_are_the_scalar(seed in any::<u64>(), samples in prop::collection::vec(0i32..=4095 << 12, 0..34)) {
+            let (entries, _) = table(seed);
+            let t = PointTable::<Sqrt8, Linear>::new(&entries, ());
+            let mut a = std::vec![0; samples.len()];
+            let mut c = [a.clone(), a.clone(), a.clone()];
+            Classifier::<Compact>::opacity_row(&t, &samples, &mut a);
+            let [r, g, b] = &mut c;
+            Classifier::<Compact>::colour_row(&t, &samples, [r, g, b]);
+            for (i, &s) in samples.iter().enumerate() {
+                let s = Sample12::from_bits(s);
+                prop_assert_eq!(a[i] as u32, Classifier::<Compact>::opacity(&t, s).to_bits());
+                let colour = Classifier::<Compact>::colour(&t, s).map(|c| i32::from(c.to_bits()));
+                prop_assert_eq!([c[0][i], c[1][i], c[2][i]], colour);
+            }
+        }
+    }
+}

@@ -1,0 +1,524 @@
+//! Compositing: fold the samples of a ray into its pixel.
+//!
+//! Source: Squeeze, equations 4, 6 and 9. The accurate precisions use the telescoping form
+//! `w = T a; T -= w; C += c w`: what a sample takes from the light is exactly what it may give, so that white fog keeps
+//! C + T = 1 and no clamp can fire.
+//!
+//! | value | format | range |
+//! |---|---|---|
+//! | T, C | 1.15 ([`Truncating15`], [`Dithered15`]) or 1.31 ([`Telescoping31`]) | 0 to 1 |
+//! | opacity a | 1.31 | 0 to 1 |
+//! | colour c | 1.15 | 0 to 1 |
+//!
+//! An opacity of 0 leaves a pixel as it is, and so does any sample where T is 0: skipping what is empty, stopping a
+//! finished ray and going on are the same bits. T that falls below a pixel format's floor becomes 0. A higher floor is
+//! early ray termination: stopping at T < 2^-t changes an 8-bit value by at most 255 * 2^-t.
+//! Error a step: less than 1 ulp in T, less than 1 ulp in C given the light taken. Overflow: none. State: the pixel.
+
+use core::fmt::Debug;
+use core::ops::Range;
+
+use crate::format::{Intensity, Opacity};
+use crate::rows::take;
+
+/// An accumulator format: 0 to 1, both included.
+pub trait Channel: Copy + Debug + Default + Ord + Send + Sync + 'static {
+    /// Fraction bits.
+    const BITS: u32;
+    /// 1.0.
+    const ONE: Self;
+    /// Raw bits.
+    fn bits(self) -> u32;
+    /// From raw bits; those beyond the type are lost.
+    fn from_bits(bits: u32) -> Self;
+}
+
+impl Channel for u16 {
+    const BITS: u32 = 15;
+    const ONE: Self = 1 << 15;
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self)
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        bits as u16
+    }
+}
+
+impl Channel for u32 {
+    const BITS: u32 = 31;
+    const ONE: Self = 1 << 31;
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        bits
+    }
+}
+
+/// A ray's light so far: colour that has reached the eye, weighted by its opacity, and the transparency left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pixel<C> {
+    /// Red, green, blue.
+    pub colour: [C; 3],
+    /// Transparency.
+    pub transparency: C,
+}
+
+impl<C: Channel> Pixel<C> {
+    /// A ray that has met nothing.
+    #[inline(always)]
+    pub fn clear() -> Self {
+        Self {
+            colour: [C::default(); 3],
+            transparency: C::ONE,
+        }
+    }
+}
+
+/// Rounding offsets of a plane, the same for all its pixels: 15-bit Kronecker sequences in the plane's number, which
+/// spread the rounding errors of a ray evenly however its samples repeat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dither {
+    /// For transparency.
+    pub transparency: u32,
+    /// For colour.
+    pub colour: u32,
+}
+
+impl Dither {
+    /// The offsets of plane `k`: `20251 k` and `13573 k + 9973`, modulo 2^15.
+    #[inline]
+    pub const fn of_plane(k: u32) -> Self {
+        Self {
+            transparency: k.wrapping_mul(20251) & 0x7fff,
+            colour: k.wrapping_mul(13573).wrapping_add(9973) & 0x7fff,
+        }
+    }
+}
+
+/// The arithmetic of a pixel.
+pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
+    /// Accumulator format.
+    type Channel: Channel;
+    /// Transparency below this becomes 0.
+    const FLOOR: Self::Channel;
+
+    /// A pixel with one more sample behind it (front to back). This function is the definition; it leaves out the
+    /// floor, which [`settle`] applies.
+    fn over(
+        pixel: Pixel<Self::Channel>,
+        colour: [Intensity; 3],
+        opacity: Opacity,
+        dither: Dither,
+    ) -> Pixel<Self::Channel>;
+
+    /// A pixel with one more sample in front of it (back to front). The same picture up to rounding.
+    fn under(
+        pixel: Pixel<Self::Channel>,
+        colour: [Intensity; 3],
+        opacity: Opacity,
+        dither: Dither,
+    ) -> Pixel<Self::Channel>;
+}
+
+/// Transparency with the floor applied.
+#[inline(always)]
+pub fn settle<C: Channel>(transparency: C, floor: C) -> C {
+    if transparency < floor {
+        C::default()
+    } else {
+        transparency
+    }
+}
+
+/// 1.31 in floor steps; 128 bits a pixel. At most 2^-31 is lost a step.
+///
+/// Over: `w = floor(T a / 2^31); T -= w; C += floor(c w / 2^15)`.
+/// Under: `C = C - floor(C a / 2^31) + floor(2^16 c a / 2^31)`.
+/// Below 2^-20 floor steps no longer move T, hence the floor there: 0.0003 of an 8-bit step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Telescoping31;
+
+/// Product of two 1.31 numbers, truncated.
+#[inline(always)]
+fn product31(a: u32, b: u32) -> u32 {
+    ((u64::from(a) * u64::from(b)) >> 31) as u32
+}
+
+impl Recurrence for Telescoping31 {
+    type Channel = u32;
+    const FLOOR: u32 = 1 << 11;
+
+    #[inline(always)]
+    fn over(pixel: Pixel<u32>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
+        let w = product31(pixel.transparency, opacity.to_bits());
+        let mut out = pixel;
+        out.transparency -= w;
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            *o += ((u64::from(c.to_bits()) * u64::from(w)) >> 15) as u32;
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn under(pixel: Pixel<u32>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
+        let a = opacity.to_bits();
+        let mut out = pixel;
+        out.transparency -= product31(pixel.transparency, a);
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            *o = *o - product31(*o, a) + product31(u32::from(c.to_bits()) << 16, a);
+        }
+        out
+    }
+}
+
+/// 1.15 with a dither that changes from plane to plane; 64 bits a pixel.
+///
+/// With `A = (a + 2^14) >> 15` (1.16) and the plane's [`Dither`] d:
+/// over: `w = (T A + 2 dT + 1) >> 16; T -= w; C += (c w + dC) >> 15`;
+/// under: `C += ((c - C) A + 2 dC + 1) >> 16`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dithered15;
+
+/// Opacity in 1.16, to nearest.
+#[inline(always)]
+fn opacity16(opacity: Opacity) -> u32 {
+    (opacity.to_bits() + (1 << 14)) >> 15
+}
+
+impl Recurrence for Dithered15 {
+    type Channel = u16;
+    const FLOOR: u16 = 1;
+
+    #[inline(always)]
+    fn over(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<u16> {
+        let a = opacity16(opacity);
+        let w = (u32::from(pixel.transparency) * a + 2 * dither.transparency + 1) >> 16;
+        let mut out = pixel;
+        out.transparency -= w as u16;
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            *o += ((u32::from(c.to_bits()) * w + dither.colour) >> 15) as u16;
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn under(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<u16> {
+        let a = opacity16(opacity);
+        let mut out = pixel;
+        out.transparency -= ((u32::from(pixel.transparency) * a + 2 * dither.transparency + 1) >> 16) as u16;
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            // |c - C| * A reaches 2^31: 64 bits.
+            let change = (i64::from(c.to_bits()) - i64::from(*o)) * i64::from(a);
+            let bits = i64::from(*o) + ((change + i64::from(2 * dither.colour + 1)) >> 16);
+            *o = bits as u16;
+        }
+        out
+    }
+}
+
+/// 1.15, every product truncated: Squeeze, equations 9 and 6. 64 bits a pixel.
+///
+/// With `A = a >> 15` (1.16), `t = (2^16 - A) >> 1` and `p = (c (A >> 1)) >> 15`:
+/// over: `C += (p T) >> 15; T = (T t) >> 15`; under: `C = ((C t) >> 15) + p`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Truncating15;
+
+/// Product of two 1.15 numbers, truncated.
+#[inline(always)]
+fn product15(a: u32, b: u32) -> u32 {
+    (a * b) >> 15
+}
+
+impl Truncating15 {
+    /// Transparency and opacity of a sample, 1.15.
+    #[inline(always)]
+    fn sample(opacity: Opacity) -> (u32, u32) {
+        let a = opacity.to_bits() >> 15;
+        (((1 << 16) - a) >> 1, a >> 1)
+    }
+}
+
+impl Recurrence for Truncating15 {
+    type Channel = u16;
+    const FLOOR: u16 = 1;
+
+    #[inline(always)]
+    fn over(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
+        let (t, a) = Self::sample(opacity);
+        let before = u32::from(pixel.transparency);
+        let mut out = pixel;
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            *o += product15(product15(u32::from(c.to_bits()), a), before) as u16;
+        }
+        out.transparency = product15(before, t) as u16;
+        out
+    }
+
+    #[inline(always)]
+    fn under(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
+        let (t, a) = Self::sample(opacity);
+        let mut out = pixel;
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            *o = (product15(u32::from(*o), t) + product15(u32::from(c.to_bits()), a)) as u16;
+        }
+        out.transparency = product15(u32::from(pixel.transparency), t) as u16;
+        out
+    }
+}
+
+/// The order in which the planes of a ray are folded.
+pub trait Order: Copy + Send + Sync + 'static {
+    /// Whether planes go from the last to the first.
+    const BACK_TO_FRONT: bool;
+    /// Folds one sample.
+    fn fold<R: Recurrence>(
+        pixel: Pixel<R::Channel>,
+        colour: [Intensity; 3],
+        opacity: Opacity,
+        dither: Dither,
+        floor: R::Channel,
+    ) -> Pixel<R::Channel>;
+}
+
+/// Nearest plane first. The default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrontToBack;
+
+/// Farthest plane first; for comparison. No ray ever stops early.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BackToFront;
+
+impl Order for FrontToBack {
+    const BACK_TO_FRONT: bool = false;
+    #[inline(always)]
+    fn fold<R: Recurrence>(
+        pixel: Pixel<R::Channel>,
+        colour: [Intensity; 3],
+        opacity: Opacity,
+        dither: Dither,
+        floor: R::Channel,
+    ) -> Pixel<R::Channel> {
+        let mut out = R::over(pixel, colour, opacity, dither);
+        out.transparency = settle(out.transparency, floor);
+        out
+    }
+}
+
+impl Order for BackToFront {
+    const BACK_TO_FRONT: bool = true;
+    #[inline(always)]
+    fn fold<R: Recurrence>(
+        pixel: Pixel<R::Channel>,
+        colour: [Intensity; 3],
+        opacity: Opacity,
+        dither: Dither,
+        _: R::Channel,
+    ) -> Pixel<R::Channel> {
+        R::under(pixel, colour, opacity, dither)
+    }
+}
+
+/// The four planes of a row of pixels, or of a part of it.
+#[derive(Debug)]
+pub struct PixelRow<'a, C> {
+    /// Red, green, blue.
+    pub colour: [&'a mut [C]; 3],
+    /// Transparency.
+    pub transparency: &'a mut [C],
+}
+
+impl<'a, C> PixelRow<'a, C> {
+    /// Some columns of the four runs that a row of the image consists of (`width` pixels each).
+    #[inline]
+    pub fn of_runs(row: &'a mut [C], width: usize, columns: Range<usize>) -> Self {
+        let mut rest = row;
+        let mut run = || {
+            let run = take(&mut rest, width);
+            run.get_mut(columns.clone()).unwrap_or(&mut [])
+        };
+        Self {
+            colour: [run(), run(), run()],
+            transparency: run(),
+        }
+    }
+
+    /// Some of the pixels.
+    #[inline]
+    pub fn span(&mut self, columns: Range<usize>) -> PixelRow<'_, C> {
+        PixelRow {
+            colour: self
+                .colour
+                .each_mut()
+                .map(|c| c.get_mut(columns.clone()).unwrap_or(&mut [])),
+            transparency: self.transparency.get_mut(columns).unwrap_or(&mut []),
+        }
+    }
+}
+
+/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31; `colour`: 1.15. All rows equally long.
+#[inline]
+pub fn fold_row<R: Recurrence, O: Order>(
+    row: &mut PixelRow<'_, R::Channel>,
+    colour: [&[i32]; 3],
+    opacity: &[i32],
+    dither: Dither,
+    floor: R::Channel,
+) {
+    let [red, green, blue] = &mut row.colour;
+    let [cr, cg, cb] = colour;
+    let pixels = red
+        .iter_mut()
+        .zip(green.iter_mut())
+        .zip(blue.iter_mut())
+        .zip(row.transparency.iter_mut());
+    let samples = cr.iter().zip(cg).zip(cb).zip(opacity);
+    for ((((r, g), b), t), (((cr, cg), cb), a)) in pixels.zip(samples) {
+        let pixel = Pixel {
+            colour: [*r, *g, *b],
+            transparency: *t,
+        };
+        let colour = [*cr, *cg, *cb].map(|c| Intensity::from_bits(c as u16));
+        let out = O::fold::<R>(pixel, colour, Opacity::from_bits(*a as u32), dither, floor);
+        [*r, *g, *b] = out.colour;
+        *t = out.transparency;
+    }
+}
+
+/// A channel as an 8-bit value, exactly rounded: `min(255, (255 C + half) >> bits)`.
+#[inline]
+pub fn to_byte<C: Channel>(channel: C) -> u8 {
+    ((u64::from(channel.bits()) * 255 + (1 << (C::BITS - 1))) >> C::BITS).min(255) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn opacity() -> impl Strategy<Value = Opacity> {
+        prop_oneof![0u32..=1 << 31, 0u32..100_000, Just(1 << 31), Just(2147418113), Just(0)]
+            .prop_map(Opacity::from_bits)
+    }
+
+    fn colour() -> impl Strategy<Value = [Intensity; 3]> {
+        prop::array::uniform3(prop_oneof![0u16..=32768, Just(32768), Just(0)]).prop_map(|c| c.map(Intensity::from_bits))
+    }
+
+    fn keeps_its_bounds<R: Recurrence>(samples: &[([Intensity; 3], Opacity)]) -> Result<(), TestCaseError> {
+        let one = R::Channel::ONE.bits();
+        let (mut over, mut under) = (Pixel::<R::Channel>::clear(), Pixel::<R::Channel>::clear());
+        for (k, &(c, a)) in samples.iter().enumerate() {
+            let dither = Dither::of_plane(k as u32);
+            over = R::over(over, c, a, dither);
+            under = R::under(under, c, a, dither);
+            for channel in over.colour {
+                prop_assert!(channel.bits() + over.transparency.bits() <= one);
+            }
+            for channel in under.colour {
+                prop_assert!(channel.bits() <= one);
+            }
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_ever_needs_a_clamp(samples in prop::collection::vec((colour(), opacity()), 0..200)) {
+            keeps_its_bounds::<Truncating15>(&samples)?;
+            keeps_its_bounds::<Dithered15>(&samples)?;
+            keeps_its_bounds::<Telescoping31>(&samples)?;
+        }
+
+        #[test]
+        fn white_fog_keeps_all_light(samples in prop::collection::vec(opacity(), 0..400)) {
+            let white = [Intensity::ONE; 3];
+            let (mut wide, mut compact) = (Pixel::<u32>::clear(), Pixel::<u16>::clear());
+            for (k, &a) in samples.iter().enumerate() {
+                let dither = Dither::of_plane(k as u32);
+                wide = Telescoping31::over(wide, white, a, dither);
+                compact = Dithered15::over(compact, white, a, dither);
+            }
+            prop_assert_eq!(wide.colour[0] + wide.transparency, 1 << 31);
+            prop_assert_eq!(compact.colour[0] + compact.transparency, 1 << 15);
+        }
+
+        #[test]
+        fn transparent_samples_and_finished_rays_change_nothing(
+            t in 0u32..=1 << 31, c in any::<u32>(), sample in colour(), a in opacity(), k in any::<u32>(),
+        ) {
+            fn unchanged<R: Recurrence>(
+                t: u32, c: u32, sample: [Intensity; 3], a: Opacity, k: u32,
+            ) -> Result<(), TestCaseError> {
+                let t = t >> (31 - R::Channel::BITS);
+                let c = c.checked_rem(R::Channel::ONE.bits() - t + 1).unwrap_or(0);
+                let pixel = Pixel { colour: [R::Channel::from_bits(c); 3], transparency: R::Channel::from_bits(t) };
+                let dither = Dither::of_plane(k);
+                prop_assert_eq!(R::over(pixel, sample, Opacity::ZERO, dither), pixel);
+                prop_assert_eq!(R::under(pixel, sample, Opacity::ZERO, dither), pixel);
+                let finished = Pixel { transparency: R::Channel::default(), ..pixel };
+                prop_assert_eq!(R::over(finished, sample, a, dither), finished);
+                Ok(())
+            }
+            unchanged::<Truncating15>(t, c, sample, a, k)?;
+            unchanged::<Dithered15>(t, c, sample, a, k)?;
+            unchanged::<Telescoping31>(t, c, sample, a, k)?;
+        }
+
+        #[test]
+        fn rows_are_the_scalar(samples in prop::collection::vec((colour(), opacity()), 0..34), k in any::<u32>()) {
+            fn same<R: Recurrence, O: Order>(
+                samples: &[([Intensity; 3], Opacity)], k: u32,
+            ) -> Result<(), TestCaseError> {
+                let n = samples.len();
+                let dither = Dither::of_plane(k);
+                let mut row = std::vec![R::Channel::default(); 4 * n];
+                for (i, v) in row.iter_mut().enumerate() {
+                    let share = R::Channel::ONE.bits() / (4 * n as u32 + 1);
+                    *v = R::Channel::from_bits(share * (i as u32 % 7));
+                }
+                let before = row.clone();
+                let column = |c: usize| samples.iter().map(|s| i32::from(s.0[c].to_bits())).collect::<std::vec::Vec<_>>();
+                let (r, g, b) = (column(0), column(1), column(2));
+                let a: std::vec::Vec<i32> = samples.iter().map(|s| s.1.to_bits() as i32).collect();
+                let mut pixels = PixelRow::of_runs(&mut row, n, 0..n);
+                fold_row::<R, O>(&mut pixels, [&r, &g, &b], &a, dither, R::FLOOR);
+                for (i, &(c, a)) in samples.iter().enumerate() {
+                    let pixel = Pixel {
+                        colour: [before[i], before[n + i], before[2 * n + i]], transparency: before[3 * n + i],
+                    };
+                    let out = O::fold::<R>(pixel, c, a, dither, R::FLOOR);
+                    prop_assert_eq!([row[i], row[n + i], row[2 * n + i]], out.colour);
+                    prop_assert_eq!(row[3 * n + i], out.transparency);
+                }
+                Ok(())
+            }
+            same::<Truncating15, FrontToBack>(&samples, k)?;
+            same::<Dithered15, FrontToBack>(&samples, k)?;
+            same::<Telescoping31, FrontToBack>(&samples, k)?;
+            same::<Dithered15, BackToFront>(&samples, k)?;
+            same::<Telescoping31, BackToFront>(&samples, k)?;
+        }
+    }
+
+    #[test]
+    fn bytes_are_exactly_rounded() {
+        for bits in 0..=1u16 << 15 {
+            let exact = (f64::from(bits) / 32768.0 * 255.0 + 0.5).floor();
+            assert_eq!(f64::from(to_byte(bits)), exact);
+        }
+        assert_eq!(
+            (
+                to_byte(0u32),
+                to_byte(1u32 << 31),
+                to_byte(4210752u32),
+                to_byte(4210753u32)
+            ),
+            (0, 255, 0, 1)
+        );
+    }
+}

@@ -1,0 +1,76 @@
+//! Every number format of the pipeline, in one place.
+//!
+//! `I.F` means I integer and F fraction bits; a leading `s` adds a sign bit. Rows in kernels carry raw bits (`i32`
+//! lanes, one lane width for the vectoriser); the stage's page says which of these formats they hold.
+//!
+//! | type | format | range | unit | made by | read by |
+//! |---|---|---|---|---|---|
+//! | `u16` voxel | 12.0 | 0 to 4095 | data code | caller | interpolation, gradient |
+//! | [`Direction`] | s5.58 | at most 1 in length | voxels | caller | view |
+//! | [`Step`] | s31.32 | at most 1 (step), at most 2^15 (start) | voxels | plan | location |
+//! | [`Position`] | s15.16 | below 2^15 | voxels | location | interpolation |
+//! | [`Weight`] | 0.16 | 0 to 65535 | fraction of a voxel | location | interpolation |
+//! | [`Blend16`] | s14.16 | ghosts reach -4095 to 8190 | data code | z and y interpolation | x interpolation |
+//! | [`Sample12`], [`Sample15`] | 12.12, 12.15 | 0 to 4095 | data code | interpolation | classification, gradient |
+//! | gradient | s13.12, s13.15 | -8190 to 8190 | data code over two voxels | gradient | normalisation |
+//! | [`Unit`] | s1.15 | -1 to 1 | | caller, normalisation | shading |
+//! | [`ReciprocalNorm`] | u32 | 605414 to 2^21 | 2^35 / norm | normalisation | shading |
+//! | [`Opacity`] | 1.31 | 0 to 1 | fraction of light blocked by a step | classification | compositing |
+//! | [`Cosine`] | 1.31 | 0 to 1 | | shading | shading |
+//! | [`Intensity`] | 1.15 | 0 to 1 | | classification, shading | compositing |
+//! | `u16` channel | 1.15 | 0 to 1 | | compositing | warp |
+//! | `u32` channel | 1.31 | 0 to 1 | | compositing | warp |
+//!
+//! Rounding is named as hardware tools name it: *truncate* is towards minus infinity (AP_TRN), *nearest* is half up
+//! (AP_RND), *saturate* is AP_SAT and always stated.
+
+use fixed::types::extra::{U12, U15, U16, U31, U32, U58};
+use fixed::{FixedI32, FixedI64, FixedU16, FixedU32};
+
+/// A component of a viewing direction in voxel units, s5.58; the vector's length may be at most 1.
+pub type Direction = FixedI64<U58>;
+/// A ray's start or its step from plane to plane, voxels, s31.32. Made by `plan`.
+pub type Step = FixedI64<U32>;
+/// A sample position, voxels, s15.16. Made by `locate`.
+pub type Position = FixedI32<U16>;
+/// An interpolation weight, 0.16: the fraction of a [`Position`].
+pub type Weight = FixedU32<U16>;
+/// A partly interpolated value, s14.16. Lives inside `interpolate`.
+pub type Blend16 = FixedI32<U16>;
+/// A sample of the `Paper` and `Compact` precisions, 12.12.
+pub type Sample12 = FixedI32<U12>;
+/// A sample of the `Wide` precision, 12.15.
+pub type Sample15 = FixedI32<U15>;
+/// A component of a unit vector, s1.15; 32768 is 1.0.
+pub type Unit = FixedI32<U15>;
+/// The reciprocal length of a block-normalised gradient, floor(2^35 / sqrt(S)).
+pub type ReciprocalNorm = u32;
+/// The opacity of one step along a ray, 1.31.
+pub type Opacity = FixedU32<U31>;
+/// A clamped dot product of two unit vectors, or its power, 1.31.
+pub type Cosine = FixedU32<U31>;
+/// A colour channel or a lighting coefficient, 1.15; 32768 is 1.0.
+pub type Intensity = FixedU16<U15>;
+
+/// The largest voxel value: 12 bits.
+pub const VOXEL_MAX: u16 = 4095;
+
+/// How a product loses its low bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// Towards minus infinity (AP_TRN).
+    Truncate,
+    /// To the nearest, halves up (AP_RND).
+    Nearest,
+}
+
+impl Rounding {
+    /// What to add before `bits` low bits are shifted out.
+    #[inline(always)]
+    pub(crate) const fn bias(self, bits: u32) -> u32 {
+        match self {
+            Self::Truncate => 0,
+            Self::Nearest => (1 << bits) >> 1,
+        }
+    }
+}

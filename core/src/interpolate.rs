@@ -1,0 +1,293 @@
+//! Interpolation: the value of the volume at a sample.
+//!
+//! Source: Squeeze, equation 15; order z, then y, then x. In slice order all samples of a plane share their weights,
+//! so a row is three passes of multiply-adds over neighbouring voxels.
+//!
+//! | value | format | range |
+//! |---|---|---|
+//! | voxel v | 12.0 | 0 to 4095; -4095 to 8190 one voxel beyond a face |
+//! | weight w | 0.16, cut to `WEIGHT_BITS` | 0 to 65535 |
+//! | after z, after y | s14.16 | as the voxels |
+//! | sample | 12.12 or 12.15 | between its eight voxels |
+//!
+//! z: `(v0 << 16) + (v1 - v0) w`, exact. y: `a + (b - a) w`, rounded to `LERP_BITS`. x: the same, rounded to the
+//! sample's format. Products of 28 by 16 bits are split so that 32 bits suffice; the split is exact.
+//! Error of a sample against the same weights: 0.75 ulp of 12.15, 0.54 of 12.12 (both nearest), 3 ulp truncated.
+//! Overflow: none; |b - a| <= 16380 * 2^16 < 2^31. State: none.
+
+use core::ops::Range;
+
+use crate::format::Weight;
+use crate::precision::Precision;
+
+/// Sixteen-bit weight with the bits that a precision does not have cut off.
+#[inline(always)]
+fn cut<P: Precision>(weight: Weight) -> i32 {
+    (weight.to_bits() & (0xffff << (16 - P::WEIGHT_BITS)) & 0xffff) as i32
+}
+
+/// `floor((d * w + bias) / 2^16)` in 32 bits: |d| < 2^31, 0 <= w < 2^16, bias < 2^16.
+#[inline(always)]
+fn scale16(d: i32, w: i32, bias: u32) -> i32 {
+    let low = ((d & 0xffff) as u32 * w as u32 + bias) >> 16;
+    (d >> 16) * w + low as i32
+}
+
+#[inline(always)]
+fn lerp_z(near: i32, far: i32, w: i32) -> i32 {
+    (near << 16) + (far - near) * w
+}
+
+#[inline(always)]
+fn lerp_y<P: Precision>(a: i32, b: i32, w: i32) -> i32 {
+    if P::LERP_BITS == 16 {
+        a + scale16(b - a, w, P::LERP_ROUNDING.bias(16))
+    } else {
+        let cut = 16 - P::LERP_BITS;
+        (a + scale16(b - a, w, 0) + P::LERP_ROUNDING.bias(cut) as i32) >> cut << cut
+    }
+}
+
+#[inline(always)]
+fn lerp_x<P: Precision>(a: i32, b: i32, w: i32) -> i32 {
+    let cut = 16 - P::SAMPLE_BITS;
+    (a + scale16(b - a, w, 0) + P::LERP_ROUNDING.bias(cut) as i32) >> cut
+}
+
+/// The value at a sample: `voxels[z][y][x]` are the corners of its cell (each -4095 to 8190), `weights` those of x, y
+/// and z. This function is the definition; the row kernels apply its three parts.
+pub fn trilinear<P: Precision>(voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3]) -> P::Sample {
+    let [wx, wy, wz] = weights.map(cut::<P>);
+    let [near, far] = voxels;
+    let [[n00, n01], [n10, n11]] = near.map(|row| row.map(i32::from));
+    let [[f00, f01], [f10, f11]] = far.map(|row| row.map(i32::from));
+    let left = lerp_y::<P>(lerp_z(n00, f00, wz), lerp_z(n10, f10, wz), wy);
+    let right = lerp_y::<P>(lerp_z(n01, f01, wz), lerp_z(n11, f11, wz), wy);
+    fixed::traits::Fixed::from_bits(lerp_x::<P>(left, right, wx))
+}
+
+/// z interpolation of a row of voxels. `out`: s14.16, as long as the rows.
+#[inline]
+pub fn z_row<P: Precision>(near: &[u16], far: &[u16], weight: Weight, out: &mut [i32]) {
+    let w = cut::<P>(weight);
+    for ((o, &n), &f) in out.iter_mut().zip(near).zip(far) {
+        *o = lerp_z(i32::from(n), i32::from(f), w);
+    }
+}
+
+/// Turns a row that holds the first (or last) voxel row of the volume into the row one voxel beyond it, continued
+/// linearly: `2 * edge - inner`. Exact, because the z interpolation is.
+#[inline]
+pub(crate) fn extend_row(edge: &mut [i32], inner: &[i32]) {
+    for (e, &i) in edge.iter_mut().zip(inner) {
+        *e = 2 * *e - i;
+    }
+}
+
+/// Fills the two places of a row (one before its first voxel, one after its last) with the volume continued
+/// linearly by one voxel. A row of one voxel is continued with itself.
+#[inline]
+pub(crate) fn extend_ends(row: &mut [i32]) {
+    let beyond = |edge: i32, inner: i32| 2 * edge - inner;
+    match row {
+        [before, a, b, .., y, z, after] => {
+            *before = beyond(*a, *b);
+            *after = beyond(*z, *y);
+        }
+        [before, a, b, c, after] => {
+            *before = beyond(*a, *b);
+            *after = beyond(*c, *b);
+        }
+        [before, a, b, after] => {
+            *before = beyond(*a, *b);
+            *after = beyond(*b, *a);
+        }
+        [before, a, after] => {
+            *before = *a;
+            *after = *a;
+        }
+        _ => {}
+    }
+}
+
+/// The difference of two voxel rows, `scale * (minuend - subtrahend)`: the derivative along z at a slice, over two
+/// voxels. At a face of the volume `scale` is 2 (one-sided, doubled), for a volume one slice thick it is 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Difference<'a> {
+    /// 0, 1 or 2.
+    pub scale: i32,
+    /// Voxels behind.
+    pub minuend: &'a [u16],
+    /// Voxels before.
+    pub subtrahend: &'a [u16],
+}
+
+impl Difference<'_> {
+    /// Some of its columns.
+    #[inline]
+    pub fn columns(self, columns: Range<usize>) -> Self {
+        Self {
+            scale: self.scale,
+            minuend: self.minuend.get(columns.clone()).unwrap_or(&[]),
+            subtrahend: self.subtrahend.get(columns).unwrap_or(&[]),
+        }
+    }
+}
+
+/// z interpolation of a row of derivatives along z. `out`: s14.16, as long as the rows.
+#[inline]
+pub fn z_difference_row<P: Precision>(near: Difference<'_>, far: Difference<'_>, weight: Weight, out: &mut [i32]) {
+    let w = cut::<P>(weight);
+    let near_rows = near.minuend.iter().zip(near.subtrahend);
+    let far_rows = far.minuend.iter().zip(far.subtrahend);
+    for ((o, (&a, &b)), (&c, &d)) in out.iter_mut().zip(near_rows).zip(far_rows) {
+        let w0 = (i32::from(a) - i32::from(b)) * near.scale;
+        let w1 = (i32::from(c) - i32::from(d)) * far.scale;
+        *o = lerp_z(w0, w1, w);
+    }
+}
+
+/// y interpolation between two rows. All rows s14.16 and equally long.
+#[inline]
+pub fn y_row<P: Precision>(a: &[i32], b: &[i32], weight: Weight, out: &mut [i32]) {
+    let w = cut::<P>(weight);
+    for ((o, &a), &b) in out.iter_mut().zip(a).zip(b) {
+        *o = lerp_y::<P>(a, b, w);
+    }
+}
+
+/// x interpolation along a row. `row`: s14.16; `out`: samples, as long as the row. The last sample has no right
+/// neighbour and takes its own value (it lies inside the volume only when the weight is zero).
+#[inline]
+pub fn x_row<P: Precision>(row: &[i32], weight: Weight, out: &mut [i32]) {
+    let w = cut::<P>(weight);
+    let right = row.get(1..).unwrap_or(&[]);
+    for ((o, &a), &b) in out.iter_mut().zip(row).zip(right) {
+        *o = lerp_x::<P>(a, b, w);
+    }
+    if let (Some(&last), Some(o)) = (row.last(), out.get_mut(right.len())) {
+        *o = lerp_x::<P>(last, last, w);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::precision::{Compact, Paper, Wide};
+    use fixed::traits::Fixed as _;
+    use proptest::prelude::*;
+    use std::vec;
+
+    fn exact(v: [[[i16; 2]; 2]; 2], [wx, wy, wz]: [u32; 3]) -> f64 {
+        let mut sum = 0.0;
+        for (z, y, x) in (0..8).map(|i| (i >> 2, i >> 1 & 1, i & 1)) {
+            let weight = |side: usize, w: u32| {
+                let f = f64::from(w) / 65536.0;
+                if side == 1 { f } else { 1.0 - f }
+            };
+            sum += f64::from(v[z][y][x]) * weight(x, wx) * weight(y, wy) * weight(z, wz);
+        }
+        sum
+    }
+
+    fn corners() -> impl Strategy<Value = [[[i16; 2]; 2]; 2]> {
+        prop_oneof![
+            any::<[[[u16; 2]; 2]; 2]>().prop_map(|v| v.map(|s| s.map(|r| r.map(|c| (c & 4095) as i16)))),
+            any::<[[[bool; 2]; 2]; 2]>().prop_map(|v| v.map(|s| s.map(|r| r.map(|c| if c { 4095 } else { 0 })))),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn samples_are_within_their_bound(v in corners(), w in any::<[u16; 3]>()) {
+            let w = w.map(u32::from);
+            let weights = w.map(Weight::from_bits);
+            let e = exact(v, w);
+            let wide = f64::from(trilinear::<Wide>(v, weights).to_bits()) - e * 32768.0;
+            prop_assert!(wide.abs() <= 0.75 + 1e-6, "wide {wide}");
+            let compact = f64::from(trilinear::<Compact>(v, weights).to_bits()) - e * 4096.0;
+            prop_assert!(compact.abs() <= 0.5 + 1.0 / 32.0 + 1e-6, "compact {compact}");
+            let cut = w.map(|w| w & !15);
+            let paper = f64::from(trilinear::<Paper>(v, weights).to_bits()) - exact(v, cut) * 4096.0;
+            prop_assert!(paper > -3.0 && paper <= 1e-6, "paper {paper}");
+            let (low, high) = v.iter().flatten().flatten().fold((4095, 0), |(l, h), &c| (c.min(l), c.max(h)));
+            let bits = trilinear::<Wide>(v, weights).to_bits();
+            prop_assert!((i32::from(low) << 15..=i32::from(high) << 15).contains(&bits));
+        }
+
+        #[test]
+        fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>()) {
+            rows::<Paper>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
+            rows::<Compact>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
+            rows::<Wide>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
+        }
+    }
+
+    fn rows<P: Precision>(length: usize, seed: u64, weights: [Weight; 3]) -> Result<(), TestCaseError> {
+        let mut state = seed | 1;
+        let mut voxel = || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 52) as u16
+        };
+        let mut row = || (0..length).map(|_| voxel()).collect::<std::vec::Vec<u16>>();
+        let [n0, n1, f0, f1] = [row(), row(), row(), row()];
+        let [wx, wy, wz] = weights;
+        let (mut z0, mut z1, mut y, mut s) = (vec![0; length], vec![0; length], vec![0; length], vec![0; length]);
+        z_row::<P>(&n0, &f0, wz, &mut z0);
+        z_row::<P>(&n1, &f1, wz, &mut z1);
+        y_row::<P>(&z0, &z1, wy, &mut y);
+        x_row::<P>(&y, wx, &mut s);
+        for i in 0..length {
+            let j = (i + 1).min(length - 1);
+            let pair = |r: &[u16]| [r[i] as i16, r[j] as i16];
+            let v = [[pair(&n0), pair(&n1)], [pair(&f0), pair(&f1)]];
+            prop_assert_eq!(s[i], trilinear::<P>(v, weights).to_bits());
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn derivative_extremes_do_not_overflow() {
+        // W swings over its whole range between neighbouring voxels, with the heaviest weights.
+        let (low, high) = ([0u16; 2], [4095u16; 2]);
+        let up = Difference {
+            scale: 2,
+            minuend: &high,
+            subtrahend: &low,
+        };
+        let down = Difference {
+            scale: 2,
+            minuend: &low,
+            subtrahend: &high,
+        };
+        for bits in [0, 1, 32768, 65535] {
+            let w = Weight::from_bits(bits);
+            let (mut a, mut b, mut y, mut s) = ([0; 2], [0; 2], [0; 2], [0; 2]);
+            z_difference_row::<Wide>(up, down, w, &mut a);
+            z_difference_row::<Wide>(down, up, w, &mut b);
+            y_row::<Wide>(&a, &b, w, &mut y);
+            x_row::<Wide>(&[y[0], -y[1]], w, &mut s);
+            let f = f64::from(bits) / 65536.0;
+            let exact = 8190.0 * (1.0 - 2.0 * f) * (1.0 - 2.0 * f) * (1.0 - 2.0 * f);
+            assert!((f64::from(s[0]) / 32768.0 - exact).abs() < 1e-4, "{bits}");
+        }
+    }
+
+    #[test]
+    fn ends_continue_linearly() {
+        let extended = |inner: &[i32]| {
+            let mut row = vec![0];
+            row.extend_from_slice(inner);
+            row.push(0);
+            extend_ends(&mut row);
+            (row[0], row[row.len() - 1])
+        };
+        assert_eq!(extended(&[5]), (5, 5));
+        assert_eq!(extended(&[5, 7]), (3, 9));
+        assert_eq!(extended(&[5, 7, 1]), (3, -5));
+        assert_eq!(extended(&[5, 7, 1, 2]), (3, 3));
+        assert_eq!(extended(&[5, 7, 1, 2, 8]), (3, 14));
+    }
+}

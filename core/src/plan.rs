@@ -1,0 +1,295 @@
+//! The plan of a frame: a scene's geometry, checked once, and what it needs in memory.
+//!
+//! Everything behind a [`Plan`] can rely on it: sizes are within their limits, positions cannot overflow, and the
+//! base plane covers the volume. Kernels therefore have no errors of their own.
+
+use crate::format::{Intensity, Step};
+use crate::view::{View, ratio};
+
+/// The longest side of a volume, voxels.
+pub const SIDE_MAX: u16 = 8192;
+/// The largest number of sample planes behind the first: positions stay within 0.75 ulp up to here (`locate`).
+pub const PLANES_MAX: u32 = 1 << 15;
+/// The largest number of sample planes per voxel.
+pub const PLANES_PER_VOXEL_MAX: u32 = 16;
+/// The largest number of rays per voxel along one side of the base plane.
+pub const RAYS_PER_VOXEL_MAX: u32 = 8;
+
+/// Sampling rates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// Sample planes per voxel along the major axis, 1 to [`PLANES_PER_VOXEL_MAX`].
+    pub planes_per_voxel: u32,
+    /// Rays per voxel along i and along j, 1 to [`RAYS_PER_VOXEL_MAX`]. The rays of one offset form a *phase*: an
+    /// image of its own in which all samples of a plane share their weights.
+    pub rays_per_voxel: u32,
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self {
+            planes_per_voxel: 1,
+            rays_per_voxel: 1,
+        }
+    }
+}
+
+/// Voxel spacing along x, y, z, as each spacing's share of the smallest: `smallest / spacing`, 1.15, so that the
+/// smallest has 32768. Gradients are multiplied by it; unlit scenes do not read it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spacing(pub [Intensity; 3]);
+
+impl Spacing {
+    /// Cubic voxels.
+    pub const CUBIC: Self = Self([Intensity::ONE; 3]);
+}
+
+/// Which of the n x n interleaved images a ray belongs to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Phase {
+    /// Offset along i, in 1/n voxel.
+    pub u: u32,
+    /// Offset along j, in 1/n voxel.
+    pub v: u32,
+}
+
+/// The geometry of one frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    view: View,
+    dims: [u32; 3],
+    spacing: [Intensity; 3],
+    sampling: Sampling,
+    base: [u32; 2],
+    origin: [i32; 2],
+    step: [Step; 3],
+}
+
+/// Why a scene has no plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlanError {
+    /// A side of the volume is 0 or above [`SIDE_MAX`].
+    Side {
+        /// The side given, voxels.
+        given: u32,
+    },
+    /// Planes per voxel outside 1 to [`PLANES_PER_VOXEL_MAX`].
+    PlanesPerVoxel {
+        /// The rate given.
+        given: u32,
+    },
+    /// Rays per voxel outside 1 to [`RAYS_PER_VOXEL_MAX`].
+    RaysPerVoxel {
+        /// The rate given.
+        given: u32,
+    },
+    /// More than [`PLANES_MAX`] sample planes behind the first.
+    Planes {
+        /// The number that the scene has.
+        given: u32,
+    },
+    /// A spacing factor is 0 or above 1.
+    Spacing {
+        /// The factor's bits, 1.15.
+        bits: u16,
+    },
+}
+
+impl core::fmt::Display for PlanError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Side { given } => write!(f, "a side of {given} voxels; accepted: 1 to {SIDE_MAX}"),
+            Self::PlanesPerVoxel { given } => {
+                write!(f, "{given} planes per voxel; accepted: 1 to {PLANES_PER_VOXEL_MAX}")
+            }
+            Self::RaysPerVoxel { given } => {
+                write!(f, "{given} rays per voxel; accepted: 1 to {RAYS_PER_VOXEL_MAX}")
+            }
+            Self::Planes { given } => {
+                write!(
+                    f,
+                    "{given} sample planes behind the first; accepted: at most {PLANES_MAX}"
+                )
+            }
+            Self::Spacing { bits } => write!(f, "a spacing factor of {bits}/32768; accepted: 1 to 32768"),
+        }
+    }
+}
+
+impl core::error::Error for PlanError {}
+
+impl Plan {
+    /// Plans a frame: volume sides along x, y, z in voxels, spacing, sampling rates.
+    ///
+    /// Base plane: one ray per voxel of the first slice and as many more as the shear needs for every voxel of the
+    /// last slice to be crossed; rays start at whole voxels (plus their phase).
+    ///
+    /// # Errors
+    /// [`PlanError`], with the value that is out of range.
+    pub fn new(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
+        for given in dims {
+            if given == 0 || given > u32::from(SIDE_MAX) {
+                return Err(PlanError::Side { given });
+            }
+        }
+        let rate = sampling.planes_per_voxel;
+        if rate == 0 || rate > PLANES_PER_VOXEL_MAX {
+            return Err(PlanError::PlanesPerVoxel { given: rate });
+        }
+        let rays = sampling.rays_per_voxel;
+        if rays == 0 || rays > RAYS_PER_VOXEL_MAX {
+            return Err(PlanError::RaysPerVoxel { given: rays });
+        }
+        for factor in spacing.0 {
+            if factor == Intensity::ZERO || factor > Intensity::ONE {
+                return Err(PlanError::Spacing { bits: factor.to_bits() });
+            }
+        }
+        let dims = view.arrange(dims);
+        let [width, height, depth] = dims;
+        let behind = (depth - 1) * rate;
+        if behind > PLANES_MAX {
+            return Err(PlanError::Planes { given: behind });
+        }
+        let [si, sj] = view.shear(rate);
+        let reach = |step: Step| {
+            let total = step.to_bits() * i64::from(behind);
+            // Whole voxels that the ray travels, rounded up; the origin moves back by as much when it travels up.
+            let voxels = (total.unsigned_abs() + 0xffff_ffff) >> 32;
+            let origin = if total > 0 { -(voxels as i32) } else { 0 };
+            (voxels as u32, origin)
+        };
+        let (more_i, origin_i) = reach(si);
+        let (more_j, origin_j) = reach(sj);
+        Ok(Self {
+            view,
+            dims,
+            spacing: view.arrange(spacing.0),
+            sampling,
+            base: [width + more_i, height + more_j],
+            origin: [origin_i, origin_j],
+            step: [si, sj, Step::from_bits(ratio(1, 1, rate) as i64)],
+        })
+    }
+
+    /// The view.
+    pub const fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// Voxels along i, j, k: a slice's width and height, and the number of slices.
+    pub const fn dims(&self) -> [u32; 3] {
+        self.dims
+    }
+
+    /// Spacing factors along i, j, k, 1.15.
+    pub const fn spacing(&self) -> [Intensity; 3] {
+        self.spacing
+    }
+
+    /// Sampling rates.
+    pub const fn sampling(&self) -> Sampling {
+        self.sampling
+    }
+
+    /// Columns and rows of one phase of the base-plane image. The whole image has `rays_per_voxel` times as many.
+    pub const fn base(&self) -> [u32; 2] {
+        self.base
+    }
+
+    /// Where the ray of pixel (0, 0), phase (0, 0) starts on the first slice: whole voxels along i and j.
+    pub const fn origin(&self) -> [i32; 2] {
+        self.origin
+    }
+
+    /// Steps from plane to plane along i, j, k, voxels.
+    pub const fn step(&self) -> [Step; 3] {
+        self.step
+    }
+
+    /// Number of sample planes.
+    pub const fn planes(&self) -> u32 {
+        let [_, _, depth] = self.dims;
+        (depth - 1) * self.sampling.planes_per_voxel + 1
+    }
+
+    /// Number of phases, `rays_per_voxel` squared.
+    pub const fn phases(&self) -> u32 {
+        self.sampling.rays_per_voxel * self.sampling.rays_per_voxel
+    }
+
+    /// The phase with this number, counted along i first.
+    pub const fn phase(&self, index: u32) -> Phase {
+        let n = self.sampling.rays_per_voxel;
+        match (index.checked_rem(n), index.checked_div(n)) {
+            (Some(u), Some(v)) => Phase { u, v },
+            _ => Phase { u: 0, v: 0 },
+        }
+    }
+
+    /// Where a phase starts, voxels: its offset `u / n` rounded to 32 fraction bits.
+    pub(crate) const fn start(&self, phase: Phase) -> [Step; 2] {
+        let n = self.sampling.rays_per_voxel;
+        let [oi, oj] = self.origin;
+        [
+            Step::from_bits(((oi as i64) << 32) + ratio(phase.u as u64, 1, n) as i64),
+            Step::from_bits(((oj as i64) << 32) + ratio(phase.v as u64, 1, n) as i64),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::Direction;
+
+    fn plan(direction: [f64; 3], dims: [u32; 3], sampling: Sampling) -> Result<Plan, PlanError> {
+        let view = View::new(direction.map(|c| Direction::from_bits((c * (1u64 << 58) as f64) as i64))).unwrap();
+        Plan::new(view, dims, Spacing::CUBIC, sampling)
+    }
+
+    #[test]
+    fn base_plane_of_an_axis_aligned_view_is_the_slice() {
+        let p = plan([0.0, 1.0, 0.0], [5, 7, 3], Sampling::default()).unwrap();
+        assert_eq!((p.base(), p.origin(), p.planes()), ([5, 3], [0, 0], 7));
+    }
+
+    #[test]
+    fn base_plane_grows_with_the_shear_on_the_right_side() {
+        let p = plan([0.5, -0.25, 1.0], [8, 8, 9], Sampling::default()).unwrap();
+        assert_eq!((p.base(), p.origin()), ([12, 10], [-4, 0]));
+        // Just beyond a whole voxel: one more column.
+        let p = plan([0.500001, -0.25, 1.0], [8, 8, 9], Sampling::default()).unwrap();
+        assert_eq!((p.base(), p.origin()), ([13, 10], [-5, 0]));
+    }
+
+    #[test]
+    fn limits_are_named() {
+        let rate = |planes_per_voxel, rays_per_voxel| Sampling {
+            planes_per_voxel,
+            rays_per_voxel,
+        };
+        let z = [0.0, 0.0, 1.0];
+        assert_eq!(plan(z, [0, 1, 1], rate(1, 1)), Err(PlanError::Side { given: 0 }));
+        assert_eq!(plan(z, [1, 8193, 1], rate(1, 1)), Err(PlanError::Side { given: 8193 }));
+        assert_eq!(
+            plan(z, [1, 1, 1], rate(17, 1)),
+            Err(PlanError::PlanesPerVoxel { given: 17 })
+        );
+        assert_eq!(
+            plan(z, [1, 1, 1], rate(1, 0)),
+            Err(PlanError::RaysPerVoxel { given: 0 })
+        );
+        assert_eq!(
+            plan(z, [1, 1, 8192], rate(16, 1)),
+            Err(PlanError::Planes { given: 8191 * 16 })
+        );
+        assert!(plan(z, [1, 1, 2049], rate(16, 1)).is_ok());
+        let view = View::new([Direction::ZERO, Direction::ZERO, Direction::from_bits(1)]).unwrap();
+        let flat = Spacing([Intensity::ONE, Intensity::ZERO, Intensity::ONE]);
+        assert_eq!(
+            Plan::new(view, [1; 3], flat, Sampling::default()),
+            Err(PlanError::Spacing { bits: 0 })
+        );
+    }
+}

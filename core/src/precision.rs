@@ -1,0 +1,94 @@
+//! The named precisions: which formats and roundings the stages use.
+//!
+//! A precision is a type with constants and nothing else; every stage is written once, over any precision. Firmware
+//! names the one it uses and pays for that one.
+//!
+//! | | [`Paper`] | [`Compact`] | [`Wide`] |
+//! |---|---|---|---|
+//! | weight | 1.12, truncated | 0.16 | 0.16 |
+//! | sample | 12.12, truncated at each lerp | 12.12, rounded once | 12.15, rounded once |
+//! | normal | 1.12, truncated | 15-bit block, length divided out last | as `Compact` |
+//! | shading | 16.16, truncated | 1.31 dots and powers, one rounding | as `Compact` |
+//! | pixel | 1.15 truncated, 64 bits | 1.15 telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
+
+use fixed::traits::Fixed;
+
+use crate::composite::{Dithered15, Recurrence, Telescoping31, Truncating15};
+use crate::format::{Rounding, Sample12, Sample15};
+
+/// The formats and roundings of a pipeline.
+pub trait Precision: Copy + Default + Send + Sync + 'static {
+    /// Sample format: 32 bits with at most 15 fraction bits (more would overflow the gradient).
+    type Sample: Fixed<Bits = i32>;
+    /// The pixel: its channel format and the arithmetic that folds a sample into it.
+    type Pixel: Recurrence;
+    /// The name that reports use.
+    const NAME: &'static str;
+    /// Bits of a 0.16 interpolation weight that are used; the rest are cut off.
+    const WEIGHT_BITS: u32;
+    /// Fraction bits kept after the y interpolation, at most 16.
+    const LERP_BITS: u32;
+    /// How interpolation loses its low bits.
+    const LERP_ROUNDING: Rounding;
+    /// How the normal reaches the dot product.
+    const NORMAL: NormalForm;
+    /// How shading loses its low bits.
+    const SHADE_ROUNDING: Rounding;
+
+    /// Fraction bits of a sample.
+    const SAMPLE_BITS: u32 = Self::Sample::FRAC_NBITS;
+}
+
+/// How a normal takes part in a dot product.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NormalForm {
+    /// The block-normalised gradient goes into the product, the reciprocal length is multiplied in last.
+    Deferred,
+    /// The normal is formed first, each component truncated to this many fraction bits (at most 15).
+    Formed(u32),
+}
+
+/// Squeeze to the letter: the baseline that the others are measured against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Paper;
+
+/// The same widths with every rounding placed for accuracy. The default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Compact;
+
+/// Reference quality in 32-bit channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wide;
+
+impl Precision for Paper {
+    type Sample = Sample12;
+    type Pixel = Truncating15;
+    const NAME: &'static str = "paper";
+    const WEIGHT_BITS: u32 = 12;
+    const LERP_BITS: u32 = 12;
+    const LERP_ROUNDING: Rounding = Rounding::Truncate;
+    const NORMAL: NormalForm = NormalForm::Formed(12);
+    const SHADE_ROUNDING: Rounding = Rounding::Truncate;
+}
+
+impl Precision for Compact {
+    type Sample = Sample12;
+    type Pixel = Dithered15;
+    const NAME: &'static str = "compact";
+    const WEIGHT_BITS: u32 = 16;
+    const LERP_BITS: u32 = 16;
+    const LERP_ROUNDING: Rounding = Rounding::Nearest;
+    const NORMAL: NormalForm = NormalForm::Deferred;
+    const SHADE_ROUNDING: Rounding = Rounding::Nearest;
+}
+
+impl Precision for Wide {
+    type Sample = Sample15;
+    type Pixel = Telescoping31;
+    const NAME: &'static str = "wide";
+    const WEIGHT_BITS: u32 = 16;
+    const LERP_BITS: u32 = 16;
+    const LERP_ROUNDING: Rounding = Rounding::Nearest;
+    const NORMAL: NormalForm = NormalForm::Deferred;
+    const SHADE_ROUNDING: Rounding = Rounding::Nearest;
+}

@@ -1,0 +1,70 @@
+//! Projection of the largest or the smallest sample of each ray (MIP and its twin).
+//!
+//! The pixel holds a sample until the last plane; then it is classified once, by a table whose opacities are as
+//! written (no step correction), and becomes a pixel like any other. Rounding: that of the sample. State: the pixel.
+
+use crate::classify::Classifier;
+use crate::composite::{Dither, Pixel, Recurrence};
+use crate::precision::Precision;
+
+/// Which sample of a ray is kept.
+pub trait Extreme: Copy + Send + Sync + 'static {
+    /// What a ray that has met nothing holds; no sample has these bits.
+    const EMPTY: i32;
+    /// The sample to keep, of the bits of two.
+    fn keep(a: i32, b: i32) -> i32;
+}
+
+/// The largest sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Maximum;
+
+/// The smallest sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Minimum;
+
+impl Extreme for Maximum {
+    const EMPTY: i32 = -1;
+    #[inline(always)]
+    fn keep(a: i32, b: i32) -> i32 {
+        a.max(b)
+    }
+}
+
+impl Extreme for Minimum {
+    const EMPTY: i32 = i32::MAX;
+    #[inline(always)]
+    fn keep(a: i32, b: i32) -> i32 {
+        a.min(b)
+    }
+}
+
+/// Folds one sample into each pixel of a row. Both rows equally long.
+#[inline]
+pub fn keep_row<X: Extreme>(row: &mut [i32], samples: &[i32]) {
+    for (kept, &s) in row.iter_mut().zip(samples) {
+        *kept = X::keep(*kept, s);
+    }
+}
+
+/// The picture's pixel of a kept sample.
+#[inline]
+pub fn resolve<P: Precision, X: Extreme>(
+    kept: i32,
+    classifier: &impl Classifier<P>,
+) -> Pixel<<P::Pixel as Recurrence>::Channel> {
+    if kept == X::EMPTY {
+        return Pixel::clear();
+    }
+    let sample: P::Sample = fixed::traits::Fixed::from_bits(kept);
+    let none = Dither {
+        transparency: 0,
+        colour: 0,
+    };
+    P::Pixel::over(
+        Pixel::clear(),
+        classifier.colour(sample),
+        classifier.opacity(sample),
+        none,
+    )
+}

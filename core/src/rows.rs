@@ -1,0 +1,25 @@
+//! Parts of rows without a panic: a range that does not fit gives nothing.
+
+use core::ops::Range;
+
+/// Part of a row.
+#[inline(always)]
+pub(crate) fn part(row: &[i32], range: Range<usize>) -> &[i32] {
+    row.get(range).unwrap_or(&[])
+}
+
+/// Part of a row, to write to.
+#[inline(always)]
+pub(crate) fn part_mut(row: &mut [i32], range: Range<usize>) -> &mut [i32] {
+    row.get_mut(range).unwrap_or(&mut [])
+}
+
+/// Cuts the first `len` elements off a buffer.
+#[inline]
+pub(crate) fn take<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T] {
+    let (head, tail) = core::mem::take(rest)
+        .split_at_mut_checked(len)
+        .unwrap_or((&mut [], &mut []));
+    *rest = tail;
+    head
+}

@@ -1,0 +1,302 @@
+//! The stream layer: slices go in one at a time, in the caller's memory, and the image grows.
+//!
+//! Slices are copied into a ring of as many as the pipeline looks at (2, or 4 where gradients are needed); every sample
+//! plane is folded as soon as its slices are there. The same bits as the plane layer on the whole volume.
+//!
+//! A slice has `plan.dims()[0]` x `plan.dims()[1]` voxels, rows of i. Slices are pushed nearest first ([`Stream::wanted`]
+//! says which); a back-to-front pipeline wants them farthest first.
+
+use crate::composite::Pixel;
+use crate::locate::{cell, plane};
+use crate::plan::{Phase, Plan};
+use crate::plane::{ChannelOf, Pipeline, Rows, clear, scratch_len};
+use crate::slice::{RowRange, Slice, SliceError, Window};
+use crate::tap::Tap;
+
+/// Memory that a stream needs, in elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Needs {
+    /// Voxels of the ring, 2 bytes each.
+    pub slices: usize,
+    /// Row ranges of the ring, 4 bytes each.
+    pub ranges: usize,
+    /// Words of scratch memory, 4 bytes each.
+    pub scratch: usize,
+    /// Elements of the base-plane image.
+    pub image: usize,
+    /// Bytes of an element of the image.
+    pub element_bytes: usize,
+}
+
+impl Needs {
+    /// What a pipeline needs for a plan.
+    pub const fn of<L: Pipeline>(plan: &Plan) -> Self {
+        let [width, height, _] = plan.dims();
+        Self {
+            slices: L::SLICES * width as usize * height as usize,
+            ranges: L::SLICES * height as usize,
+            scratch: scratch_len::<L>(width),
+            image: plan.phases() as usize * phase_len::<L>(plan),
+            element_bytes: size_of::<L::Element>(),
+        }
+    }
+
+    /// Bytes of the four parts, in the order of the fields.
+    pub const fn bytes(&self) -> [usize; 4] {
+        [
+            self.slices * 2,
+            self.ranges * size_of::<RowRange>(),
+            self.scratch * 4,
+            self.image * self.element_bytes,
+        ]
+    }
+}
+
+/// Elements of one phase of the base-plane image.
+pub const fn phase_len<L: Pipeline>(plan: &Plan) -> usize {
+    let [width, height] = plan.base();
+    L::CHANNELS * width as usize * height as usize
+}
+
+/// Memory lent to a stream: at least as much of each as [`Needs`] says. It need not be initialised to anything.
+#[derive(Debug)]
+pub struct Memory<'m, E> {
+    /// The ring of slices.
+    pub slices: &'m mut [u16],
+    /// The ranges of their rows.
+    pub ranges: &'m mut [RowRange],
+    /// Rows under way.
+    pub scratch: &'m mut [i32],
+    /// The base-plane image, phase after phase.
+    pub image: &'m mut [E],
+}
+
+/// A part of [`Memory`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// `slices`.
+    Slices,
+    /// `ranges`.
+    Ranges,
+    /// `scratch`.
+    Scratch,
+    /// `image`.
+    Image,
+}
+
+/// Why a stream does not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StreamError {
+    /// A part of the memory is too small.
+    Memory {
+        /// Which.
+        part: Part,
+        /// Elements needed.
+        needed: usize,
+        /// Elements given.
+        given: usize,
+    },
+    /// A slice has the wrong size or a voxel of more than 12 bits; it has not been taken.
+    Slice(SliceError),
+    /// All slices have been pushed.
+    Complete,
+}
+
+impl core::fmt::Display for StreamError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Memory { part, needed, given } => {
+                let name = match part {
+                    Part::Slices => "slices",
+                    Part::Ranges => "ranges",
+                    Part::Scratch => "scratch",
+                    Part::Image => "image",
+                };
+                write!(f, "the memory for {name} needs {needed} elements, {given} given")
+            }
+            Self::Slice(error) => error.fmt(f),
+            Self::Complete => f.write_str("all slices of the volume have been pushed"),
+        }
+    }
+}
+
+impl core::error::Error for StreamError {}
+
+impl From<SliceError> for StreamError {
+    fn from(error: SliceError) -> Self {
+        Self::Slice(error)
+    }
+}
+
+/// A frame in the making.
+#[derive(Debug)]
+pub struct Stream<'m, L: Pipeline> {
+    plan: Plan,
+    pipeline: L,
+    memory: Memory<'m, L::Element>,
+    pushed: u32,
+    folded: u32,
+}
+
+impl<'m, L: Pipeline> Stream<'m, L> {
+    /// Begins a frame: checks the memory and clears the image.
+    ///
+    /// # Errors
+    /// [`StreamError::Memory`] for the first part that is too small.
+    pub fn new(plan: Plan, pipeline: L, memory: Memory<'m, L::Element>) -> Result<Self, StreamError> {
+        let needs = Needs::of::<L>(&plan);
+        for (part, needed, given) in [
+            (Part::Slices, needs.slices, memory.slices.len()),
+            (Part::Ranges, needs.ranges, memory.ranges.len()),
+            (Part::Scratch, needs.scratch, memory.scratch.len()),
+            (Part::Image, needs.image, memory.image.len()),
+        ] {
+            if given < needed {
+                return Err(StreamError::Memory { part, needed, given });
+            }
+        }
+        let stream = Self {
+            plan,
+            pipeline,
+            memory,
+            pushed: 0,
+            folded: 0,
+        };
+        clear::<L>(&plan, stream.memory.image.get_mut(..needs.image).unwrap_or(&mut []));
+        Ok(stream)
+    }
+
+    /// The number, along k, of the slice that is wanted next; `None` when the frame is complete.
+    pub fn wanted(&self) -> Option<u32> {
+        let [_, _, depth] = self.plan.dims();
+        let left = depth.checked_sub(self.pushed + 1)?;
+        Some(if L::BACK_TO_FRONT { left } else { self.pushed })
+    }
+
+    /// Takes a slice (rows one after the other) and folds all planes that it completes.
+    ///
+    /// # Errors
+    /// [`StreamError::Slice`] if the slice is not of the plan's size or holds a voxel above 4095: the slice is then not
+    /// taken, and the stream can go on with a good one. [`StreamError::Complete`] after the last slice.
+    pub fn push<T: Tap>(&mut self, voxels: &[u16], tap: &mut T) -> Result<(), StreamError> {
+        let number = self.wanted().ok_or(StreamError::Complete)?;
+        let [width, height, _] = self.plan.dims().map(|side| side as usize);
+        let len = width * height;
+        if voxels.len() != len {
+            return Err(StreamError::Slice(SliceError::Voxels {
+                needed: len,
+                given: voxels.len(),
+            }));
+        }
+        let slot = (number as usize).checked_rem(L::SLICES).unwrap_or(0);
+        let ranges = self.memory.ranges.get_mut(slot * height..(slot + 1) * height);
+        // Where a slice is refused its slot is left with wrong ranges, but the next good one overwrites them.
+        Slice::measure(voxels, width, height, width, ranges.unwrap_or(&mut []))?;
+        let kept = self.memory.slices.get_mut(slot * len..(slot + 1) * len);
+        for (to, from) in kept.unwrap_or(&mut []).iter_mut().zip(voxels) {
+            *to = *from;
+        }
+        self.pushed += 1;
+        self.fold_ready(tap);
+        Ok(())
+    }
+
+    /// Folds the planes whose slices are all there.
+    fn fold_ready<T: Tap>(&mut self, tap: &mut T) {
+        let [width, height, depth] = self.plan.dims();
+        let (slice_len, rows) = (width as usize * height as usize, height as usize);
+        let phase_len = phase_len::<L>(&self.plan).max(1);
+        let planes = self.plan.planes();
+        // How far a plane looks beyond its two slices.
+        let reach = i64::from(L::SLICES > 2);
+        while self.folded < planes {
+            let index = if L::BACK_TO_FRONT {
+                planes - 1 - self.folded
+            } else {
+                self.folded
+            };
+            let z = cell(plane(&self.plan, Phase::default(), index).z).index;
+            let last = i64::from(depth) - 1;
+            let ready = if L::BACK_TO_FRONT {
+                last - (i64::from(z) - reach).max(0) < i64::from(self.pushed)
+            } else {
+                (i64::from(z) + 1 + reach).min(last) < i64::from(self.pushed)
+            };
+            if !ready {
+                return;
+            }
+            let Memory {
+                slices,
+                ranges,
+                scratch,
+                image,
+            } = &mut self.memory;
+            let slice = |z: i32| -> Option<Slice<'_>> {
+                let z = usize::try_from(z).ok().filter(|z| *z < depth as usize)?;
+                let slot = z.checked_rem(L::SLICES)?;
+                Some(Slice::measured(
+                    slices.get(slot * slice_len..(slot + 1) * slice_len)?,
+                    ranges.get(slot * rows..(slot + 1) * rows)?,
+                    width as usize,
+                ))
+            };
+            let outer = |z: i32| slice(z).filter(|_| L::SLICES > 2);
+            let window = slice(z).map(|near| Window {
+                before: outer(z - 1),
+                near,
+                far: slice(z + 1),
+                after: outer(z + 2),
+            });
+            if let Some(window) = window {
+                for (number, data) in (0..self.plan.phases()).zip(image.chunks_exact_mut(phase_len)) {
+                    let plane = plane(&self.plan, self.plan.phase(number), index);
+                    let rows = Rows { first: 0, data };
+                    self.pipeline.fold(&self.plan, &plane, &window, rows, scratch, tap);
+                }
+            }
+            self.folded += 1;
+        }
+    }
+
+    /// The base-plane image as it stands: phase after phase, row after row, `CHANNELS` runs of `plan.base()[0]`
+    /// elements a row.
+    pub fn image(&self) -> &[L::Element] {
+        let needs = Needs::of::<L>(&self.plan);
+        self.memory.image.get(..needs.image).unwrap_or(&[])
+    }
+
+    /// A pixel of the whole base-plane image (all phases), clear outside it.
+    pub fn pixel(&self, u: i64, v: i64) -> Pixel<ChannelOf<L::Precision>> {
+        base_pixel(&self.plan, &self.pipeline, self.image(), u, v)
+    }
+
+    /// The plan.
+    pub const fn plan(&self) -> &Plan {
+        &self.plan
+    }
+}
+
+/// A pixel of a whole base-plane image (all phases, as [`Stream::image`] lays them out), clear outside it. `u` counts
+/// along i and `v` along j, `rays_per_voxel` to a voxel.
+pub fn base_pixel<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    image: &[L::Element],
+    u: i64,
+    v: i64,
+) -> Pixel<ChannelOf<L::Precision>> {
+    let find = || {
+        let n = u64::from(plan.sampling().rays_per_voxel);
+        let (u, v) = (u64::try_from(u).ok()?, u64::try_from(v).ok()?);
+        let [width, height] = plan.base();
+        let (column, row) = (u.checked_div(n)? as usize, v.checked_div(n)? as usize);
+        if column >= width as usize || row >= height as usize {
+            return None;
+        }
+        let phase = (u.checked_rem(n)? + n * v.checked_rem(n)?) as usize;
+        let row_len = L::CHANNELS * width as usize;
+        let start = phase * phase_len::<L>(plan) + row * row_len;
+        Some(pipeline.pixel(image.get(start..start + row_len)?, column))
+    };
+    find().unwrap_or(Pixel::clear())
+}

@@ -1,0 +1,259 @@
+//! Viewing direction to slice frame: which axis the slices are perpendicular to, and which way they are read.
+//!
+//! Source: the shear of Cube-4 and VolumePro (Pfister et al. 1999, section 3). The **major axis** is the one along
+//! which the viewing direction, in voxel units, is largest; it becomes k, reversed if need be so that k grows away
+//! from the eye. The other two axes, in their own order, become i and j and are never reversed:
+//!
+//! | major axis | i | j | k |
+//! |---|---|---|---|
+//! | x | y | z | x |
+//! | y | x | z | y |
+//! | z | x | y | z |
+//!
+//! Ties (45-degree views) go to z before y before x: the order in which volumes are stored.
+//!
+//! Rounding: the slopes are kept as the exact ratio of two direction components; `plan` rounds once, to 32.32.
+//! State: none. Floating point appears only in [`View::from_angles`], which a device may use to set up a view.
+
+use micromath::F32Ext;
+
+use crate::format::{Direction, Step};
+
+/// One of the volume's axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The first axis (fastest in memory).
+    X,
+    /// The second axis.
+    Y,
+    /// The third axis.
+    Z,
+}
+
+/// A parallel view, reduced to the slice frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct View {
+    major: Axis,
+    reversed: bool,
+    /// i and j components of the direction, s5.58 bits.
+    lateral: [i64; 2],
+    /// k component, 0 < axial <= 2^58.
+    axial: u64,
+}
+
+/// Why a direction is not a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViewError {
+    /// All three components are zero.
+    NoDirection,
+    /// A component is beyond -1 to 1.
+    TooLong {
+        /// The component's bits, s5.58.
+        bits: i64,
+    },
+}
+
+impl core::fmt::Display for ViewError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NoDirection => f.write_str("the viewing direction is zero"),
+            Self::TooLong { bits } => write!(
+                f,
+                "a component of the viewing direction is beyond -1 to 1 (bits {bits} of s5.58)"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ViewError {}
+
+impl View {
+    /// The view along a direction (from the eye into the scene) in voxel units: each world component divided by the
+    /// voxel spacing of its axis, then scaled so that no component is beyond -1 to 1. Its length does not matter.
+    ///
+    /// # Errors
+    /// [`ViewError`] if the direction is zero or too long; nothing is clamped.
+    pub fn new(direction: [Direction; 3]) -> Result<Self, ViewError> {
+        let [x, y, z] = direction.map(Direction::to_bits);
+        for bits in [x, y, z] {
+            if bits.unsigned_abs() > Direction::ONE.to_bits().unsigned_abs() {
+                return Err(ViewError::TooLong { bits });
+            }
+        }
+        let [ax, ay, az] = [x.unsigned_abs(), y.unsigned_abs(), z.unsigned_abs()];
+        let (major, k, lateral) = if az >= ay && az >= ax {
+            (Axis::Z, z, [x, y])
+        } else if ay >= ax {
+            (Axis::Y, y, [x, z])
+        } else {
+            (Axis::X, x, [y, z])
+        };
+        if k == 0 {
+            return Err(ViewError::NoDirection);
+        }
+        Ok(Self {
+            major,
+            reversed: k < 0,
+            lateral,
+            axial: k.unsigned_abs(),
+        })
+    }
+
+    /// The view from angles in radians, for a device that has no better source: azimuth about +z (0 looks along +y),
+    /// elevation above the xy plane, and the voxel spacing along x, y, z. Sine and cosine are `micromath`'s (single
+    /// precision, the same bits on every target); expect the direction to be off by up to 0.1 degrees.
+    ///
+    /// # Errors
+    /// [`ViewError::NoDirection`] if an angle or a spacing is not a usable number.
+    #[expect(
+        clippy::float_arithmetic,
+        reason = "set-up of a view on a device, not part of the pipeline"
+    )]
+    pub fn from_angles(azimuth: f32, elevation: f32, spacing: [f32; 3]) -> Result<Self, ViewError> {
+        let (sa, ca) = (F32Ext::sin(azimuth), F32Ext::cos(azimuth));
+        let (se, ce) = (F32Ext::sin(elevation), F32Ext::cos(elevation));
+        let [dx, dy, dz] = spacing;
+        let voxels = [-sa * ce / dx, ca * ce / dy, -se / dz];
+        let longest = voxels.iter().fold(0.0f32, |m, c| {
+            let a = F32Ext::abs(*c);
+            if a > m { a } else { m }
+        });
+        if !longest.is_finite() || longest <= 0.0 {
+            return Err(ViewError::NoDirection);
+        }
+        // 2^30 fits an f32 exactly; float to integer casts saturate and take NaN to 0.
+        let component = |c: f32| Direction::from_bits(((c / longest * 1_073_741_824.0) as i64) << 28);
+        Self::new(voxels.map(component))
+    }
+
+    /// The axis that the slices are perpendicular to.
+    pub const fn major(&self) -> Axis {
+        self.major
+    }
+
+    /// Whether slices are read from the far end of the major axis.
+    pub const fn reversed(&self) -> bool {
+        self.reversed
+    }
+
+    /// Reorders a triple from x, y, z to i, j, k (no sign changes): sizes, spacings.
+    pub fn arrange<T: Copy>(&self, xyz: [T; 3]) -> [T; 3] {
+        let [x, y, z] = xyz;
+        match self.major {
+            Axis::X => [y, z, x],
+            Axis::Y => [x, z, y],
+            Axis::Z => [x, y, z],
+        }
+    }
+
+    /// Takes a vector from x, y, z to i, j, k: reordered, and k reversed where the slices are.
+    pub fn orient<T: Copy + core::ops::Neg<Output = T>>(&self, xyz: [T; 3]) -> [T; 3] {
+        let [i, j, k] = self.arrange(xyz);
+        [i, j, if self.reversed { -k } else { k }]
+    }
+
+    /// The shear per sample plane along i and j, voxels, s31.32: direction_i / (direction_k * planes_per_voxel),
+    /// rounded to nearest, halves away from zero, so that opposite views mirror each other exactly.
+    pub fn shear(&self, planes_per_voxel: u32) -> [Step; 2] {
+        self.lateral.map(|d| {
+            let magnitude = ratio(d.unsigned_abs(), self.axial, planes_per_voxel);
+            let bits = magnitude as i64;
+            Step::from_bits(if d < 0 { -bits } else { bits })
+        })
+    }
+}
+
+/// `numerator / (denominator * times)` with 32 fraction bits, to nearest, by long division.
+///
+/// Range: numerator <= denominator <= 2^58, times <= 16, so that a doubled remainder stays below 2^64.
+pub(crate) const fn ratio(numerator: u64, denominator: u64, times: u32) -> u64 {
+    let divisor = denominator * times as u64;
+    let mut remainder = numerator;
+    let mut quotient: u64 = 0;
+    let mut bit = 0;
+    // One integer bit, 32 fraction bits and one more to round by.
+    while bit < 34 {
+        quotient <<= 1;
+        if remainder >= divisor {
+            remainder -= divisor;
+            quotient |= 1;
+        }
+        remainder <<= 1;
+        bit += 1;
+    }
+    (quotient + 1) >> 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn direction(v: [f64; 3]) -> [Direction; 3] {
+        v.map(|c| Direction::from_bits((c * (1u64 << 58) as f64) as i64))
+    }
+
+    #[test]
+    fn ties_go_to_z_then_y() {
+        let major = |v| View::new(direction(v)).unwrap().major();
+        assert_eq!(major([0.5, 0.5, 0.5]), Axis::Z);
+        assert_eq!(major([0.5, -0.5, 0.25]), Axis::Y);
+        assert_eq!(major([-0.5, 0.25, 0.25]), Axis::X);
+        assert_eq!(major([0.5, 0.5, -0.5]), Axis::Z);
+    }
+
+    #[test]
+    fn shear_is_the_nearest_32_32_ratio() {
+        for (v, r) in [
+            ([0.3, -0.2, 0.9], 1),
+            ([1.0, 1.0, 1.0], 16),
+            ([0.1, 0.7, -0.7001], 3),
+            ([1e-12, -0.999, 1.0], 7),
+        ] {
+            let view = View::new(direction(v)).unwrap();
+            let [si, sj] = view.shear(r);
+            for (s, c) in [(si, v[0]), (sj, v[1])] {
+                let exact = c / v[2].abs() / f64::from(r) * 4294967296.0;
+                assert!((s.to_bits() as f64 - exact).abs() <= 0.5 + 1e-6, "{v:?} {r}");
+            }
+        }
+    }
+
+    #[test]
+    fn opposite_views_mirror() {
+        let a = View::new(direction([0.3, -0.2, 0.9])).unwrap();
+        let b = View::new(direction([-0.3, 0.2, -0.9])).unwrap();
+        assert_eq!(a.shear(3)[0], -b.shear(3)[0]);
+        assert_eq!(a.shear(3)[1], -b.shear(3)[1]);
+        assert!(!a.reversed() && b.reversed());
+    }
+
+    #[test]
+    fn bad_directions_are_named() {
+        assert_eq!(View::new([Direction::ZERO; 3]), Err(ViewError::NoDirection));
+        let long = Direction::from_bits((1 << 58) + 1);
+        assert_eq!(
+            View::new([Direction::ZERO, long, Direction::ZERO]),
+            Err(ViewError::TooLong { bits: (1 << 58) + 1 })
+        );
+        assert_eq!(View::from_angles(f32::NAN, 0.0, [1.0; 3]), Err(ViewError::NoDirection));
+        assert_eq!(
+            View::from_angles(0.0, 0.0, [1.0, 0.0, 1.0]),
+            Err(ViewError::NoDirection)
+        );
+    }
+
+    #[test]
+    fn angles_agree_with_f64_to_a_tenth_of_a_degree() {
+        for a in (-180..180).step_by(7) {
+            for e in (-80..=80).step_by(20) {
+                let (a, e) = (f64::from(a).to_radians(), f64::from(e).to_radians());
+                let exact = [-a.sin() * e.cos(), a.cos() * e.cos(), -e.sin()];
+                let view = View::from_angles(a as f32, e as f32, [1.0; 3]).unwrap();
+                let [si, sj] = view.shear(1).map(|s| s.to_bits() as f64 / 4294967296.0);
+                let [i, j, k] = view.orient(exact);
+                let dot = (si * i + sj * j + k) / (si * si + sj * sj + 1.0).sqrt();
+                assert!(dot > 0.1f64.to_radians().cos(), "{a} {e} {dot}");
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Transfer functions compiled to the pipeline's table.
+
+use slicecast::classify::{
+    Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt8, Sqrt16, Support, entry, opacity_of_root,
+};
+use slicecast::format::{Intensity, Opacity};
+use slicecast::precision::Precision;
+
+use crate::scene::{AlphaCodeName, LookupName, TransferFunction};
+use crate::volume::Mapping;
+
+/// A compiled table: what the pipeline's point tables borrow.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Table {
+    /// R, G, B and the square root of the opacity (or its high byte).
+    pub entries: Box<[u32; ENTRIES]>,
+    /// The root's low byte; all zero where the code has 8 bits.
+    pub plane: Box<[u8; ENTRIES]>,
+    /// How the root is coded.
+    pub code: AlphaCodeName,
+    /// How samples find entries.
+    pub lookup: LookupName,
+    /// Entries that the transfer function makes visible and the code makes invisible.
+    pub underflows: usize,
+}
+
+/// What an opacity is corrected for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Correction {
+    /// The length of a ray's step, in the unit of the spacing.
+    Step(f64),
+    /// Nothing: the opacity as written.
+    None,
+}
+
+impl Correction {
+    /// `1 - (1 - opacity)^(step / unit)` (Squeeze, equation 7).
+    pub fn apply(self, opacity: f64, unit_distance: f64) -> f64 {
+        match self {
+            Self::None => opacity,
+            Self::Step(_) if opacity >= 1.0 => 1.0,
+            Self::Step(length) => -((-opacity).ln_1p() * (length / unit_distance)).exp_m1(),
+        }
+    }
+}
+
+impl Table {
+    /// Compiles a transfer function for 12-bit codes.
+    pub fn compile(
+        transfer: &TransferFunction,
+        mapping: &Mapping,
+        correction: Correction,
+        code: AlphaCodeName,
+        lookup: LookupName,
+    ) -> Self {
+        let mut table = Self {
+            entries: Box::new([0; ENTRIES]),
+            plane: Box::new([0; ENTRIES]),
+            code,
+            lookup,
+            underflows: 0,
+        };
+        for (index, (slot, low)) in table.entries.iter_mut().zip(table.plane.iter_mut()).enumerate() {
+            let (colour, opacity) = transfer.evaluate(mapping.value(index as f64));
+            let opacity = correction.apply(opacity, transfer.unit_distance);
+            let root = opacity.sqrt();
+            let bytes = colour.map(|c| (c * 255.0).round() as u8);
+            let high = match code {
+                AlphaCodeName::Sqrt8 => (root * 255.0).round() as u8,
+                AlphaCodeName::Sqrt16 => {
+                    let [low_byte, high] = ((root * 65536.0).round().min(65535.0) as u16).to_le_bytes();
+                    *low = low_byte;
+                    high
+                }
+            };
+            *slot = entry(bytes, high);
+            if opacity > 0.0 && high == 0 && *low == 0 {
+                table.underflows += 1;
+            }
+        }
+        table
+    }
+
+    /// The classifier over this table.
+    pub fn classifier(&self) -> AnyTable<'_> {
+        match (self.code, self.lookup) {
+            (AlphaCodeName::Sqrt8, LookupName::Nearest) => AnyTable::Nearest8(PointTable::new(&self.entries, ())),
+            (AlphaCodeName::Sqrt8, LookupName::Linear) => AnyTable::Linear8(PointTable::new(&self.entries, ())),
+            (AlphaCodeName::Sqrt16, LookupName::Nearest) => {
+                AnyTable::Nearest16(PointTable::new(&self.entries, &self.plane))
+            }
+            (AlphaCodeName::Sqrt16, LookupName::Linear) => {
+                AnyTable::Linear16(PointTable::new(&self.entries, &self.plane))
+            }
+        }
+    }
+
+    /// The opacity that an entry decodes to, 1.31.
+    pub fn opacity(&self, index: usize) -> Opacity {
+        let high = (self.entries[index] >> 24) as u16;
+        opacity_of_root(match self.code {
+            AlphaCodeName::Sqrt8 => 257 * high,
+            AlphaCodeName::Sqrt16 => high << 8 | u16::from(self.plane[index]),
+        })
+    }
+
+    /// Bytes that the pipeline reads.
+    pub fn bytes(&self) -> usize {
+        table_bytes(self.code)
+    }
+}
+
+/// Bytes of a table with this code.
+pub const fn table_bytes(code: AlphaCodeName) -> usize {
+    match code {
+        AlphaCodeName::Sqrt8 => PointTable::<Sqrt8, Nearest>::BYTES,
+        AlphaCodeName::Sqrt16 => PointTable::<Sqrt16, Nearest>::BYTES,
+    }
+}
+
+/// One of the point tables, chosen at run time, once a row.
+#[derive(Clone, Copy, Debug)]
+pub enum AnyTable<'a> {
+    /// 8-bit root, nearest entry.
+    Nearest8(PointTable<'a, Sqrt8, Nearest>),
+    /// 8-bit root, linear.
+    Linear8(PointTable<'a, Sqrt8, Linear>),
+    /// 16-bit root, nearest entry.
+    Nearest16(PointTable<'a, Sqrt16, Nearest>),
+    /// 16-bit root, linear.
+    Linear16(PointTable<'a, Sqrt16, Linear>),
+}
+
+macro_rules! with_table {
+    ($any:expr, $table:ident => $body:expr) => {
+        match $any {
+            AnyTable::Nearest8($table) => $body,
+            AnyTable::Linear8($table) => $body,
+            AnyTable::Nearest16($table) => $body,
+            AnyTable::Linear16($table) => $body,
+        }
+    };
+}
+
+impl<P: Precision> Classifier<P> for AnyTable<'_> {
+    fn opacity(&self, sample: P::Sample) -> Opacity {
+        with_table!(self, table => Classifier::<P>::opacity(table, sample))
+    }
+
+    fn colour(&self, sample: P::Sample) -> [Intensity; 3] {
+        with_table!(self, table => Classifier::<P>::colour(table, sample))
+    }
+
+    fn support(&self) -> Support {
+        with_table!(self, table => Classifier::<P>::support(table))
+    }
+
+    fn opacity_row(&self, samples: &[i32], out: &mut [i32]) {
+        with_table!(self, table => Classifier::<P>::opacity_row(table, samples, out));
+    }
+
+    fn colour_row(&self, samples: &[i32], out: [&mut [i32]; 3]) {
+        with_table!(self, table => Classifier::<P>::colour_row(table, samples, out));
+    }
+}
