@@ -102,11 +102,7 @@ fn sampling(sampling: Sampling) -> Result<(), FieldError> {
 }
 
 fn transfer(transfer: &TransferFunction) -> Result<(), FieldError> {
-    number(
-        "transfer.unit_distance",
-        transfer.unit_distance,
-        UNIT_DISTANCE,
-    )?;
+    number("transfer.unit_distance", transfer.unit_distance, UNIT_DISTANCE)?;
     count("transfer.points", transfer.points.len(), POINTS)?;
     for (i, point) in transfer.points.iter().enumerate() {
         let name = |part: &str| format!("transfer.points[{i}].{part}");
@@ -170,11 +166,7 @@ fn light(i: usize, light: &Light) -> Result<(), FieldError> {
 pub(super) const EXPONENTS: &str = "a power of two from 1 to 256";
 
 /// A number in a range; NaN is in none.
-pub(super) fn number(
-    field: &str,
-    value: f64,
-    range: RangeInclusive<f64>,
-) -> Result<(), FieldError> {
+pub(super) fn number(field: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), FieldError> {
     if range.contains(&value) {
         return Ok(());
     }
@@ -186,11 +178,7 @@ pub(super) fn number(
 }
 
 /// A whole number in a range that fits 32 bits.
-pub(super) fn whole(
-    field: &str,
-    value: i64,
-    range: RangeInclusive<i64>,
-) -> Result<u32, FieldError> {
+pub(super) fn whole(field: &str, value: i64, range: RangeInclusive<i64>) -> Result<u32, FieldError> {
     match u32::try_from(value) {
         Ok(small) if range.contains(&value) => Ok(small),
         _ => {
@@ -223,3 +211,43 @@ fn colour(field: &str, rgb: [f64; 3]) -> Result<(), FieldError> {
 
 /// The colours that a file may state.
 pub(super) const COLOURS: &str = "\"#rrggbb\" or three numbers from 0 to 1";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::file;
+
+    /// Changes the default scene as a command line would and returns the field that is refused.
+    fn refused(change: impl Fn(&mut Scene, &mut Lighting)) -> String {
+        let mut scene = file::built_in(file::DEFAULT).unwrap();
+        let mut lighting = scene.lighting.clone().unwrap();
+        change(&mut scene, &mut lighting);
+        scene.lighting = Some(lighting);
+        scene.check().unwrap_err().field
+    }
+
+    #[test]
+    fn scenes_changed_in_memory_are_held_to_the_same_ranges() {
+        assert_eq!(refused(|_, l| l.exponent_log2 = 9), "lighting.exponent");
+        assert_eq!(
+            refused(|_, l| l.lights[1].direction = [0.0, 0.0, 1.001]),
+            "lighting.lights[1].direction"
+        );
+        assert_eq!(
+            refused(|_, l| l.lights[1].direction = [f64::NAN; 3]),
+            "lighting.lights[1].direction"
+        );
+        assert_eq!(refused(|_, l| l.lights.clear()), "lighting.lights");
+        assert_eq!(refused(|s, _| s.view.azimuth = f64::NAN), "view.azimuth");
+        assert_eq!(refused(|s, _| s.image.size = Some([1, u32::MAX])), "image.size[1]");
+        assert_eq!(
+            refused(|s, _| s.sampling.planes_per_voxel = 0),
+            "sampling.planes_per_voxel"
+        );
+        assert_eq!(
+            refused(|s, _| s.early_termination = Some(21)),
+            "render.early_termination"
+        );
+        assert_eq!(refused(|s, _| s.transfer.points.swap(0, 1)), "transfer.points[1].value");
+    }
+}

@@ -51,9 +51,7 @@ impl<'de> Visitor<'de> for ColourVisitor {
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Colour, A::Error> {
         let mut rgb = [0.0; 3];
         for (i, channel) in rgb.iter_mut().enumerate() {
-            *channel = seq
-                .next_element()?
-                .ok_or_else(|| A::Error::invalid_length(i, &self))?;
+            *channel = seq.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &self))?;
         }
         match seq.next_element::<f64>()? {
             None => Ok(Colour::Numbers(rgb)),
@@ -71,9 +69,7 @@ mod tests {
         let rgb = |text: &str| Colour::Text(text.into()).rgb();
         assert_eq!(rgb("#ff0033"), Some([1.0, 0.0, 0.2]));
         assert_eq!(rgb("#FFFFFF"), Some([1.0; 3]));
-        for bad in [
-            "", "#", "ff0033", "#ff003", "#ff00333", "#+f0033", "#ff00é", "red",
-        ] {
+        for bad in ["", "#", "ff0033", "#ff003", "#ff00333", "#+f0033", "#ff00é", "red"] {
             assert_eq!(rgb(bad), None, "{bad}");
         }
     }

@@ -107,8 +107,7 @@ pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
         name: name.to_owned(),
         fault,
     };
-    let file: SceneFile =
-        toml::from_str(text).map_err(|error| fail(SceneFault::Syntax(error.to_string())))?;
+    let file: SceneFile = toml::from_str(text).map_err(|error| fail(SceneFault::Syntax(error.to_string())))?;
     let scene = file.into_scene().map_err(|error| fail(error.into()))?;
     scene.check().map_err(|error| fail(error.into()))?;
     Ok(scene)
@@ -120,9 +119,7 @@ fn read_text(path: &Path) -> Result<String, SceneFault> {
         return Err(SceneFault::NotAFile);
     }
     let mut bytes = Vec::new();
-    File::open(path)?
-        .take(MAX_LEN + 1)
-        .read_to_end(&mut bytes)?;
+    File::open(path)?.take(MAX_LEN + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > MAX_LEN {
         return Err(SceneFault::TooLong);
     }

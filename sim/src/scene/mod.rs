@@ -3,7 +3,7 @@
 //! The pipeline's tables, shears and light vectors are made from it (`table`, `camera`), and the f64 model reads it
 //! directly: nothing here has been rounded to a hardware format.
 //!
-//! [`file`] reads scenes from TOML, [`check`] holds the range of every field, [`transfer`] evaluates transfer functions.
+//! [`mod@file`] reads scenes from TOML, [`check`] holds the range of every field, [`transfer`] evaluates transfer functions.
 
 pub mod check;
 mod colour;

@@ -46,10 +46,7 @@ mod tests {
     }
 
     fn opacities(points: &[(f64, f64)], values: &[f64]) -> Vec<f64> {
-        values
-            .iter()
-            .map(|&value| function(points).evaluate(value).1)
-            .collect()
+        values.iter().map(|&value| function(points).evaluate(value).1).collect()
     }
 
     #[test]
@@ -77,15 +74,9 @@ mod tests {
     fn the_later_point_of_a_step_holds_at_the_value() {
         let points = [(0.0, 0.0), (1.0, 0.5), (1.0, 1.0), (2.0, 0.0)];
         assert_eq!(opacities(&points, &[0.5, 1.0, 1.5]), [0.25, 1.0, 0.5]);
-        assert_eq!(
-            opacities(&points, &[1.0_f64.next_down()]),
-            [0.5 * 1.0_f64.next_down()]
-        );
+        assert_eq!(opacities(&points, &[1.0_f64.next_down()]), [0.5 * 1.0_f64.next_down()]);
         // A step at either end of the function.
-        assert_eq!(
-            opacities(&[(1.0, 0.0), (1.0, 1.0)], &[0.9, 1.0, 1.1]),
-            [0.0, 1.0, 1.0]
-        );
+        assert_eq!(opacities(&[(1.0, 0.0), (1.0, 1.0)], &[0.9, 1.0, 1.1]), [0.0, 1.0, 1.0]);
     }
 
     #[test]

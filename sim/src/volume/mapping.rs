@@ -52,9 +52,7 @@ pub enum MappingError {
         high: f64,
     },
     /// A range so wide or so narrow that f64 cannot divide it into codes.
-    #[error(
-        "values from {low} to {high} cannot be divided into 4096 codes, expected a range of 1e-290 to 1e300"
-    )]
+    #[error("values from {low} to {high} cannot be divided into 4096 codes, expected a range of 1e-290 to 1e300")]
     Range {
         /// Least value.
         low: f64,
@@ -121,8 +119,7 @@ fn map_values<T: Copy + Into<f64>>(
         let code = ((value - coding.low) * coding.codes_per_unit + 0.5)
             .floor()
             .min(MAX_CODE);
-        max_rounding_error =
-            max_rounding_error.max((value - (coding.low + code * coding.unit)).abs());
+        max_rounding_error = max_rounding_error.max((value - (coding.low + code * coding.unit)).abs());
         code as u16
     };
     let voxels: Vec<u16> = stored.iter().map(code_of).collect();
@@ -164,9 +161,7 @@ fn range<T: Copy + Into<f64>>(stored: &[T]) -> [f64; 2] {
 /// log2 of the integers per code, among those inside the window.
 fn bits_lost([low, high]: [f64; 2], coding: Coding) -> f64 {
     let integers = high.min(coding.high).floor() - low.max(coding.low).ceil() + 1.0;
-    let codes = (integers * coding.codes_per_unit)
-        .ceil()
-        .min(MAX_CODE + 1.0);
+    let codes = (integers * coding.codes_per_unit).ceil().min(MAX_CODE + 1.0);
     if integers > codes && codes > 0.0 {
         (integers / codes).log2()
     } else {
@@ -189,12 +184,7 @@ struct Coding {
 
 impl Coding {
     /// The map for a window, the range of the stored values and the offset of the data's unit.
-    fn choose(
-        window: Window,
-        [min, max]: [f64; 2],
-        shift: f64,
-        kind: Kind,
-    ) -> Result<Self, MappingError> {
+    fn choose(window: Window, [min, max]: [f64; 2], shift: f64, kind: Kind) -> Result<Self, MappingError> {
         match (window, kind) {
             (Window::Range { low, high }, _) => {
                 let error = MappingError::Window { low, high };
@@ -204,12 +194,8 @@ impl Coding {
                 Self::between(low - shift, high - shift).ok_or(error)
             }
             (Window::Auto, Kind::Bytes { first }) => Ok(Self::exact(first, 16.0)),
-            (Window::Auto, Kind::Integers) if min >= 0.0 && max <= MAX_CODE => {
-                Ok(Self::exact(0.0, 1.0))
-            }
-            (Window::Auto, Kind::Integers) if min >= -1024.0 && max <= 3071.0 => {
-                Ok(Self::exact(-1024.0, 1.0))
-            }
+            (Window::Auto, Kind::Integers) if min >= 0.0 && max <= MAX_CODE => Ok(Self::exact(0.0, 1.0)),
+            (Window::Auto, Kind::Integers) if min >= -1024.0 && max <= 3071.0 => Ok(Self::exact(-1024.0, 1.0)),
             (Window::Auto, Kind::Integers) if max - min <= MAX_CODE => Ok(Self::exact(min, 1.0)),
             // All values are the same: code 0.
             (Window::Auto, _) if min == max => Ok(Self::exact(min, 1.0)),

@@ -41,8 +41,7 @@ pub fn read(path: &Path) -> Result<Decoded, ReadError> {
     };
     let data_path = path.parent().unwrap_or(Path::new("")).join(data_file);
     let (mut data, data_len) = open_regular(&data_path)?;
-    finish(description, &mut data, data_len, name)
-        .map_err(|problem| ReadError::new(&data_path, problem))
+    finish(description, &mut data, data_len, name).map_err(|problem| ReadError::new(&data_path, problem))
 }
 
 /// Reads an NRRD file with attached data that is already in memory; `name` stands for its path in messages.
@@ -60,14 +59,7 @@ pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
             expected: "no such field, since the data have to be attached here",
         }));
     }
-    attached(
-        &header,
-        description,
-        &mut source,
-        bytes.len() as u64,
-        name.to_owned(),
-    )
-    .map_err(fail)
+    attached(&header, description, &mut source, bytes.len() as u64, name.to_owned()).map_err(fail)
 }
 
 /// Reads and interprets a header.
@@ -88,12 +80,7 @@ fn attached(
     if !header.ended {
         return Err(Problem::NoData);
     }
-    finish(
-        description,
-        source,
-        file_len.saturating_sub(header.len),
-        name,
-    )
+    finish(description, source, file_len.saturating_sub(header.len), name)
 }
 
 /// Reads the data and joins them with the header's description.
@@ -115,14 +102,9 @@ fn finish(
 fn interpret(header: &Header) -> Result<Description, Problem> {
     let dimension = header.require("dimension", "3")?;
     if dimension != "3" {
-        return Err(refuse(
-            "dimension",
-            dimension,
-            "3: a volume of one value a voxel",
-        ));
+        return Err(refuse("dimension", dimension, "3: a volume of one value a voxel"));
     }
-    let types =
-        "int8, uint8, int16, uint16, int32, uint32, float or double, in one of NRRD's spellings";
+    let types = "int8, uint8, int16, uint16, int32, uint32, float or double, in one of NRRD's spellings";
     let name = header.require("type", types)?;
     let value_type = ValueType::from_name(name).ok_or_else(|| refuse("type", name, types))?;
     let sizes = header.require("sizes", "three whole numbers")?;
@@ -155,16 +137,10 @@ fn check_kinds(header: &Header) -> Result<(), Problem> {
     let Some(kinds) = header.get("kinds") else {
         return Ok(());
     };
-    let spatial = |word: &str| {
-        ["domain", "space", "none", "???"].contains(&word.to_ascii_lowercase().as_str())
-    };
+    let spatial = |word: &str| ["domain", "space", "none", "???"].contains(&word.to_ascii_lowercase().as_str());
     match three(kinds, |word| spatial(word).then_some(())) {
         Some(_) => Ok(()),
-        None => Err(refuse(
-            "kinds",
-            kinds,
-            "`domain` or `space` for each of three axes",
-        )),
+        None => Err(refuse("kinds", kinds, "`domain` or `space` for each of three axes")),
     }
 }
 
@@ -205,18 +181,10 @@ fn byte_skip(header: &Header, encoding: Encoding) -> Result<ByteSkip, Problem> {
     let text = header.get("byte skip").unwrap_or("0");
     match (text, encoding) {
         ("-1", Encoding::Raw) => Ok(ByteSkip::FromEnd),
-        ("-1", Encoding::Gzip) => Err(refuse(
-            "byte skip",
-            text,
-            "0 or more, since -1 needs encoding `raw`",
-        )),
+        ("-1", Encoding::Gzip) => Err(refuse("byte skip", text, "0 or more, since -1 needs encoding `raw`")),
         _ => match text.parse() {
             Ok(bytes) => Ok(ByteSkip::Bytes(bytes)),
-            Err(_) => Err(refuse(
-                "byte skip",
-                text,
-                "a whole number, 0 or more, or -1",
-            )),
+            Err(_) => Err(refuse("byte skip", text, "a whole number, 0 or more, or -1")),
         },
     }
 }
@@ -226,13 +194,9 @@ fn value_offset(header: &Header) -> Result<i32, Problem> {
     let Some(text) = header.keys.get("hounsfield_offset") else {
         return Ok(0);
     };
-    text.trim().parse().map_err(|_| {
-        refuse(
-            "hounsfield_offset",
-            text,
-            "a whole number of at most 32 bits",
-        )
-    })
+    text.trim()
+        .parse()
+        .map_err(|_| refuse("hounsfield_offset", text, "a whole number of at most 32 bits"))
 }
 
 /// The data file's path below the header's folder.

@@ -35,10 +35,7 @@ pub enum LoadError {
 pub fn read(path: &Path) -> Result<Decoded, ReadError> {
     let (mut source, _) = open_regular(path)?;
     let fail = |problem| ReadError::new(path, problem);
-    let start = source
-        .fill_buf()
-        .map_err(Problem::io("read the file"))
-        .map_err(fail)?;
+    let start = source.fill_buf().map_err(Problem::io("read the file")).map_err(fail)?;
     let named = |name: &str| {
         path.extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case(name))
@@ -106,9 +103,7 @@ pub fn prepare(decoded: &Decoded, window: Window) -> Result<Loaded, LoadError> {
 /// The kind is looked at before opening, since opening a pipe would wait for its writer.
 pub(super) fn open_regular(path: &Path) -> Result<(BufReader<File>, u64), ReadError> {
     let fail = |problem| ReadError::new(path, problem);
-    let kind = fs::metadata(path)
-        .map_err(Problem::io("find the file"))
-        .map_err(fail)?;
+    let kind = fs::metadata(path).map_err(Problem::io("find the file")).map_err(fail)?;
     if kind.is_dir() {
         return Err(fail(Problem::NotAFile { found: "a folder" }));
     }
@@ -117,9 +112,7 @@ pub(super) fn open_regular(path: &Path) -> Result<(BufReader<File>, u64), ReadEr
             found: "a device, pipe or socket",
         }));
     }
-    let file = File::open(path)
-        .map_err(Problem::io("open the file"))
-        .map_err(fail)?;
+    let file = File::open(path).map_err(Problem::io("open the file")).map_err(fail)?;
     let len = file
         .metadata()
         .map_err(Problem::io("measure the file"))
@@ -137,20 +130,13 @@ mod tests {
 
     #[test]
     fn the_built_in_volume_is_the_documented_one() {
-        let Loaded {
-            volume,
-            report,
-            notes,
-        } = load(None, Window::Auto).unwrap();
+        let Loaded { volume, report, notes } = load(None, Window::Auto).unwrap();
         assert!(notes.is_empty());
         assert_eq!(volume.dims, [64, 64, 93]);
         assert_eq!(volume.spacing, [3.2, 3.2, 1.5]);
         assert_eq!(volume.voxels.iter().max(), Some(&3926));
         assert_eq!(volume.voxels.iter().min(), Some(&0));
-        assert_eq!(
-            (volume.mapping.scale, volume.mapping.offset),
-            (1.0, -1024.0)
-        );
+        assert_eq!((volume.mapping.scale, volume.mapping.offset), (1.0, -1024.0));
         assert!(report.lossless);
     }
 
@@ -162,10 +148,7 @@ mod tests {
         assert_eq!(read(&path).unwrap().dims(), [64, 64, 93]);
         let path = folder.path().join("head.NRRD");
         fs::write(&path, b"P5 1 1 255\n").unwrap();
-        assert!(matches!(
-            read(&path).unwrap_err().problem,
-            Problem::Magic { .. }
-        ));
+        assert!(matches!(read(&path).unwrap_err().problem, Problem::Magic { .. }));
         let path = folder.path().join("head.xyz");
         fs::write(&path, b"\x1f\x8b\x08\0abcdefgh").unwrap();
         let message = read(&path).unwrap_err().to_string();
@@ -179,9 +162,6 @@ mod tests {
     #[test]
     fn devices_are_refused() {
         let error = read(Path::new("/dev/zero")).unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "/dev/zero: is a device, pipe or socket, expected a regular file"
-        );
+        assert_eq!(error, "/dev/zero: is a device, pipe or socket, expected a regular file");
     }
 }

@@ -57,11 +57,7 @@ impl Layout {
 }
 
 /// Reads the values that `layout` describes from `source`, which has `source_len` bytes left.
-pub(super) fn read_values<R: BufRead>(
-    layout: &Layout,
-    source: &mut R,
-    source_len: u64,
-) -> Result<Values, Problem> {
+pub(super) fn read_values<R: BufRead>(layout: &Layout, source: &mut R, source_len: u64) -> Result<Values, Problem> {
     let voxels = voxel_count(layout.dims)?;
     let expected = voxels * layout.value_type.byte_len();
     let remaining = source_len.saturating_sub(skip_lines(source, layout.line_skip)?);
@@ -136,10 +132,7 @@ fn complete(layout: &Layout, expected: u64, values: Values) -> Result<Values, Pr
 fn skip_lines<R: BufRead>(source: &mut R, lines: u64) -> Result<u64, Problem> {
     let mut passed = 0;
     for _ in 0..lines {
-        match source
-            .skip_until(b'\n')
-            .map_err(Problem::io("read the file"))?
-        {
+        match source.skip_until(b'\n').map_err(Problem::io("read the file"))? {
             0 => {
                 return Err(Problem::Skip {
                     field: "line skip",
@@ -153,11 +146,7 @@ fn skip_lines<R: BufRead>(source: &mut R, lines: u64) -> Result<u64, Problem> {
 }
 
 /// Passes over `bytes` bytes.
-fn skip_bytes<R: Read>(
-    source: &mut R,
-    bytes: u64,
-    on_error: impl FnOnce(io::Error) -> Problem,
-) -> Result<(), Problem> {
+fn skip_bytes<R: Read>(source: &mut R, bytes: u64, on_error: impl FnOnce(io::Error) -> Problem) -> Result<(), Problem> {
     let passed = io::copy(&mut source.take(bytes), &mut io::sink()).map_err(on_error)?;
     if passed == bytes {
         Ok(())
@@ -180,104 +169,20 @@ fn decode<R: Read>(
     use ValueType::{F32, F64, I8, I16, I32, U8, U16, U32};
     let mut end = Ok(());
     let values = match (layout.value_type, layout.endian) {
-        (I8, _) => Values::I8(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            i8::from_ne_bytes,
-        )?),
-        (U8, _) => Values::U8(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            u8::from_ne_bytes,
-        )?),
-        (I16, Little) => Values::I16(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            i16::from_le_bytes,
-        )?),
-        (I16, Big) => Values::I16(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            i16::from_be_bytes,
-        )?),
-        (U16, Little) => Values::U16(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            u16::from_le_bytes,
-        )?),
-        (U16, Big) => Values::U16(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            u16::from_be_bytes,
-        )?),
-        (I32, Little) => Values::I32(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            i32::from_le_bytes,
-        )?),
-        (I32, Big) => Values::I32(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            i32::from_be_bytes,
-        )?),
-        (U32, Little) => Values::U32(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            u32::from_le_bytes,
-        )?),
-        (U32, Big) => Values::U32(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            u32::from_be_bytes,
-        )?),
-        (F32, Little) => Values::F32(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            f32::from_le_bytes,
-        )?),
-        (F32, Big) => Values::F32(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            f32::from_be_bytes,
-        )?),
-        (F64, Little) => Values::F64(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            f64::from_le_bytes,
-        )?),
-        (F64, Big) => Values::F64(collect(
-            source,
-            count,
-            reserve,
-            &mut end,
-            f64::from_be_bytes,
-        )?),
+        (I8, _) => Values::I8(collect(source, count, reserve, &mut end, i8::from_ne_bytes)?),
+        (U8, _) => Values::U8(collect(source, count, reserve, &mut end, u8::from_ne_bytes)?),
+        (I16, Little) => Values::I16(collect(source, count, reserve, &mut end, i16::from_le_bytes)?),
+        (I16, Big) => Values::I16(collect(source, count, reserve, &mut end, i16::from_be_bytes)?),
+        (U16, Little) => Values::U16(collect(source, count, reserve, &mut end, u16::from_le_bytes)?),
+        (U16, Big) => Values::U16(collect(source, count, reserve, &mut end, u16::from_be_bytes)?),
+        (I32, Little) => Values::I32(collect(source, count, reserve, &mut end, i32::from_le_bytes)?),
+        (I32, Big) => Values::I32(collect(source, count, reserve, &mut end, i32::from_be_bytes)?),
+        (U32, Little) => Values::U32(collect(source, count, reserve, &mut end, u32::from_le_bytes)?),
+        (U32, Big) => Values::U32(collect(source, count, reserve, &mut end, u32::from_be_bytes)?),
+        (F32, Little) => Values::F32(collect(source, count, reserve, &mut end, f32::from_le_bytes)?),
+        (F32, Big) => Values::F32(collect(source, count, reserve, &mut end, f32::from_be_bytes)?),
+        (F64, Little) => Values::F64(collect(source, count, reserve, &mut end, f64::from_le_bytes)?),
+        (F64, Big) => Values::F64(collect(source, count, reserve, &mut end, f64::from_be_bytes)?),
     };
     Ok((values, end))
 }

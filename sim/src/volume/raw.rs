@@ -41,8 +41,7 @@ pub fn read(path: &Path, shape: &RawShape) -> Result<Decoded, ReadError> {
     let (mut source, len) = open_regular(path)?;
     let values = read_values(&layout, &mut source, len).map_err(fail)?;
     let dims = shape.dims.map(|d| d as usize);
-    Decoded::new(path.display().to_string(), dims, shape.spacing, values)
-        .map_err(|error| ReadError::new(path, error))
+    Decoded::new(path.display().to_string(), dims, shape.spacing, values).map_err(|error| ReadError::new(path, error))
 }
 
 #[cfg(test)]
@@ -70,10 +69,7 @@ mod tests {
     fn the_stated_shape_is_read() {
         let volume = read_these(&[9, 0x01, 0x02, 0xff, 0xfe], &SHAPE).unwrap();
         assert_eq!(volume.values(), &Values::I16(vec![0x0102, -2]));
-        assert_eq!(
-            (volume.dims(), volume.spacing()),
-            ([2, 1, 1], [1.0, 2.0, 3.0])
-        );
+        assert_eq!((volume.dims(), volume.spacing()), ([2, 1, 1], [1.0, 2.0, 3.0]));
         let little = RawShape {
             endian: Endian::Little,
             ..SHAPE
@@ -98,7 +94,8 @@ mod tests {
         };
         let error = read_these(&[0; 5], &huge).unwrap_err().to_string();
         assert!(
-            error.ends_with("has 4 bytes of data after the 1 skipped, expected 17179869184 for 8192 x 8192 x 32 double"),
+            error
+                .ends_with("has 4 bytes of data after the 1 skipped, expected 17179869184 for 8192 x 8192 x 32 double"),
             "{error}"
         );
         let far = RawShape {
@@ -146,15 +143,9 @@ mod tests {
     fn folders_and_missing_and_empty_files_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let error = read(folder.path(), &SHAPE).unwrap_err();
-        assert!(matches!(
-            error.problem,
-            Problem::NotAFile { found: "a folder" }
-        ));
+        assert!(matches!(error.problem, Problem::NotAFile { found: "a folder" }));
         let error = read(&folder.path().join("none"), &SHAPE).unwrap_err();
         assert!(matches!(error.problem, Problem::Io { .. }));
-        assert!(matches!(
-            read_these(&[], &SHAPE).unwrap_err().problem,
-            Problem::Empty
-        ));
+        assert!(matches!(read_these(&[], &SHAPE).unwrap_err().problem, Problem::Empty));
     }
 }

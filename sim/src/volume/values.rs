@@ -48,19 +48,12 @@ impl ValueType {
 
     /// The type of a name in any of NRRD's spellings, such as `short`, `signed short int` or `int16_t`, in either case.
     pub fn from_name(name: &str) -> Option<Self> {
-        let words: Vec<String> = name
-            .split_ascii_whitespace()
-            .map(str::to_ascii_lowercase)
-            .collect();
+        let words: Vec<String> = name.split_ascii_whitespace().map(str::to_ascii_lowercase).collect();
         match words.join(" ").as_str() {
             "signed char" | "int8" | "int8_t" => Some(Self::I8),
             "uchar" | "unsigned char" | "uint8" | "uint8_t" => Some(Self::U8),
-            "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => {
-                Some(Self::I16)
-            }
-            "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => {
-                Some(Self::U16)
-            }
+            "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => Some(Self::I16),
+            "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Some(Self::U16),
             "int" | "signed int" | "int32" | "int32_t" => Some(Self::I32),
             "uint" | "unsigned int" | "uint32" | "uint32_t" => Some(Self::U32),
             "float" => Some(Self::F32),
@@ -152,11 +145,7 @@ impl Values {
     fn first_not_finite(&self) -> Option<(usize, f64)> {
         let find = |found: Option<(usize, f64)>| found.filter(|(_, value)| !value.is_finite());
         match self {
-            Self::F32(v) => find(
-                v.iter()
-                    .position(|x| !x.is_finite())
-                    .map(|i| (i, f64::from(v[i]))),
-            ),
+            Self::F32(v) => find(v.iter().position(|x| !x.is_finite()).map(|i| (i, f64::from(v[i])))),
             Self::F64(v) => find(v.iter().position(|x| !x.is_finite()).map(|i| (i, v[i]))),
             _ => None,
         }
@@ -182,12 +171,7 @@ impl Decoded {
     /// # Errors
     /// [`ShapeError`] if a side or the whole is empty or too large, a spacing is not a finite number above 0, the values
     /// are not one a voxel, or one of them is not finite.
-    pub fn new(
-        name: String,
-        dims: [usize; 3],
-        spacing: [f64; 3],
-        values: Values,
-    ) -> Result<Self, ShapeError> {
+    pub fn new(name: String, dims: [usize; 3], spacing: [f64; 3], values: Values) -> Result<Self, ShapeError> {
         let voxels = voxel_count(dims.map(|d| d as u64))?;
         check_spacing(spacing)?;
         if values.len() as u64 != voxels {
@@ -197,11 +181,7 @@ impl Decoded {
             });
         }
         if let Some((index, value)) = values.first_not_finite() {
-            let voxel = [
-                index % dims[0],
-                index / dims[0] % dims[1],
-                index / dims[0] / dims[1],
-            ];
+            let voxel = [index % dims[0], index / dims[0] % dims[1], index / dims[0] / dims[1]];
             return Err(ShapeError::NotFinite { voxel, value });
         }
         Ok(Self {
@@ -267,10 +247,7 @@ impl Decoded {
 /// [`ShapeError::Axis`] or [`ShapeError::Voxels`] if a side or the product is out of range.
 pub(super) fn voxel_count(dims: [u64; 3]) -> Result<u64, ShapeError> {
     if let Some(axis) = (0..3).find(|&axis| !(1..=MAX_AXIS as u64).contains(&dims[axis])) {
-        return Err(ShapeError::Axis {
-            axis,
-            len: dims[axis],
-        });
+        return Err(ShapeError::Axis { axis, len: dims[axis] });
     }
     // At most 2^39, since each side is at most 2^13.
     let voxels = dims[0] * dims[1] * dims[2];
@@ -297,24 +274,16 @@ mod tests {
 
     #[test]
     fn names_of_types_come_back() {
-        for name in [
-            "int8", "uint8", "int16", "uint16", "int32", "uint32", "float", "double",
-        ] {
+        for name in ["int8", "uint8", "int16", "uint16", "int32", "uint32", "float", "double"] {
             assert_eq!(ValueType::from_name(name).unwrap().name(), name);
         }
-        assert_eq!(
-            ValueType::from_name("Signed  Short INT"),
-            Some(ValueType::I16)
-        );
+        assert_eq!(ValueType::from_name("Signed  Short INT"), Some(ValueType::I16));
         assert_eq!(ValueType::from_name("block"), None);
     }
 
     #[test]
     fn shapes_out_of_range_are_refused() {
-        assert_eq!(
-            voxel_count([1, 0, 1]),
-            Err(ShapeError::Axis { axis: 1, len: 0 })
-        );
+        assert_eq!(voxel_count([1, 0, 1]), Err(ShapeError::Axis { axis: 1, len: 0 }));
         assert_eq!(
             voxel_count([8192, 1, 8193]),
             Err(ShapeError::Axis { axis: 2, len: 8193 })
@@ -328,10 +297,7 @@ mod tests {
         );
         assert_eq!(
             voxel_count([u64::MAX; 3]),
-            Err(ShapeError::Axis {
-                axis: 0,
-                len: u64::MAX
-            })
+            Err(ShapeError::Axis { axis: 0, len: u64::MAX })
         );
     }
 
@@ -339,13 +305,7 @@ mod tests {
     fn spacings_that_are_no_lengths_are_refused() {
         for bad in [0.0, -1.0, f64::INFINITY] {
             let result = Decoded::new("t".into(), [1; 3], [1.0, bad, 1.0], Values::U8(vec![0]));
-            assert_eq!(
-                result,
-                Err(ShapeError::Spacing {
-                    axis: 1,
-                    spacing: bad
-                })
-            );
+            assert_eq!(result, Err(ShapeError::Spacing { axis: 1, spacing: bad }));
         }
         assert!(check_spacing([f64::NAN, 1.0, 1.0]).is_err());
     }
@@ -353,13 +313,7 @@ mod tests {
     #[test]
     fn one_finite_value_a_voxel_is_required() {
         let result = Decoded::new("t".into(), [2, 1, 1], [1.0; 3], Values::U8(vec![0]));
-        assert_eq!(
-            result,
-            Err(ShapeError::Values {
-                expected: 2,
-                found: 1
-            })
-        );
+        assert_eq!(result, Err(ShapeError::Values { expected: 2, found: 1 }));
         let mut values = vec![0.0_f32; 12];
         values[2 * 2 + 2 + 1] = f32::NEG_INFINITY;
         let result = Decoded::new("t".into(), [2, 2, 3], [1.0; 3], Values::F32(values));
@@ -371,9 +325,6 @@ mod tests {
             })
         );
         let message = result.unwrap_err().to_string();
-        assert_eq!(
-            message,
-            "voxel (1, 1, 1) is -inf, expected finite numbers only"
-        );
+        assert_eq!(message, "voxel (1, 1, 1) is -inf, expected finite numbers only");
     }
 }

@@ -5,13 +5,12 @@
 use serde::Deserialize;
 
 use crate::scene::check::{
-    COLOURS, EARLY_TERMINATION, EXPONENTS, FieldError, IMAGE_SIDE, PLANES_PER_VOXEL,
-    RAYS_PER_VOXEL, whole,
+    COLOURS, EARLY_TERMINATION, EXPONENTS, FieldError, IMAGE_SIDE, PLANES_PER_VOXEL, RAYS_PER_VOXEL, whole,
 };
 use crate::scene::colour::Colour;
 use crate::scene::{
-    AlphaCodeName, Blend, Frame, Highlight, Image, Light, Lighting, LookupName, Point,
-    PrecisionName, Sampling, Scene, TransferFunction, View,
+    AlphaCodeName, Blend, Frame, Highlight, Image, Light, Lighting, LookupName, Point, PrecisionName, Sampling, Scene,
+    TransferFunction, View,
 };
 
 /// A whole scene file.
@@ -150,12 +149,8 @@ impl ImagePart {
 impl SamplingPart {
     fn into_sampling(self) -> Result<Sampling, FieldError> {
         let default = Sampling::default();
-        let planes = self
-            .planes_per_voxel
-            .unwrap_or(i64::from(default.planes_per_voxel));
-        let rays = self
-            .rays_per_voxel
-            .unwrap_or(i64::from(default.rays_per_voxel));
+        let planes = self.planes_per_voxel.unwrap_or(i64::from(default.planes_per_voxel));
+        let rays = self.rays_per_voxel.unwrap_or(i64::from(default.rays_per_voxel));
         Ok(Sampling {
             planes_per_voxel: whole("sampling.planes_per_voxel", planes, PLANES_PER_VOXEL)?,
             rays_per_voxel: whole("sampling.rays_per_voxel", rays, RAYS_PER_VOXEL)?,
@@ -223,11 +218,7 @@ impl LightPart {
             )
         })?;
         let default = Light::default();
-        let colour = colour_or(
-            &format!("lighting.lights[{i}].colour"),
-            part.colour,
-            default.colour,
-        )?;
+        let colour = colour_or(&format!("lighting.lights[{i}].colour"), part.colour, default.colour)?;
         Ok(Light {
             direction,
             frame: part.frame.unwrap_or(default.frame),
@@ -267,10 +258,6 @@ fn colour_of(field: &str, colour: &Colour) -> Result<[f64; 3], FieldError> {
 }
 
 /// A colour as numbers, or the default.
-fn colour_or(
-    field: &str,
-    colour: Option<Colour>,
-    default: [f64; 3],
-) -> Result<[f64; 3], FieldError> {
+fn colour_or(field: &str, colour: Option<Colour>, default: [f64; 3]) -> Result<[f64; 3], FieldError> {
     colour.map_or(Ok(default), |colour| colour_of(field, &colour))
 }

@@ -3,9 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::scene::{
-    AlphaCodeName, Blend, Frame, Highlight, Lighting, LookupName, PrecisionName, Sampling, View,
-};
+use crate::scene::{AlphaCodeName, Blend, Frame, Highlight, Lighting, LookupName, PrecisionName, Sampling, View};
 
 const MINIMAL: &str = "[transfer]\npoints = [{ value = 0, colour = \"#ffffff\", opacity = 0.5 }]\n";
 
@@ -26,11 +24,7 @@ fn points(points: &str) -> Result<Scene, SceneError> {
 fn the_scenes_that_ship_are_sound() {
     for (name, _) in BUILT_IN {
         let scene = built_in(name).unwrap();
-        assert_eq!(
-            scene.transfer.evaluate(-1024.0).1,
-            0.0,
-            "{name}: air is transparent"
-        );
+        assert_eq!(scene.transfer.evaluate(-1024.0).1, 0.0, "{name}: air is transparent");
     }
     let head = built_in(DEFAULT).unwrap();
     assert_eq!(head.lighting.unwrap().lights.len(), 2);
@@ -62,10 +56,7 @@ fn the_scenes_that_ship_have_no_visible_colour_ramps() {
     for (name, _) in BUILT_IN {
         for pair in built_in(name).unwrap().transfer.points.windows(2) {
             let visible = pair[0].opacity > 0.0 || pair[1].opacity > 0.0;
-            assert!(
-                !visible || pair[0].colour == pair[1].colour,
-                "{name}: {pair:?}"
-            );
+            assert!(!visible || pair[0].colour == pair[1].colour, "{name}: {pair:?}");
         }
     }
 }
@@ -101,17 +92,12 @@ fn the_reference_states_every_field() {
     ] {
         assert!(text.contains(&format!("{field} = ")), "{field}");
     }
-    let commented = text
-        .replace("# size =", "size =")
-        .replace("# table =", "table =");
+    let commented = text.replace("# size =", "size =").replace("# table =", "table =");
     let commented = commented
         .replace("# lookup =", "lookup =")
         .replace("# early_term", "early_term");
     let all = scene(&commented).unwrap();
-    assert_eq!(
-        (all.image.size, all.early_termination),
-        (Some([512, 512]), Some(12))
-    );
+    assert_eq!((all.image.size, all.early_termination), (Some([512, 512]), Some(12)));
     assert_eq!(
         (all.table, all.lookup),
         (Some(AlphaCodeName::Sqrt16), Some(LookupName::Nearest))
@@ -121,23 +107,14 @@ fn the_reference_states_every_field() {
 #[test]
 fn what_is_left_out_has_its_default() {
     let scene = with("").unwrap();
-    assert_eq!(
-        (scene.view, scene.image, scene.sampling),
-        Default::default()
-    );
+    assert_eq!((scene.view, scene.image, scene.sampling), Default::default());
     assert_eq!((scene.lighting, scene.transfer.unit_distance), (None, 1.0));
     assert_eq!(
         (scene.blend, scene.precision),
         (Blend::FrontToBack, PrecisionName::Compact)
     );
-    assert_eq!(
-        (scene.table, scene.lookup, scene.early_termination),
-        (None, None, None)
-    );
-    assert_eq!(
-        with("[lighting]").unwrap().lighting,
-        Some(Lighting::default())
-    );
+    assert_eq!((scene.table, scene.lookup, scene.early_termination), (None, None, None));
+    assert_eq!(with("[lighting]").unwrap().lighting, Some(Lighting::default()));
 }
 
 #[test]
@@ -163,10 +140,7 @@ fn every_field_arrives() {
         }
     );
     let lighting = scene.lighting.unwrap();
-    assert_eq!(
-        (lighting.exponent_log2, lighting.highlight),
-        (8, Highlight::HalfVector)
-    );
+    assert_eq!((lighting.exponent_log2, lighting.highlight), (8, Highlight::HalfVector));
     assert_eq!(
         (lighting.lights[0].frame, lighting.lights[0].colour),
         (Frame::Volume, [1.0, 0.0, 0.0])
@@ -174,10 +148,7 @@ fn every_field_arrives() {
     for (got, want) in lighting.lights[0].direction.iter().zip([0.0, -0.6, 0.8]) {
         assert!((got - want).abs() < 1e-15, "{got} {want}");
     }
-    assert_eq!(
-        (scene.blend, scene.precision),
-        (Blend::Minimum, PrecisionName::Wide)
-    );
+    assert_eq!((scene.blend, scene.precision), (Blend::Minimum, PrecisionName::Wide));
     assert_eq!(
         (scene.table, scene.lookup),
         (Some(AlphaCodeName::Sqrt8), Some(LookupName::Linear))
@@ -205,10 +176,7 @@ fn values_out_of_range_are_refused_with_field_value_and_range() {
             "[image]\nsize = [0, 1]",
             "`image.size[0]` is 0, expected a whole number from 1 to 16384",
         ),
-        (
-            "[image]\nsize = [1, 16385]",
-            "`image.size[1]` is 16385, expected",
-        ),
+        ("[image]\nsize = [1, 16385]", "`image.size[1]` is 16385, expected"),
         (
             "[image]\nzoom = 0",
             "`image.zoom` is 0, expected a number from 0.01 to 100",
@@ -225,10 +193,7 @@ fn values_out_of_range_are_refused_with_field_value_and_range() {
             "[sampling]\nplanes_per_voxel = 0",
             "`sampling.planes_per_voxel` is 0, expected a whole number from 1 to 16",
         ),
-        (
-            "[sampling]\nplanes_per_voxel = 17",
-            "`sampling.planes_per_voxel` is 17",
-        ),
+        ("[sampling]\nplanes_per_voxel = 17", "`sampling.planes_per_voxel` is 17"),
         (
             "[sampling]\nrays_per_voxel = -9",
             "`sampling.rays_per_voxel` is -9, expected a whole number from 1 to 8",
@@ -273,10 +238,7 @@ fn values_out_of_range_are_refused_with_field_value_and_range() {
             "[render]\nearly_termination = 0",
             "`render.early_termination` is 0, expected a whole number from 1 to 20",
         ),
-        (
-            "[render]\nearly_termination = 21",
-            "`render.early_termination` is 21",
-        ),
+        ("[render]\nearly_termination = 21", "`render.early_termination` is 21"),
     ] {
         let text = with(lines).unwrap_err().to_string();
         assert!(
@@ -325,10 +287,7 @@ fn impossible_transfer_functions_are_refused() {
             "{ value = 0, colour = [1, 1, -1], opacity = 1 }".into(),
             "`transfer.points[0].colour` is [1.0, 1.0, -1.0]",
         ),
-        (
-            vec![a; 4097].join(","),
-            "`transfer.points` is a list of 4097",
-        ),
+        (vec![a; 4097].join(","), "`transfer.points` is a list of 4097"),
     ] {
         let message = points(&text).unwrap_err().to_string();
         assert!(message.contains(expected), "{text:.60}: {message}");
@@ -336,8 +295,7 @@ fn impossible_transfer_functions_are_refused() {
     let text = format!("[transfer]\nunit_distance = 0\npoints = [{a}]");
     let message = scene(&text).unwrap_err().to_string();
     assert!(
-        message
-            .contains("`transfer.unit_distance` is 0, expected a number from 0.000001 to 1000000"),
+        message.contains("`transfer.unit_distance` is 0, expected a number from 0.000001 to 1000000"),
         "{message}"
     );
 }
@@ -359,10 +317,7 @@ fn unknown_and_missing_fields_and_wrong_types_are_refused() {
         ("[image]\nsize = [1]", "expected an array of length 2"),
         ("[image]\nbackground = [1, 2]", "expected a colour"),
         ("[image]\nbackground = 7", "expected a colour"),
-        (
-            "[[lighting.lights]]\ncolour = \"#ffffff\"",
-            "missing field `direction`",
-        ),
+        ("[[lighting.lights]]\ncolour = \"#ffffff\"", "missing field `direction`"),
         ("[view", "TOML parse error at line 3"),
     ] {
         let text = with(lines).unwrap_err().to_string();
@@ -402,19 +357,10 @@ fn files_are_read_and_bad_ones_refused() {
     long.resize(MAX_LEN as usize, b'\n');
     assert!(read_these(&long).is_ok());
     long.push(b'\n');
-    assert!(matches!(
-        read_these(&long).unwrap_err().fault,
-        SceneFault::TooLong
-    ));
-    assert!(matches!(
-        read(folder.path()).unwrap_err().fault,
-        SceneFault::NotAFile
-    ));
+    assert!(matches!(read_these(&long).unwrap_err().fault, SceneFault::TooLong));
+    assert!(matches!(read(folder.path()).unwrap_err().fault, SceneFault::NotAFile));
     let missing = read(&folder.path().join("none.toml")).unwrap_err();
-    assert!(
-        matches!(missing.fault, SceneFault::Io(_))
-            && missing.to_string().contains("none.toml: cannot read")
-    );
+    assert!(matches!(missing.fault, SceneFault::Io(_)) && missing.to_string().contains("none.toml: cannot read"));
 }
 
 proptest! {

@@ -109,18 +109,13 @@ impl Header {
             return Ok(());
         }
         let key_at = text.find(":=");
-        let field_at = text
-            .find(": ")
-            .or_else(|| text.strip_suffix(':').map(str::len));
+        let field_at = text.find(": ").or_else(|| text.strip_suffix(':').map(str::len));
         match (key_at, field_at) {
             (Some(key), field) if field.is_none_or(|field| key < field) => {
-                self.keys
-                    .insert(text[..key].to_owned(), text[key + 2..].to_owned());
+                self.keys.insert(text[..key].to_owned(), text[key + 2..].to_owned());
                 Ok(())
             }
-            (_, Some(field)) => {
-                self.take_field(line, text[..field].trim(), text[field + 1..].trim())
-            }
+            (_, Some(field)) => self.take_field(line, text[..field].trim(), text[field + 1..].trim()),
             _ => Err(Problem::HeaderLine {
                 line,
                 text: shorten(text),
@@ -137,8 +132,7 @@ impl Header {
         };
         let lower = name.to_ascii_lowercase();
         let known = FIELDS.iter().find(|(spelling, _)| *spelling == lower);
-        let (_, full) =
-            known.ok_or_else(|| refuse("unknown, expected one that the NRRD format defines"))?;
+        let (_, full) = known.ok_or_else(|| refuse("unknown, expected one that the NRRD format defines"))?;
         match self.fields.insert(full, value.to_owned()) {
             None => Ok(()),
             Some(_) => Err(refuse("given twice, expected once")),
@@ -152,8 +146,7 @@ impl Header {
 
     /// A field that has to be there.
     pub fn require(&self, field: &'static str, expected: &'static str) -> Result<&str, Problem> {
-        self.get(field)
-            .ok_or(Problem::MissingField { field, expected })
+        self.get(field).ok_or(Problem::MissingField { field, expected })
     }
 }
 
@@ -187,13 +180,9 @@ mod tests {
 
     #[test]
     fn lines_are_sorted() {
-        let header =
-            read(b"NRRD0004\r\n# c: d\nSizes: 1 2 3 \r\ncontent: a:=b\nkey: x:=y\nk:=v: w\n\ndata");
+        let header = read(b"NRRD0004\r\n# c: d\nSizes: 1 2 3 \r\ncontent: a:=b\nkey: x:=y\nk:=v: w\n\ndata");
         assert!(matches!(header, Err(Problem::HeaderField { line: 5, .. })));
-        let header = read(
-            b"NRRD0004\r\n# c: d\nSizes: 1 2 3 \r\ncontent: a:=b\nk:=v: w\r\nempty:=\n\r\ndata",
-        )
-        .unwrap();
+        let header = read(b"NRRD0004\r\n# c: d\nSizes: 1 2 3 \r\ncontent: a:=b\nk:=v: w\r\nempty:=\n\r\ndata").unwrap();
         assert_eq!(header.get("sizes"), Some("1 2 3"));
         assert_eq!(header.get("content"), Some("a:=b"));
         assert_eq!(header.keys["k"], "v: w");
@@ -205,21 +194,12 @@ mod tests {
     #[test]
     fn a_file_may_end_the_header() {
         let header = read(b"NRRD0001\ndatafile: x.raw").unwrap();
-        assert_eq!(
-            (header.get("data file"), header.ended),
-            (Some("x.raw"), false)
-        );
+        assert_eq!((header.get("data file"), header.ended), (Some("x.raw"), false));
     }
 
     #[test]
     fn other_beginnings_are_refused() {
-        for bad in [
-            &b""[..],
-            b"NRRD0006\n",
-            b"NRRD\n",
-            b"\x89PNG\r\n",
-            b"NRRD00051\n",
-        ] {
+        for bad in [&b""[..], b"NRRD0006\n", b"NRRD\n", b"\x89PNG\r\n", b"NRRD00051\n"] {
             assert!(matches!(read(bad), Err(Problem::Magic { .. })), "{bad:?}");
         }
     }
@@ -238,13 +218,8 @@ mod tests {
             error.starts_with("header line 3: field `spacing` is unknown"),
             "{error}"
         );
-        let error = read(b"NRRD0005\nline skip: 1\nlineskip: 1\n")
-            .unwrap_err()
-            .to_string();
-        assert_eq!(
-            error,
-            "header line 3: field `lineskip` is given twice, expected once"
-        );
+        let error = read(b"NRRD0005\nline skip: 1\nlineskip: 1\n").unwrap_err().to_string();
+        assert_eq!(error, "header line 3: field `lineskip` is given twice, expected once");
         assert!(matches!(
             read(b"NRRD0005\n# \xff\n"),
             Err(Problem::HeaderNotUtf8 { line: 2 })
@@ -258,10 +233,7 @@ mod tests {
         text.extend(b"\n\n");
         assert_eq!(read(&text).unwrap().len, MAX_LEN);
         text.insert(20, b'x');
-        assert!(matches!(
-            read(&text),
-            Err(Problem::HeaderTooLong { limit: MAX_LEN })
-        ));
+        assert!(matches!(read(&text), Err(Problem::HeaderTooLong { limit: MAX_LEN })));
         text.truncate(9);
         text.resize(3 * MAX_LEN as usize, b'#');
         assert!(matches!(read(&text), Err(Problem::HeaderTooLong { .. })));

@@ -16,23 +16,13 @@ pub(super) fn spacing(header: &Header) -> Result<([f64; 3], Vec<String>), Proble
     let stated = header.get("spacings").map(spacings).transpose()?;
     let measured = header.get("space directions").map(directions).transpose()?;
     match (stated, measured) {
-        (None, None) => Ok((
-            [1.0; 3],
-            vec!["the file states no spacing: 1 is assumed".into()],
-        )),
+        (None, None) => Ok(([1.0; 3], vec!["the file states no spacing: 1 is assumed".into()])),
         (Some(stated), None) => Ok((stated, Vec::new())),
         (None, Some(measured)) => Ok(measured),
         (Some(stated), Some(measured)) => {
-            let agree =
-                (0..3).all(|i| (stated[i] - measured.0[i]).abs() <= AGREEMENT * measured.0[i]);
+            let agree = (0..3).all(|i| (stated[i] - measured.0[i]).abs() <= AGREEMENT * measured.0[i]);
             let text = header.get("spacings").unwrap_or_default();
-            let disagree = || {
-                refuse(
-                    "spacings",
-                    text,
-                    "the lengths of `space directions`, or no such field",
-                )
-            };
+            let disagree = || refuse("spacings", text, "the lengths of `space directions`, or no such field");
             if agree { Ok(measured) } else { Err(disagree()) }
         }
     }
@@ -54,9 +44,7 @@ fn directions(text: &str) -> Result<([f64; 3], Vec<String>), Problem> {
     let mut reversed = 0;
     for ((vector, axis), length) in vectors.iter().zip(&mut axes).zip(&mut lengths) {
         *length = vector.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let along: Vec<usize> = (0..3)
-            .filter(|&i| vector[i].abs() > ALIGNMENT * *length)
-            .collect();
+        let along: Vec<usize> = (0..3).filter(|&i| vector[i].abs() > ALIGNMENT * *length).collect();
         let [only] = along[..] else {
             return Err(refuse());
         };
@@ -128,9 +116,7 @@ mod tests {
             "(1e300,1e300,0) (0,1,0) (0,0,1)",
             "(1,0,0) (0,1,0) (0,0,1",
         ] {
-            let error = read(&format!("space directions: {bad}"))
-                .unwrap_err()
-                .to_string();
+            let error = read(&format!("space directions: {bad}")).unwrap_err().to_string();
             assert!(
                 error.contains("`space directions`") && error.contains("oblique"),
                 "{error}"

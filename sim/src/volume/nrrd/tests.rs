@@ -60,46 +60,22 @@ fn samples() -> Vec<(&'static str, Values, Vec<Vec<u8>>)> {
     let f32s = vec![f32::MIN, -0.5, 0.0, 1.0, 1e-40, f32::MAX];
     let f64s = vec![f64::MIN, -0.5, 0.0, 1.0, 1e-310, f64::MAX];
     vec![
-        (
-            "signed char",
-            Values::I8(i8s.clone()),
-            bytes(&i8s, i8::to_le_bytes),
-        ),
-        (
-            "unsigned char",
-            Values::U8(u8s.clone()),
-            bytes(&u8s, u8::to_le_bytes),
-        ),
-        (
-            "short",
-            Values::I16(i16s.clone()),
-            bytes(&i16s, i16::to_le_bytes),
-        ),
+        ("signed char", Values::I8(i8s.clone()), bytes(&i8s, i8::to_le_bytes)),
+        ("unsigned char", Values::U8(u8s.clone()), bytes(&u8s, u8::to_le_bytes)),
+        ("short", Values::I16(i16s.clone()), bytes(&i16s, i16::to_le_bytes)),
         (
             "unsigned short",
             Values::U16(u16s.clone()),
             bytes(&u16s, u16::to_le_bytes),
         ),
-        (
-            "int",
-            Values::I32(i32s.clone()),
-            bytes(&i32s, i32::to_le_bytes),
-        ),
+        ("int", Values::I32(i32s.clone()), bytes(&i32s, i32::to_le_bytes)),
         (
             "unsigned int",
             Values::U32(u32s.clone()),
             bytes(&u32s, u32::to_le_bytes),
         ),
-        (
-            "float",
-            Values::F32(f32s.clone()),
-            bytes(&f32s, f32::to_le_bytes),
-        ),
-        (
-            "double",
-            Values::F64(f64s.clone()),
-            bytes(&f64s, f64::to_le_bytes),
-        ),
+        ("float", Values::F32(f32s.clone()), bytes(&f32s, f32::to_le_bytes)),
+        ("double", Values::F64(f64s.clone()), bytes(&f64s, f64::to_le_bytes)),
     ]
 }
 
@@ -113,20 +89,13 @@ fn every_type_order_and_encoding_comes_back() {
                 _ => word.clone(),
             };
             let plain: Vec<u8> = words.iter().flat_map(in_order).collect();
-            for (encoding, data) in [
-                ("raw", plain.clone()),
-                ("gzip", gzip(&plain)),
-                ("gz", gzip(&plain)),
-            ] {
+            for (encoding, data) in [("raw", plain.clone()), ("gzip", gzip(&plain)), ("gz", gzip(&plain))] {
                 let fields = [("type", name), ("endian", endian), ("encoding", encoding)];
                 let attached = folder.path().join("a.nrrd");
                 fs::write(&attached, file(&fields, &data)).unwrap();
                 let volume = read(&attached).unwrap();
                 assert_eq!(volume.values(), &values, "{name} {endian} {encoding}");
-                assert_eq!(
-                    (volume.dims(), volume.spacing()),
-                    ([3, 2, 1], [1.0, 1.0, 2.0])
-                );
+                assert_eq!((volume.dims(), volume.spacing()), ([3, 2, 1], [1.0, 1.0, 2.0]));
                 fs::write(folder.path().join("d e.raw"), &data).unwrap();
                 let header = folder.path().join("d.nhdr");
                 let fields = [&fields[..], &[("data file", "./d e.raw")]].concat();
@@ -145,27 +114,14 @@ fn every_type_order_and_encoding_comes_back() {
 fn skips_are_passed_over() {
     let expected = Values::U8(vec![1, 2, 3, 4, 5, 6]);
     let data = b"a line\n\nab\x01\x02\x03\x04\x05\x06";
-    let values =
-        |fields: &[(&str, &str)], data: &[u8]| read_file(fields, data).unwrap().values().clone();
-    assert_eq!(
-        values(&[("line skip", "2"), ("byte skip", "2")], data),
-        expected
-    );
-    assert_eq!(
-        values(&[("lineskip", "1"), ("byteskip", "3")], data),
-        expected
-    );
+    let values = |fields: &[(&str, &str)], data: &[u8]| read_file(fields, data).unwrap().values().clone();
+    assert_eq!(values(&[("line skip", "2"), ("byte skip", "2")], data), expected);
+    assert_eq!(values(&[("lineskip", "1"), ("byteskip", "3")], data), expected);
     assert_eq!(values(&[("byte skip", "-1")], data), expected);
-    assert_eq!(
-        values(&[("line skip", "1"), ("byte skip", "-1")], data),
-        expected
-    );
+    assert_eq!(values(&[("line skip", "1"), ("byte skip", "-1")], data), expected);
     let packed = [b"a line\n", gzip(b"ab\x01\x02\x03\x04\x05\x06").as_slice()].concat();
     assert_eq!(
-        values(
-            &[("encoding", "gzip"), ("line skip", "1"), ("byte skip", "2")],
-            &packed
-        ),
+        values(&[("encoding", "gzip"), ("line skip", "1"), ("byte skip", "2")], &packed),
         expected
     );
 }
@@ -179,7 +135,8 @@ fn packed_members_follow_each_other() {
 
 #[test]
 fn keys_and_comments_are_read() {
-    let text = b"NRRD0005\r\n# c\r\ntype: uchar\r\ndimension: 3\r\nsizes: 1 1 1\r\nencoding: raw\r\nspacings: 1 1 1\r\n\
+    let text =
+        b"NRRD0005\r\n# c\r\ntype: uchar\r\ndimension: 3\r\nsizes: 1 1 1\r\nencoding: raw\r\nspacings: 1 1 1\r\n\
         kinds: domain space Domain\r\nhounsfield_offset:=-1024\r\n\r\n\x05";
     let volume = read_bytes(text, "t").unwrap();
     assert_eq!((volume.value_offset(), volume.notes().len()), (-1024.0, 0));
@@ -192,26 +149,14 @@ fn wrong_fields_are_refused_by_name() {
         ("dimension", "4", "field `dimension` is `4`, expected 3"),
         ("dimension", "", "no field `dimension`"),
         ("type", "block", "field `type` is `block`, expected int8"),
-        (
-            "type",
-            "short",
-            "no field `endian`, expected `little` or `big`",
-        ),
+        ("type", "short", "no field `endian`, expected `little` or `big`"),
         ("type", "", "no field `type`"),
-        (
-            "sizes",
-            "3 2",
-            "field `sizes` is `3 2`, expected three whole numbers",
-        ),
+        ("sizes", "3 2", "field `sizes` is `3 2`, expected three whole numbers"),
         ("sizes", "3 2 -1", "field `sizes`"),
         ("sizes", "3 2 1 1", "field `sizes`"),
         ("sizes", "3 2 99999999999999999999", "field `sizes`"),
         ("sizes", "3 0 1", "has 0 voxels along y, expected 1 to 8192"),
-        (
-            "sizes",
-            "8193 1 1",
-            "has 8193 voxels along x, expected 1 to 8192",
-        ),
+        ("sizes", "8193 1 1", "has 8193 voxels along x, expected 1 to 8192"),
         (
             "sizes",
             "8192 8192 8192",
@@ -241,22 +186,10 @@ fn wrong_fields_are_refused_by_name() {
         ("endian", "middle", "field `endian` is `middle`"),
         ("kinds", "RGB-color domain domain", "field `kinds`"),
         ("line skip", "-1", "field `line skip`"),
-        (
-            "line skip",
-            "2",
-            "ends inside the part to be skipped (`line skip`: 2)",
-        ),
+        ("line skip", "2", "ends inside the part to be skipped (`line skip`: 2)"),
         ("byte skip", "-2", "field `byte skip`"),
-        (
-            "byte skip",
-            "1",
-            "has 5 bytes of data after the 1 skipped, expected 6",
-        ),
-        (
-            "byte skip",
-            "18446744073709551615",
-            "has 0 bytes of data after",
-        ),
+        ("byte skip", "1", "has 5 bytes of data after the 1 skipped, expected 6"),
+        ("byte skip", "18446744073709551615", "has 0 bytes of data after"),
         (
             "hounsfield_offset:=1.5\ncontent",
             "x",
@@ -287,19 +220,10 @@ fn data_of_another_length_are_refused() {
     assert!(message(&[], &[0; 7]).contains("has 7 bytes of data, expected 6"));
     assert!(message(&[("byte skip", "-1")], &[0; 5]).contains("has 5 bytes of data, expected 6"));
     let packed = [("encoding", "gzip")];
-    assert!(
-        message(&packed, &gzip(&[0; 5]))
-            .contains("has 5 bytes of data that can be read, expected 6")
-    );
+    assert!(message(&packed, &gzip(&[0; 5])).contains("has 5 bytes of data that can be read, expected 6"));
     assert!(message(&packed, &gzip(&[0; 7])).contains("unpacks to more than the 6 bytes expected"));
-    assert!(
-        message(&[("encoding", "gzip"), ("byte skip", "9")], &gzip(&[0; 7]))
-            .contains("`byte skip`: 9")
-    );
-    assert!(
-        message(&[("encoding", "gzip"), ("byte skip", "-1")], &gzip(&[0; 6]))
-            .contains("`byte skip` is `-1`")
-    );
+    assert!(message(&[("encoding", "gzip"), ("byte skip", "9")], &gzip(&[0; 7])).contains("`byte skip`: 9"));
+    assert!(message(&[("encoding", "gzip"), ("byte skip", "-1")], &gzip(&[0; 6])).contains("`byte skip` is `-1`"));
 }
 
 #[test]
@@ -312,17 +236,12 @@ fn damaged_packed_data_are_refused() {
     let mut flipped = whole.clone();
     let crc_at = flipped.len() - 8;
     flipped[crc_at] ^= 1;
-    assert!(
-        message(&packed, &flipped).contains("gzip data are damaged after 6 unpacked bytes of 6")
-    );
+    assert!(message(&packed, &flipped).contains("gzip data are damaged after 6 unpacked bytes of 6"));
     assert!(message(&packed, b"not gzip").contains("gzip data are damaged after 0"));
     assert!(message(&packed, &[whole.as_slice(), b"tail"].concat()).contains("damaged"));
     // A small file that claims 2^31 voxels costs no more than what it unpacks to.
     let lying = [("encoding", "gzip"), ("sizes", "8192 8192 32")];
-    assert!(
-        message(&lying, &whole)
-            .contains("has 6 bytes of data that can be read, expected 2147483648")
-    );
+    assert!(message(&lying, &whole).contains("has 6 bytes of data that can be read, expected 2147483648"));
 }
 
 #[test]
@@ -331,10 +250,7 @@ fn values_that_are_no_numbers_are_refused() {
     let mut values = [0.0_f64; 6];
     values[4] = f64::NAN;
     let text = message(&fields, &values.map(f64::to_le_bytes).concat());
-    assert_eq!(
-        text,
-        "t.nrrd: voxel (1, 1, 0) is NaN, expected finite numbers only"
-    );
+    assert_eq!(text, "t.nrrd: voxel (1, 1, 0) is NaN, expected finite numbers only");
 }
 
 #[test]
@@ -362,9 +278,7 @@ fn data_files_are_looked_for_beside_the_header() {
     )
     .unwrap();
     let text = read(&header).unwrap_err().to_string();
-    assert!(text.ends_with(
-        "header ends without an empty line and names no `data file`, expected one of the two"
-    ));
+    assert!(text.ends_with("header ends without an empty line and names no `data file`, expected one of the two"));
 }
 
 proptest! {
