@@ -225,7 +225,7 @@ fn nearest<P: Precision>(bits: i32) -> usize {
 fn mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
     let d = b.wrapping_sub(a) as i32;
     let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
-    a.wrapping_add((((d >> 16) * f << (16 - bits)) + low) as u32)
+    a.wrapping_add(((((d >> 16) * f) << (16 - bits)) + low) as u32)
 }
 
 impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, L> {

@@ -438,7 +438,9 @@ mod tests {
         }
     }
 
-    fn sample() -> impl Strategy<Value = (Normal, [Intensity; 3])> {
+    type Sample = (Normal, [Intensity; 3]);
+
+    fn sample() -> impl Strategy<Value = Sample> {
         let gradient = prop::array::uniform3(-100_000i32..100_000);
         let colour = prop::array::uniform3(0u16..=32768).prop_map(|c| c.map(Intensity::from_bits));
         (gradient.prop_map(normalise), colour)
@@ -460,7 +462,7 @@ mod tests {
 
         #[test]
         fn rows_are_the_scalar(phong in phong(3), samples in prop::collection::vec(sample(), 0..34)) {
-            let column = |f: &dyn Fn(&(Normal, [Intensity; 3])) -> i32| samples.iter().map(f).collect::<StdVec<_>>();
+            let column = |f: &dyn Fn(&Sample) -> i32| samples.iter().map(f).collect::<StdVec<_>>();
             let g = [0, 1, 2].map(|a| column(&|s| s.0.g[a]));
             let r = column(&|s| s.0.r as i32);
             let mut c = [0, 1, 2].map(|a| column(&|s| i32::from(s.1[a].to_bits())));

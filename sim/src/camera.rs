@@ -182,7 +182,11 @@ pub fn picture(scene: &Scene, plan: &Plan, dims: [usize; 3], spacing: [f64; 3]) 
     let reach = |axis: [f64; 3]| (0..3).map(|a| sides[a] * axis[a].abs()).sum::<f64>();
     let (across, high) = (reach(axes.right), reach(axes.up));
     let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min) / rays;
-    let default = |extent: f64| ((extent / finest).ceil() as u32).saturating_add(1).min(PICTURE_SIDE_MAX);
+    let default = |extent: f64| {
+        ((extent / finest).ceil() as u32)
+            .saturating_add(1)
+            .min(PICTURE_SIDE_MAX)
+    };
     let [width, height] = scene.image.size.unwrap_or([default(across), default(high)]);
     if !(1..=PICTURE_SIDE_MAX).contains(&width) || !(1..=PICTURE_SIDE_MAX).contains(&height) {
         return Err(CameraError::Picture { width, height });

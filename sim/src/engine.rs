@@ -329,7 +329,10 @@ fn picture<L: Pipeline>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Eleme
 
 /// The scene's background, 1.15.
 pub fn background(scene: &Scene) -> [Intensity; 3] {
-    scene.image.background.map(|c| Intensity::from_bits((c * 32768.0).round() as u16))
+    scene
+        .image
+        .background
+        .map(|c| Intensity::from_bits((c * 32768.0).round() as u16))
 }
 
 /// Runs `work` on this many threads; `None` uses all processors.
@@ -337,6 +340,8 @@ pub fn background(scene: &Scene) -> [Intensity; 3] {
 /// # Errors
 /// [`RenderError::Threads`] if they cannot be started.
 pub fn on_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> Result<R, RenderError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .build()?;
     Ok(pool.install(work))
 }

@@ -69,7 +69,12 @@ pub fn dispatch<J: Job>(scene: &Scene, table: &Table, phong: Option<&Phong>, job
     }
 }
 
-fn with_precision<P: Precision, J: Job>(scene: &Scene, table: AnyTable<'_>, phong: Option<&Phong>, job: J) -> J::Output {
+fn with_precision<P: Precision, J: Job>(
+    scene: &Scene,
+    table: AnyTable<'_>,
+    phong: Option<&Phong>,
+    job: J,
+) -> J::Output {
     match (scene.blend, phong) {
         (Blend::FrontToBack, Some(phong)) => {
             let pipeline = Composite::<P, _, _, FrontToBack>::new(table, phong.clone());

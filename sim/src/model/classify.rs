@@ -35,15 +35,8 @@ impl<'a> Classifier<'a> {
     /// # Panics
     /// If the transfer function has no point or its unit distance is not positive.
     pub fn new(transfer: &'a TransferFunction, mapping: Mapping, step_length: f64) -> Self {
-        assert!(
-            !transfer.points.is_empty(),
-            "a transfer function without points"
-        );
-        assert!(
-            transfer.unit_distance > 0.0,
-            "unit distance {}",
-            transfer.unit_distance
-        );
+        assert!(!transfer.points.is_empty(), "a transfer function without points");
+        assert!(transfer.unit_distance > 0.0, "unit distance {}", transfer.unit_distance);
         Self {
             points: &transfer.points,
             unit_distance: transfer.unit_distance,
@@ -117,11 +110,7 @@ mod tests {
 
     #[test]
     fn linear_between_points_constant_outside() {
-        let points = [
-            point(-100.0, 0.0, 0.2),
-            point(100.0, 1.0, 0.6),
-            point(300.0, 0.5, 0.0),
-        ];
+        let points = [point(-100.0, 0.0, 0.2), point(100.0, 1.0, 0.6), point(300.0, 0.5, 0.0)];
         for (value, grey, opacity) in [
             (-5000.0, 0.0, 0.2),
             (-100.0, 0.0, 0.2),
@@ -170,10 +159,7 @@ mod tests {
             (4.0, 0.9375),
             (4.0 * 2.0_f64.sqrt(), 0.980_179_38),
         ] {
-            assert!(
-                (corrected(0.5, length) - opacity).abs() < 5.1e-9,
-                "{length}"
-            );
+            assert!((corrected(0.5, length) - opacity).abs() < 5.1e-9, "{length}");
         }
         assert_eq!(corrected(1.0, 0.001), 1.0);
         assert_eq!(corrected(0.0, 7.0), 0.0);
@@ -186,8 +172,7 @@ mod tests {
         for exponent in [20, 31, 40, 60] {
             let a = 2.0_f64.powi(-exponent);
             for r in [0.1, 0.5, 3.0, 17.3] {
-                let series = r * a - r * (r - 1.0) / 2.0 * a * a
-                    + r * (r - 1.0) * (r - 2.0) / 6.0 * a * a * a;
+                let series = r * a - r * (r - 1.0) / 2.0 * a * a + r * (r - 1.0) * (r - 2.0) / 6.0 * a * a * a;
                 let relative = corrected(a, r) / series - 1.0;
                 assert!(relative.abs() < 1e-15, "2^-{exponent}, {r}: {relative:e}");
             }

@@ -74,10 +74,7 @@ mod tests {
                 back = back.back_to_front([1.0; 3], a);
             }
             for pixel in [front, back] {
-                assert!(
-                    (pixel.transparency - transparency).abs() < 5.1e-10,
-                    "{pixel:?}"
-                );
+                assert!((pixel.transparency - transparency).abs() < 5.1e-10, "{pixel:?}");
                 close(pixel.colour, [colour; 3], 5.1e-10);
                 assert!((pixel.colour[0] + pixel.transparency - 1.0).abs() < 1e-12);
             }
@@ -97,10 +94,7 @@ mod tests {
         assert_eq!(pixel.front_to_back([1.0; 3], 1.0), pixel);
         assert_eq!(pixel.front_to_back([1.0; 3], 0.0), pixel);
         assert_eq!(pixel.back_to_front([1.0; 3], 0.0), pixel);
-        assert_eq!(
-            pixel.back_to_front([1.0; 3], 1.0),
-            Pixel::of_sample([1.0; 3], 1.0)
-        );
+        assert_eq!(pixel.back_to_front([1.0; 3], 1.0), Pixel::of_sample([1.0; 3], 1.0));
     }
 
     #[test]
@@ -109,10 +103,7 @@ mod tests {
         let pixel = Pixel::TRANSPARENT
             .front_to_back([1.0, 0.0, 0.0], 0.25)
             .front_to_back([0.0, 1.0, 0.0], 0.5);
-        assert_eq!(
-            (pixel.colour, pixel.transparency),
-            ([0.25, 0.375, 0.0], 0.375)
-        );
+        assert_eq!((pixel.colour, pixel.transparency), ([0.25, 0.375, 0.0], 0.375));
         assert_eq!(pixel.on([1.0; 3]), [0.625, 0.75, 0.375]);
         let swapped = Pixel::TRANSPARENT
             .back_to_front([0.0, 1.0, 0.0], 0.5)

@@ -30,10 +30,7 @@ const NOISE: f64 = 1.0 / (1_u64 << 34) as f64;
 pub fn difference_at(grid: &Grid<'_>, position: [f64; 3]) -> [f64; 3] {
     let cell = Cell::at(position, grid.dims());
     [0, 1, 2].map(|axis| {
-        let d = trilinear(
-            cell.corners(|c| grid.central_difference(c, axis)),
-            cell.weight,
-        );
+        let d = trilinear(cell.corners(|c| grid.central_difference(c, axis)), cell.weight);
         if d.abs() < NOISE { 0.0 } else { d }
     })
 }
@@ -119,11 +116,7 @@ mod tests {
         let geometry = Geometry::new([0.0, 0.0, 1.0], volume.dims, [1.0; 3], SAMPLING_ONCE);
         let grid = Grid::new(&volume, &geometry);
         for x in [1.0, 1.25, 3.7, 6.5, 7.0] {
-            close(
-                difference_at(&grid, [x, 1.3, 0.4]),
-                [4.0 * x, 0.0, 0.0],
-                1e-12,
-            );
+            close(difference_at(&grid, [x, 1.3, 0.4]), [4.0 * x, 0.0, 0.0], 1e-12);
         }
         // On the face: twice the one-sided difference, 2 (1 - 0) = 2; half-way to the next voxel (2 + 4) / 2.
         close(difference_at(&grid, [0.0, 1.0, 1.0]), [2.0, 0.0, 0.0], 0.0);

@@ -21,12 +21,7 @@ impl<'a> Grid<'a> {
     /// If the number of voxels is not the product of the dimensions, or the geometry is another volume's.
     pub fn new(volume: &'a Volume, geometry: &Geometry) -> Self {
         let [nx, ny, nz] = volume.dims;
-        assert_eq!(
-            volume.voxels.len(),
-            nx * ny * nz,
-            "voxels of {}",
-            volume.name
-        );
+        assert_eq!(volume.voxels.len(), nx * ny * nz, "voxels of {}", volume.name);
         assert_eq!(
             geometry.dims,
             geometry.order.map(|a| volume.dims[a]),

@@ -70,10 +70,7 @@ impl Geometry {
             }
         }
         let speed = v[major].abs();
-        assert!(
-            speed > 0.0 && speed.is_finite(),
-            "no viewing direction: {forward:?}"
-        );
+        assert!(speed > 0.0 && speed.is_finite(), "no viewing direction: {forward:?}");
         assert!(dims.iter().all(|&d| d > 0), "an empty volume: {dims:?}");
         assert!(
             sampling.planes_per_voxel > 0 && sampling.rays_per_voxel > 0,
@@ -124,14 +121,8 @@ impl Geometry {
     /// Along i: origin `-ceil((D - 1) s)` if s > 0, else 0; `W + ceil((D - 1) |s|)` voxel columns of
     /// `rays_per_voxel` pixels each. Along j alike. The ceilings forgive 1e-9.
     pub fn natural_lattice(&self) -> Lattice {
-        let margin = |s: f64| {
-            ((self.dims[2] - 1) as f64 * s.abs() - CEIL_TOLERANCE)
-                .ceil()
-                .max(0.0) as usize
-        };
-        let origin = self
-            .shear
-            .map(|s| if s > 0.0 { -(margin(s) as i64) } else { 0 });
+        let margin = |s: f64| ((self.dims[2] - 1) as f64 * s.abs() - CEIL_TOLERANCE).ceil().max(0.0) as usize;
+        let origin = self.shear.map(|s| if s > 0.0 { -(margin(s) as i64) } else { 0 });
         let size = [0, 1].map(|a| self.rays_per_voxel * (self.dims[a] + margin(self.shear[a])));
         Lattice { origin, size }
     }
@@ -141,9 +132,7 @@ impl Geometry {
     pub fn position(&self, lattice: Lattice, plane: usize, u: usize, v: usize) -> [f64; 3] {
         let z = plane as f64 / self.planes_per_voxel as f64;
         let along = |axis: usize, pixel: usize| {
-            lattice.origin[axis] as f64
-                + pixel as f64 / self.rays_per_voxel as f64
-                + z * self.shear[axis]
+            lattice.origin[axis] as f64 + pixel as f64 / self.rays_per_voxel as f64 + z * self.shear[axis]
         };
         [along(0, u), along(1, v), z]
     }
@@ -193,10 +182,7 @@ mod tests {
         assert_eq!(cube([0.1, -0.9, 0.2]).dims, [4, 6, 5]);
         assert_eq!(cube([-0.9, 0.1, 0.2]).dims, [5, 6, 4]);
         assert_eq!(cube([-2.0, 1.0, -0.5]).shear, [0.5, -0.25]);
-        assert_eq!(
-            cube([-2.0, 1.0, -0.5]).to_frame([1.0, 2.0, 3.0]),
-            [2.0, 3.0, -1.0]
-        );
+        assert_eq!(cube([-2.0, 1.0, -0.5]).to_frame([1.0, 2.0, 3.0]), [2.0, 3.0, -1.0]);
     }
 
     #[test]
@@ -280,10 +266,7 @@ mod tests {
         let half = FACE_TOLERANCE;
         assert_eq!(g.inside([0.0, 4.0, 5.0]), Some([0.0, 4.0, 5.0]));
         assert_eq!(g.inside([-1e-12, 4.0, 5.0]), None);
-        assert_eq!(
-            g.inside_tolerant([-half, 4.0 + half, 5.0]),
-            Some([0.0, 4.0, 5.0])
-        );
+        assert_eq!(g.inside_tolerant([-half, 4.0 + half, 5.0]), Some([0.0, 4.0, 5.0]));
         assert_eq!(g.inside_tolerant([-half * 1.001, 0.0, 0.0]), None);
         assert_eq!(g.inside_tolerant([3.0 + half * 1.001, 0.0, 0.0]), None);
     }

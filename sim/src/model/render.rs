@@ -58,12 +58,7 @@ impl<'a> Model<'a> {
     /// # Panics
     /// If the volume is empty or not as long as its dimensions say, the transfer function is empty or its unit
     /// distance is not positive, or a sampling rate is zero. Readers and scene files refuse all of these.
-    pub fn new(
-        scene: &'a Scene,
-        volume: &'a Volume,
-        lattice: Lattice,
-        positions: Positions<'a>,
-    ) -> Self {
+    pub fn new(scene: &'a Scene, volume: &'a Volume, lattice: Lattice, positions: Positions<'a>) -> Self {
         let camera = scene.view.axes();
         let geometry = Self::geometry_of(scene, volume);
         Self {
@@ -72,10 +67,7 @@ impl<'a> Model<'a> {
             grid: Grid::new(volume, &geometry),
             spacing_factors: spacing_factors(geometry.spacing),
             classifier: Classifier::new(&scene.transfer, volume.mapping, geometry.step_length()),
-            lights: scene
-                .lighting
-                .as_ref()
-                .map(|l| Lights::new(l, &camera, &geometry)),
+            lights: scene.lighting.as_ref().map(|l| Lights::new(l, &camera, &geometry)),
             blend: scene.blend,
             geometry,
         }
@@ -95,12 +87,7 @@ impl<'a> Model<'a> {
     /// # Panics
     /// As [`Geometry::new`].
     pub fn geometry_of(scene: &Scene, volume: &Volume) -> Geometry {
-        Geometry::new(
-            scene.view.axes().forward,
-            volume.dims,
-            volume.spacing,
-            scene.sampling,
-        )
+        Geometry::new(scene.view.axes().forward, volume.dims, volume.spacing, scene.sampling)
     }
 
     /// The same model with other lights, for instance a pipeline's rounded ones; `None` is unlit.
@@ -131,10 +118,9 @@ impl<'a> Model<'a> {
     /// Where the ray of pixel (u, v) is sampled on a plane, voxels along i, j, k; `None` outside the volume.
     pub fn position(&self, plane: usize, u: usize, v: usize) -> Option<[f64; 3]> {
         match &self.positions {
-            Positions::Exact => {
-                self.geometry
-                    .inside_tolerant(self.geometry.position(self.lattice, plane, u, v))
-            }
+            Positions::Exact => self
+                .geometry
+                .inside_tolerant(self.geometry.position(self.lattice, plane, u, v)),
             Positions::Given(position) => self.geometry.inside(position(plane, u, v)),
         }
     }

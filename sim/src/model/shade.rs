@@ -175,13 +175,7 @@ mod tests {
 
     #[test]
     fn both_highlights_by_angles() {
-        for (a, b) in [
-            (0.0, 0.0),
-            (20.0, 50.0),
-            (-30.0, 10.0),
-            (60.0, 89.0),
-            (44.0, 85.0),
-        ] {
+        for (a, b) in [(0.0, 0.0), (20.0, 50.0), (-30.0, 10.0), (60.0, 89.0), (44.0, 85.0)] {
             for n in [0, 1, 4, 8] {
                 let power = f64::powi;
                 let cos = |d: f64| d.to_radians().cos();
@@ -206,17 +200,9 @@ mod tests {
             // 11 degrees past the light's horizon, still facing the viewer.
             let terms = lights.terms(&lights.lights[0], at_angle(-21.0));
             assert_eq!((terms.diffuse, terms.base, terms.specular), (0.0, 0.0, 0.0));
-            close(
-                lights.shade(at_angle(-21.0), [1.0, 0.8, 0.0]),
-                [0.1, 0.08, 0.0],
-                1e-15,
-            );
+            close(lights.shade(at_angle(-21.0), [1.0, 0.8, 0.0]), [0.1, 0.08, 0.0], 1e-15);
             // No gradient: ambient only.
-            close(
-                lights.shade([0.0; 3], [1.0, 0.8, 0.0]),
-                [0.1, 0.08, 0.0],
-                1e-15,
-            );
+            close(lights.shade([0.0; 3], [1.0, 0.8, 0.0]), [0.1, 0.08, 0.0], 1e-15);
         }
         // Lit, but turned from the viewer: R.L = cos(2 * 100 - 150) > 0 is not seen.
         let lights = one_light(Highlight::Reflection, 0, at_angle(150.0));
@@ -309,10 +295,6 @@ mod tests {
         close(lights.lights[2].direction, [0.6, 0.64, -0.48], 1e-15);
         assert!((lights.lights[0].viewer_dot - 0.8).abs() < 1e-15);
         // Half-way between (0.6, 0, -0.8) and (0, 0, -1): (1, 0, -3) / sqrt 10.
-        close(
-            lights.lights[0].half,
-            [0.1_f64.sqrt(), 0.0, -0.9_f64.sqrt()],
-            1e-15,
-        );
+        close(lights.lights[0].half, [0.1_f64.sqrt(), 0.0, -0.9_f64.sqrt()], 1e-15);
     }
 }

@@ -1,8 +1,6 @@
 //! What the model's tests share: small volumes and scenes, and a comparison.
 
-use crate::scene::{
-    Blend, Image, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View,
-};
+use crate::scene::{Blend, Image, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
 use crate::volume::{Mapping, Volume};
 
 /// One plane and one ray per voxel.

@@ -55,8 +55,7 @@ impl ModelImage {
         let (wu, wv) = (u - u0, v - v0);
         let at = |du: i64, dv: i64| self.pixel(u0 as i64 + du, v0 as i64 + dv);
         let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
-        let mix =
-            |f: &dyn Fn(Pixel) -> f64| linear(linear(f(a), f(b), wu), linear(f(c), f(d), wu), wv);
+        let mix = |f: &dyn Fn(Pixel) -> f64| linear(linear(f(a), f(b), wu), linear(f(c), f(d), wu), wv);
         Pixel {
             colour: [0, 1, 2].map(|i| mix(&|p: Pixel| p.colour[i])),
             transparency: mix(&|p: Pixel| p.transparency),
@@ -144,14 +143,8 @@ mod tests {
     #[test]
     fn the_edge_fades_over_one_pixel() {
         let solid = ModelImage::from_fn([2, 2], |_, _| Pixel::of_sample([1.0, 0.5, 0.0], 1.0));
-        assert_eq!(
-            solid.bilinear(-0.25, 0.5),
-            Pixel::of_sample([1.0, 0.5, 0.0], 0.75)
-        );
-        assert_eq!(
-            solid.bilinear(1.75, 1.5),
-            Pixel::of_sample([1.0, 0.5, 0.0], 0.125)
-        );
+        assert_eq!(solid.bilinear(-0.25, 0.5), Pixel::of_sample([1.0, 0.5, 0.0], 0.75));
+        assert_eq!(solid.bilinear(1.75, 1.5), Pixel::of_sample([1.0, 0.5, 0.0], 0.125));
         for (u, v) in [
             (-1.0, 0.0),
             (2.0, 0.0),

@@ -92,15 +92,22 @@ impl View {
     }
 }
 
-/// Sine and cosine of an angle in degrees, exact at multiples of 90.
+/// Sine and cosine of an angle in degrees, exact at multiples of 90 and equal in size at odd multiples of 45, so that
+/// 45-degree views are true ties whatever the machine's own sine does.
 fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let turn = degrees.rem_euclid(360.0);
-    match turn {
+    let quarter = (turn / 90.0).floor();
+    let rest = turn - 90.0 * quarter;
+    let (s, c) = match rest {
         0.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        t => t.to_radians().sin_cos(),
+        45.0 => (std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2),
+        r => r.to_radians().sin_cos(),
+    };
+    match quarter as u32 {
+        0 => (s, c),
+        1 => (c, -s),
+        2 => (-s, -c),
+        _ => (-c, s),
     }
 }
 

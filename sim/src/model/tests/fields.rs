@@ -53,20 +53,12 @@ const VIEWS: [[f64; 3]; 8] = [
 fn a_constant_volume_is_constant_and_has_no_normals() {
     let volume = volume_of([5, 4, 6], |_, _, _| 1234);
     for forward in VIEWS {
-        let scene = lit(
-            scene_along(forward, &[(1234.0, 1.0)]),
-            [0.1, 0.2, -0.9],
-            0.3,
-            0.7,
-        );
+        let scene = lit(scene_along(forward, &[(1234.0, 1.0)]), [0.1, 0.2, -0.9], 0.3, 0.7);
         let model = Model::natural(&scene, &volume);
         let all = samples(&model);
         assert!(all.len() > 20);
         for (_, s) in all {
-            assert_eq!(
-                (s.value, s.gradient, s.normal),
-                (1234.0, [0.0; 3], [0.0; 3])
-            );
+            assert_eq!((s.value, s.gradient, s.normal), (1234.0, [0.0; 3], [0.0; 3]));
             assert_eq!((s.shaded, s.opacity), ([0.3; 3], 1.0));
         }
     }
@@ -93,10 +85,7 @@ fn a_linear_field_is_exact_everywhere() {
         ..scene_along([0.25, -0.5, 1.0], &[(0.0, 0.5)])
     };
     let model = Model::natural(&scene, &volume);
-    assert_eq!(
-        (model.lattice().origin, model.lattice().size),
-        ([-2, 0], [10, 12])
-    );
+    assert_eq!((model.lattice().origin, model.lattice().size), ([-2, 0], [10, 12]));
     for ([plane, u, v], s) in samples(&model) {
         let z = plane as f64 / 2.0;
         let expected = field(u as f64 - 2.0 + 0.25 * z, v as f64 - 0.5 * z, z);
@@ -106,10 +95,7 @@ fn a_linear_field_is_exact_everywhere() {
     // Looking along -y: i = x, j = z, and y falls from 7. Shear per voxel of -y: (0.25, -0.5).
     let scene = scene_along([0.25, -1.0, -0.5], &[(0.0, 0.5)]);
     let model = Model::natural(&scene, &volume);
-    assert_eq!(
-        (model.geometry().order, model.geometry().flipped),
-        ([0, 2, 1], true)
-    );
+    assert_eq!((model.geometry().order, model.geometry().flipped), ([0, 2, 1], true));
     for ([plane, u, v], s) in samples(&model) {
         let k = plane as f64;
         let expected = field(u as f64 - 2.0 + 0.25 * k, 7.0 - k, v as f64 - 0.5 * k);
@@ -134,10 +120,7 @@ fn a_linear_field_is_exact_everywhere() {
 #[test]
 fn diffuse_light_on_a_linear_field() {
     let volume = ramp();
-    for (light, cosine) in [
-        ([0.1, 0.2, -0.9], 0.787_650_659),
-        ([-0.6, 0.3, -0.5], 0.958_631_503),
-    ] {
+    for (light, cosine) in [([0.1, 0.2, -0.9], 0.787_650_659), ([-0.6, 0.3, -0.5], 0.958_631_503)] {
         // cos of the angle between -(7, -5, 11) and the light.
         let against = -(7.0 * light[0] - 5.0 * light[1] + 11.0 * light[2]);
         let norm = light.iter().map(|c| c * c).sum::<f64>().sqrt() * 195.0_f64.sqrt();
@@ -181,10 +164,7 @@ fn normals_stand_on_surfaces_of_the_world() {
 
 #[test]
 fn a_single_voxel_is_a_tent() {
-    let volume = volume_of(
-        [5, 5, 5],
-        |x, y, z| if (x, y, z) == (2, 1, 3) { 4000 } else { 0 },
-    );
+    let volume = volume_of([5, 5, 5], |x, y, z| if (x, y, z) == (2, 1, 3) { 4000 } else { 0 });
     let tent = |d: f64| (1.0 - d.abs()).max(0.0);
     let sampling = Sampling {
         planes_per_voxel: 3,
@@ -196,10 +176,7 @@ fn a_single_voxel_is_a_tent() {
     };
     let model = Model::natural(&scene, &volume);
     // 4 * 0.375 = 1.5 and 4 * 0.75 = 3 voxels of shear; 4 pixels a voxel.
-    assert_eq!(
-        (model.lattice().origin, model.lattice().size),
-        ([-2, 0], [28, 32])
-    );
+    assert_eq!((model.lattice().origin, model.lattice().size), ([-2, 0], [28, 32]));
     let mut inside = 0;
     for ([plane, u, v], s) in samples(&model) {
         let z = plane as f64 / 3.0;
@@ -221,24 +198,13 @@ fn one_voxel_is_one_sample() {
                 planes_per_voxel: 4,
                 rays_per_voxel: 2,
             },
-            ..lit(
-                scene_along(forward, &[(7.0, 1.0)]),
-                [0.0, 0.0, 1.0],
-                0.5,
-                0.5,
-            )
+            ..lit(scene_along(forward, &[(7.0, 1.0)]), [0.0, 0.0, 1.0], 0.5, 0.5)
         };
         let model = Model::natural(&scene, &volume);
-        assert_eq!(
-            (model.geometry().planes(), model.lattice().size),
-            (1, [2, 2])
-        );
+        assert_eq!((model.geometry().planes(), model.lattice().size), (1, [2, 2]));
         let image = model.render();
         assert_eq!(image.pixel(0, 0), Pixel::of_sample([0.5; 3], 1.0));
-        assert_eq!(
-            [image.pixel(1, 0), image.pixel(0, 1)],
-            [Pixel::TRANSPARENT; 2]
-        );
+        assert_eq!([image.pixel(1, 0), image.pixel(0, 1)], [Pixel::TRANSPARENT; 2]);
     }
 }
 

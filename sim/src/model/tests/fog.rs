@@ -18,14 +18,7 @@ const DIRECTIONS: [[f64; 3]; 7] = [
 const SPACINGS: [[f64; 3]; 3] = [[1.0, 1.0, 1.0], [0.7, 1.1, 0.4], [0.5, 0.5, 2.5]];
 
 /// Samples of one ray by counting, from the direction in voxels alone.
-fn count(
-    forward: [f64; 3],
-    spacing: [f64; 3],
-    dims: [usize; 3],
-    start: [f64; 3],
-    major: usize,
-    r: u32,
-) -> u32 {
+fn count(forward: [f64; 3], spacing: [f64; 3], dims: [usize; 3], start: [f64; 3], major: usize, r: u32) -> u32 {
     let v = [0, 1, 2].map(|a| forward[a] / spacing[a]);
     (0..=(dims[major] as u32 - 1) * r)
         .filter(|&p| {
@@ -89,12 +82,7 @@ fn transparency_is_the_power_of_the_length() {
 #[test]
 fn samples_of_the_central_ray() {
     let volume = volume_of([9, 9, 9], |_, _, _| 1);
-    for forward in [
-        [0.0, 0.0, 1.0],
-        [0.0, 0.0, -1.0],
-        [0.0, 1.0, 0.0],
-        [-1.0, 0.0, 0.0],
-    ] {
+    for forward in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]] {
         for r in [1, 2, 16] {
             let scene = Scene {
                 sampling: Sampling {
@@ -130,10 +118,7 @@ fn forty_five_degrees() {
         let scene = scene_along(forward, &[(0.0, 0.25)]);
         let model = Model::natural(&scene, &volume);
         let geometry = model.geometry();
-        assert!(
-            (geometry.step_length() - step).abs() < 1e-14,
-            "{geometry:?}"
-        );
+        assert!((geometry.step_length() - step).abs() < 1e-14, "{geometry:?}");
         // Shear 0 needs 9 columns, shear 1 needs 17.
         for a in 0..2 {
             let expected = if geometry.shear[a].abs() < 0.5 { 9 } else { 17 };

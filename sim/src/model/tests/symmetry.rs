@@ -129,11 +129,7 @@ fn a_larger_lattice_shows_the_same_rays() {
     );
     for v in 0..lattice.size[1] as i64 {
         for u in 0..lattice.size[0] as i64 {
-            close(
-                large.pixel(u, v).colour,
-                small.pixel(u - 3, v - 1).colour,
-                1e-12,
-            );
+            close(large.pixel(u, v).colour, small.pixel(u - 3, v - 1).colour, 1e-12);
         }
     }
 }
@@ -157,12 +153,7 @@ fn given_positions_are_used_as_they_are() {
             .position(lattice, plane, u, v)
             .map(|c| (c * 65536.0).floor() / 65536.0)
     };
-    let model = Model::new(
-        &scene,
-        &volume,
-        lattice,
-        Positions::Given(Box::new(rounded)),
-    );
+    let model = Model::new(&scene, &volume, lattice, Positions::Given(Box::new(rounded)));
     let mut seen = 0;
     for plane in 0..geometry.planes() {
         for v in 0..lattice.size[1] {
@@ -180,12 +171,7 @@ fn given_positions_are_used_as_they_are() {
     }
     assert!(seen > 200, "{seen}");
     // No tolerance at the faces: outside by less than half a unit of 16.16 is outside.
-    for (x, exists) in [
-        (0.0, true),
-        (3.0, true),
-        (-1e-6, false),
-        (3.0 + 1e-6, false),
-    ] {
+    for (x, exists) in [(0.0, true), (3.0, true), (-1e-6, false), (3.0 + 1e-6, false)] {
         let model = Model::new(
             &scene,
             &volume,
