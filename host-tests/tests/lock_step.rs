@@ -76,7 +76,7 @@ fn hold_together(frame: &Frame) -> Result<(), String> {
 }
 
 proptest! {
-    #![proptest_config(config(3000, 2026))]
+    #![proptest_config(config(2000, 2026))]
 
     #[test]
     fn every_layer_follows_the_definitions(frame in frame()) {
