@@ -61,9 +61,9 @@ impl Sums {
 
     fn value(&mut self, stage: Stage, plane: &Plane, [row, column]: [u32; 2], bits: [u32; 4]) {
         let [a, b, c, d] = bits.map(u64::from);
-        let phase = u64::from(plane.phase.u) << 4 | u64::from(plane.phase.v);
-        let place = u64::from(plane.index) << 40 | phase << 32 | u64::from(row) << 16 | u64::from(column);
-        let mixture = mixed(mixed(mixed(place ^ (stage as u64) << 60) ^ (a << 32 | b)) ^ (c << 32 | d));
+        let phase = (u64::from(plane.phase.u) << 4) | u64::from(plane.phase.v);
+        let place = (u64::from(plane.index) << 40) | (phase << 32) | (u64::from(row) << 16) | u64::from(column);
+        let mixture = mixed(mixed(mixed(place ^ ((stage as u64) << 60)) ^ ((a << 32) | b)) ^ ((c << 32) | d));
         self.sums[stage as usize] = self.sums[stage as usize].wrapping_add(mixture);
         self.counts[stage as usize] += 1;
     }

@@ -20,7 +20,7 @@ impl Random {
 
     /// A number from 0 to `end - 1`, for small `end`.
     pub fn below(&mut self, end: u32) -> u32 {
-        ((self.next_bits() >> 32) * u64::from(end) >> 32) as u32
+        (((self.next_bits() >> 32) * u64::from(end)) >> 32) as u32
     }
 }
 
