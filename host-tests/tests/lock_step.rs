@@ -161,6 +161,28 @@ fn thin_volumes_from_every_side() {
     assert_eq!(frames, 8 * 11 * 4);
 }
 
+/// A volume so long that a step's last bits matter, 16 planes a voxel, from both ends.
+#[test]
+fn long_volumes_keep_their_positions() {
+    let table = table_of(&[(0, [90, 20, 200], 300), (4095, [255, 255, 255], 3000)]);
+    let long = Arc::new(volume([3, 2, 120], Filling::Noise, 4));
+    for (direction, precision) in [
+        ([7, 0, 30], PrecisionName::Wide),
+        ([-5, 1, -1_000], PrecisionName::Compact),
+    ] {
+        let frame = Frame {
+            direction,
+            planes_per_voxel: 16,
+            phong: Some(light(5, 2)),
+            precision,
+            ..Frame::new(long.clone(), table.clone())
+        };
+        if let Err(difference) = hold_together(&frame) {
+            panic!("{direction:?} {precision:?}: {difference}");
+        }
+    }
+}
+
 /// The first divergence is found and named: a recording with one value changed.
 #[test]
 fn a_changed_value_is_reported_with_its_place_and_bits() {

@@ -1,9 +1,9 @@
 //! Normalisation and powers.
 
-use slicecast::format::Cosine;
+use slicecast::format::{Cosine, Unit};
 use slicecast::normalise::{Normal, block, normalise, reciprocal_root, unit};
 use slicecast::precision::{Compact, Paper, Wide};
-use slicecast::shade::power;
+use slicecast::shade::{dot, power};
 use slicecast_host_tests::random::Random;
 
 type Vector = [i32; 3];
@@ -100,6 +100,21 @@ fn opposite_gradients_have_opposite_normals() {
     for gradient in drawn.chain(NORMALS.map(|n| n.0)) {
         let (a, b) = (normalise(gradient), normalise(gradient.map(|c| -c)));
         assert_eq!((a.g.map(|c| -c), a.r), (b.g, b.r), "{gradient:?}");
+    }
+}
+
+/// A cosine is the 1.31 number nearest to `-(g . L) r / 2^35`, halves up, from 0 to 1.
+#[test]
+fn cosines_are_rounded_to_nearest() {
+    let mut random = Random::new(2);
+    for _ in 0..20_000 {
+        let normal = normalise([(); 3].map(|()| random.next_bits() as i32 >> (1 + random.below(31))));
+        let light = [(); 3].map(|()| random.below(37_837) as i32 - 18_918);
+        let product: i64 = normal.g.into_iter().zip(light).map(|(g, l)| i64::from(-g * l)).sum();
+        let exact = i128::from(product.max(0)) * i128::from(normal.r);
+        let nearest = ((exact + (1 << 18)) >> 19).min(1 << 31);
+        let found = dot::<Compact>(normal, light.map(Unit::from_bits));
+        assert_eq!(i128::from(found.to_bits()), nearest, "{normal:?} {light:?}");
     }
 }
 
