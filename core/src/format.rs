@@ -19,8 +19,9 @@
 //! | [`Cosine`] | 1.31 | 0 to 1 | | shading | shading |
 //! | [`Coefficient`] | 1.31 | 0 to 1 | | caller | shading |
 //! | [`Intensity`] | 1.15 | 0 to 1 | | classification, shading | compositing |
-//! | `u16` channel | 1.15 | 0 to 1 | | compositing | warp |
-//! | `u32` channel | 1.31 | 0 to 1 | | compositing | warp |
+//! | `u16` channel | 1.15 | 0 to 1 | | compositing (`Paper`) | warp |
+//! | `Unorm16` channel | 16 bits, 65535 is 1 | 0 to 1 | | compositing (`Compact`) | warp |
+//! | `u32` channel | 1.31 | 0 to 1 | | compositing (`Wide`) | warp |
 //!
 //! Rounding is named as hardware tools name it: *truncate* is towards minus infinity (AP_TRN), *nearest* is half up
 //! (AP_RND), *saturate* is AP_SAT and always stated.

@@ -9,11 +9,11 @@
 //! | sample | 12.12, truncated at each lerp | 12.12, rounded once | 12.15, rounded once |
 //! | normal | 1.12, truncated | 15-bit block, length divided out last | as `Compact` |
 //! | shading | 16.16, truncated | 1.31 dots and powers, 16-bit coefficients | 1.31, one rounding |
-//! | pixel | 1.15 truncated, 64 bits | 1.15 telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
+//! | pixel | 1.15 truncated, 64 bits | 16 bits, 65535 is 1, telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
 
 use fixed::traits::Fixed;
 
-use crate::composite::{Dithered15, Recurrence, Telescoping31, Truncating15};
+use crate::composite::{Dithered, Recurrence, Telescoping31, Truncating15, Unorm16};
 use crate::format::{Rounding, Sample12, Sample15};
 
 /// The formats and roundings of a pipeline.
@@ -94,7 +94,7 @@ impl Precision for Paper {
 
 impl Precision for Compact {
     type Sample = Sample12;
-    type Pixel = Dithered15;
+    type Pixel = Dithered<Unorm16>;
     const NAME: &'static str = "compact";
     const WEIGHT_BITS: u32 = 16;
     const LERP_BITS: u32 = 16;

@@ -54,7 +54,7 @@ impl Sums {
 
 /// Compares base-plane images: premultiplied colour.
 pub fn base_figures(fixed: &BaseImage, model: &ModelImage) -> ImageFigures {
-    let one = 2f64.powi(fixed.bits as i32);
+    let one = f64::from(fixed.one);
     let mut sums = Sums::default();
     for index in 0..model.t.len() {
         if model.t[index] == 1.0 && f64::from(fixed.planes[3][index]) == one {
@@ -106,7 +106,7 @@ pub fn model_picture(model: &ModelImage, background: [f64; 3]) -> Rgb {
 /// A heat map of the largest channel difference of two base-plane images: black for none, then dark red to white up
 /// to `full` steps of 1/255 and beyond.
 pub fn heat_map(fixed: &BaseImage, model: &ModelImage, full: f64) -> Rgb {
-    let one = 2f64.powi(fixed.bits as i32);
+    let one = f64::from(fixed.one);
     let mut bytes = Vec::with_capacity(model.t.len() * 3);
     for index in 0..model.t.len() {
         let error = (0..3)

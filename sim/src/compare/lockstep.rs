@@ -104,6 +104,8 @@ pub struct Lockstep<'a, P> {
     /// Rays per voxel.
     rays: usize,
     errors: StageErrors,
+    /// Ulp in 1.0, stage by stage.
+    per_unit: [f64; Stage::ALL.len()],
     /// The model's samples of the current plane, and its pixels so far, for the rows of the tile.
     samples: Vec<Option<Sample>>,
     pixels: Vec<Pixel>,
@@ -138,6 +140,7 @@ impl<'a, P: Precision> Lockstep<'a, P> {
             width,
             rays: setup.plan.sampling().rays_per_voxel as usize,
             errors: StageErrors::default(),
+            per_unit: Stage::ALL.map(Stage::per_unit::<P>),
             samples: vec![None; count],
             pixels: vec![Pixel::TRANSPARENT; count],
             row: 0,
@@ -169,8 +172,7 @@ impl<'a, P: Precision> Lockstep<'a, P> {
     }
 
     fn add(&mut self, stage: Stage, local: f64, carried: Option<f64>) {
-        let (_, fraction) = stage.format::<P>();
-        let ulp = 2f64.powi(fraction as i32);
+        let ulp = self.per_unit[stage as usize];
         self.errors.local[stage as usize].add(local * ulp);
         if let Some(carried) = carried {
             self.errors.carried[stage as usize].add(carried * ulp);
