@@ -51,15 +51,23 @@ pub enum NormalForm {
 /// How coefficients, dot products and powers of the lighting are multiplied and summed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shading {
-    /// 16.16, every product truncated; coefficients 1.15.
+    /// 16.16, every product truncated; vectors and coefficients 1.15.
     Truncated16,
-    /// Dots and powers in 1.31, then rounded to 1.16; coefficients 1.15; every product fits 32 bits.
+    /// Dots and powers in 1.31, then rounded to 1.16; vectors and coefficients 1.15; products with them fit 32 bits.
     Rounded16,
-    /// All in 1.31, one rounding at the end.
+    /// All in 1.31, vectors 1.30; one rounding at the end.
     Rounded31,
 }
 
 impl Shading {
+    /// Fraction bits of the components of light and viewing vectors.
+    pub const fn vector_bits(self) -> u32 {
+        match self {
+            Self::Truncated16 | Self::Rounded16 => 15,
+            Self::Rounded31 => 30,
+        }
+    }
+
     /// Fraction bits of a lighting coefficient.
     pub const fn coefficient_bits(self) -> u32 {
         match self {

@@ -92,8 +92,8 @@ pub fn picture_figures(fixed: &Rgb, model: &ModelImage, background: [f64; 3]) ->
 pub fn model_picture(model: &ModelImage, background: [f64; 3]) -> Rgb {
     let mut bytes = Vec::with_capacity(model.t.len() * 3);
     for index in 0..model.t.len() {
-        for c in 0..3 {
-            let value = (model.rgb[c][index] + model.t[index] * background[c]) * 255.0;
+        for (plane, behind) in model.rgb.iter().zip(background) {
+            let value = (plane[index] + model.t[index] * behind) * 255.0;
             bytes.push((value + 0.5).floor().clamp(0.0, 255.0) as u8);
         }
     }

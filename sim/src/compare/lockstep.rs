@@ -1,11 +1,11 @@
 //! The model beside the pipeline, plane by plane, for the rows of one tile.
 
 use slicecast::composite::{Channel, PixelRow, Recurrence};
-use slicecast::format::{Coefficient, Opacity, Unit};
+use slicecast::format::{Coefficient, Opacity, Vector};
 use slicecast::locate::Plane;
 use slicecast::normalise::Normal;
 use slicecast::precision::{NormalForm, Precision};
-use slicecast::shade::{formed, keep};
+use slicecast::shade::{formed, keep, keep_vector};
 use slicecast::tap::{Beam, Tap};
 
 use super::stages::{Stage, StageErrors, telescopes};
@@ -41,8 +41,9 @@ struct PipelineLights {
     coefficients: Vec<([f64; 3], [f64; 3])>,
 }
 
-fn unit_value(v: [Unit; 3]) -> [f64; 3] {
-    v.map(|c| f64::from(c.to_bits()) / 32768.0)
+/// A vector as a precision keeps it.
+fn vector_value<P: Precision>(v: [Vector; 3]) -> [f64; 3] {
+    keep_vector::<P>(v).map(|c| f64::from(c) * 2f64.powi(-(P::SHADING.vector_bits() as i32)))
 }
 
 /// Coefficients as a precision keeps them.
@@ -52,12 +53,12 @@ fn coefficient_value<P: Precision>(v: [Coefficient; 3]) -> [f64; 3] {
 
 impl PipelineLights {
     fn new<P: Precision>(material: &Material, model: &Lights) -> Self {
-        let viewer = unit_value(material.viewer);
+        let viewer = vector_value::<P>(material.viewer);
         let resolve = |light: &slicecast::shade::Light| {
-            let direction = unit_value(light.direction);
+            let direction = vector_value::<P>(light.direction);
             ResolvedLight {
                 direction,
-                half: unit_value(light.half),
+                half: vector_value::<P>(light.half),
                 viewer_dot: viewer.iter().zip(direction).map(|(v, l)| v * l).sum(),
                 colour: [1.0; 3],
             }
