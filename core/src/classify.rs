@@ -9,7 +9,7 @@
 //! | sample s | 12.F | 0 to 4095 |
 //! | square root q | 0.16; of an 8-bit code 257 q8 | 0 to 65535 |
 //! | opacity a | 1.31, `(q^2 + 1) >> 1` | 0 to 2147418113 |
-//! | colour c | 1.15, `(257 O8 + 1) >> 1`; 1.31 in `Wide`, `(0x80808081 O8 + 128) >> 8` | 0 to 1 |
+//! | colour c | 1.15, `(257 O8 + 1) >> 1`; 1.31 in `Wide`, `8421504 O8 + ((257 O8 + 256) >> 9)` | 0 to 1 |
 //!
 //! Index: the nearest entry, `(s + 2^(F-1)) >> F`, taken from the stored sample only ([`Nearest`]); or linear between
 //! the two neighbours, opacity and colour alike, rounded to nearest ([`Linear`]). Neither can leave the table.
@@ -160,7 +160,7 @@ pub const fn opacity_of_root(root: u16) -> Opacity {
 #[inline(always)]
 pub const fn colour_of_byte(byte: u8, bits: u32) -> u32 {
     if bits == 31 {
-        ((byte as u64 * 0x8080_8081 + 0x80) >> 8) as u32
+        byte as u32 * 8_421_504 + ((byte as u32 * 257 + 256) >> 9)
     } else {
         (257 * byte as u32).div_ceil(2)
     }
