@@ -6,9 +6,9 @@
 //!
 //! | value | format | range |
 //! |---|---|---|
-//! | T, C | 1.15 ([`Truncating15`], [`Dithered15`]) or 1.31 ([`Telescoping31`]) | 0 to 1 |
+//! | T, C | 1.15 ([`Truncating15`]), [`Unorm16`] or 1.15 ([`Dithered`]), 1.31 ([`Telescoping31`]) | 0 to 1 |
 //! | opacity a | 1.31 | 0 to 1 |
-//! | colour c | 1.15 | 0 to 1 |
+//! | colour c | 1.15 (16-bit channels) or 1.31, [`Recurrence::COLOUR_BITS`] | 0 to 1 |
 //!
 //! An opacity of 0 leaves a pixel as it is, and so does any sample where T is 0: skipping what is empty, stopping a
 //! finished ray and going on are the same bits. T that falls below a pixel format's floor becomes 0. A higher floor is
@@ -16,26 +16,31 @@
 //! Error a step: less than 1 ulp in T, less than 1 ulp in C given the light taken. Overflow: none. State: the pixel.
 
 use core::fmt::Debug;
+use core::marker::PhantomData;
 use core::ops::Range;
 
-use crate::format::{Intensity, Opacity};
+use crate::format::Opacity;
 use crate::rows::take;
 
-/// An accumulator format: 0 to 1, both included.
+/// An accumulator format: 0 to 1, both included, as whole multiples of 1 / [`Channel::ONE`].
 pub trait Channel: Copy + Debug + Default + Ord + Send + Sync + 'static {
-    /// Fraction bits.
-    const BITS: u32;
+    /// The format's name in reports.
+    const NAME: &'static str;
     /// 1.0.
     const ONE: Self;
+    /// The least value above 0.
+    const LEAST: Self;
     /// Raw bits.
     fn bits(self) -> u32;
     /// From raw bits; those beyond the type are lost.
     fn from_bits(bits: u32) -> Self;
 }
 
+/// 1.15: 32768 is 1.0.
 impl Channel for u16 {
-    const BITS: u32 = 15;
+    const NAME: &'static str = "1.15";
     const ONE: Self = 1 << 15;
+    const LEAST: Self = 1;
     #[inline(always)]
     fn bits(self) -> u32 {
         u32::from(self)
@@ -46,9 +51,11 @@ impl Channel for u16 {
     }
 }
 
+/// 1.31: 2^31 is 1.0.
 impl Channel for u32 {
-    const BITS: u32 = 31;
+    const NAME: &'static str = "1.31";
     const ONE: Self = 1 << 31;
+    const LEAST: Self = 1;
     #[inline(always)]
     fn bits(self) -> u32 {
         self
@@ -56,6 +63,28 @@ impl Channel for u32 {
     #[inline(always)]
     fn from_bits(bits: u32) -> Self {
         bits
+    }
+}
+
+/// 16 bits of which 65535 is 1.0: all of a 16-bit word, where 1.15 leaves half of its codes unused.
+///
+/// Squeeze (section 3) rejects such a scale because a product of two such numbers needs a correction. A telescoping
+/// pixel never forms one: transparency is only ever multiplied by an opacity of 31 fraction bits and subtracted from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(transparent)]
+pub struct Unorm16(pub u16);
+
+impl Channel for Unorm16 {
+    const NAME: &'static str = "unorm16";
+    const ONE: Self = Self(u16::MAX);
+    const LEAST: Self = Self(1);
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        Self(bits as u16)
     }
 }
 
@@ -106,23 +135,21 @@ pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
     type Channel: Channel;
     /// Transparency below this becomes 0.
     const FLOOR: Self::Channel;
+    /// Whether a sample gives exactly the light that it takes, rounding included (front to back).
+    const TELESCOPING: bool;
+
+    /// Fraction bits of a sample's colour: 15 or 31.
+    const COLOUR_BITS: u32;
+
+    /// The opacity as this pixel reads it: rounded to what its products can use.
+    fn read(opacity: Opacity) -> Opacity;
 
     /// A pixel with one more sample behind it (front to back). This function is the definition; it leaves out the
     /// floor, which [`settle`] applies.
-    fn over(
-        pixel: Pixel<Self::Channel>,
-        colour: [Intensity; 3],
-        opacity: Opacity,
-        dither: Dither,
-    ) -> Pixel<Self::Channel>;
+    fn over(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel>;
 
     /// A pixel with one more sample in front of it (back to front). The same picture up to rounding.
-    fn under(
-        pixel: Pixel<Self::Channel>,
-        colour: [Intensity; 3],
-        opacity: Opacity,
-        dither: Dither,
-    ) -> Pixel<Self::Channel>;
+    fn under(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel>;
 }
 
 /// Transparency with the floor applied.
@@ -137,8 +164,8 @@ pub fn settle<C: Channel>(transparency: C, floor: C) -> C {
 
 /// 1.31 in floor steps; 128 bits a pixel. At most 2^-31 is lost a step.
 ///
-/// Over: `w = floor(T a / 2^31); T -= w; C += floor(c w / 2^15)`.
-/// Under: `C = C - floor(C a / 2^31) + floor(2^16 c a / 2^31)`.
+/// Over: `w = floor(T a / 2^31); T -= w; C += floor(c w / 2^31)`.
+/// Under: `C = C - floor(C a / 2^31) + floor(c a / 2^31)`.
 /// Below 2^-20 floor steps no longer move T, hence the floor there: 0.0003 of an 8-bit step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Telescoping31;
@@ -152,70 +179,89 @@ fn product31(a: u32, b: u32) -> u32 {
 impl Recurrence for Telescoping31 {
     type Channel = u32;
     const FLOOR: u32 = 1 << 11;
+    const TELESCOPING: bool = true;
+    const COLOUR_BITS: u32 = 31;
 
     #[inline(always)]
-    fn over(pixel: Pixel<u32>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
+    fn read(opacity: Opacity) -> Opacity {
+        opacity
+    }
+
+    #[inline(always)]
+    fn over(pixel: Pixel<u32>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
         let w = product31(pixel.transparency, opacity.to_bits());
         let mut out = pixel;
         out.transparency -= w;
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o += ((u64::from(c.to_bits()) * u64::from(w)) >> 15) as u32;
+            *o += product31(c, w);
         }
         out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<u32>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
+    fn under(pixel: Pixel<u32>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
         let a = opacity.to_bits();
         let mut out = pixel;
         out.transparency -= product31(pixel.transparency, a);
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o = *o - product31(*o, a) + product31(u32::from(c.to_bits()) << 16, a);
+            *o = *o - product31(*o, a) + product31(c, a);
         }
         out
     }
 }
 
-/// 1.15 with a dither that changes from plane to plane; 64 bits a pixel.
+/// 16 bits with a dither that changes from plane to plane; 64 bits a pixel. The channel is 1.15 (`u16`) or
+/// [`Unorm16`], which halves every rounding error; the arithmetic does not know its scale.
 ///
-/// With `A = (a + 2^14) >> 15` (1.16) and the plane's [`Dither`] d:
-/// over: `w = (T A + 2 dT + 1) >> 16; T -= w; C += (c w + dC) >> 15`;
-/// under: `C += ((c - C) A + 2 dC + 1) >> 16`.
+/// With the plane's [`Dither`] d:
+/// over: `w = (T a + (2 dT + 1) 2^15) >> 31; T -= w; C += (c w + dC) >> 15`;
+/// under: `w` and T alike, `C += ((c - C) a + (2 dC + 1) 2^15) >> 31` with c on the channel's scale.
+/// The opacity keeps its 31 bits: rounded to 1.16 it would be wrong by up to 1 % in thin fog, the same way at every
+/// sample, and no dither could mend that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dithered15;
+pub struct Dithered<C>(PhantomData<C>);
 
-/// Opacity in 1.16, to nearest.
-#[inline(always)]
-fn opacity16(opacity: Opacity) -> u32 {
-    (opacity.to_bits() + (1 << 14)) >> 15
+impl<C: Channel> Dithered<C> {
+    /// The light that a sample takes: at most the transparency, and none at an opacity of 0.
+    #[inline(always)]
+    fn taken(transparency: C, opacity: Opacity, dither: Dither) -> u32 {
+        let product = u64::from(transparency.bits()) * u64::from(opacity.to_bits());
+        ((product + (u64::from(2 * dither.transparency + 1) << 15)) >> 31) as u32
+    }
 }
 
-impl Recurrence for Dithered15 {
-    type Channel = u16;
-    const FLOOR: u16 = 1;
+impl<C: Channel> Recurrence for Dithered<C> {
+    type Channel = C;
+    const FLOOR: C = C::LEAST;
+    const TELESCOPING: bool = true;
+    const COLOUR_BITS: u32 = 15;
 
     #[inline(always)]
-    fn over(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<u16> {
-        let a = opacity16(opacity);
-        let w = (u32::from(pixel.transparency) * a + 2 * dither.transparency + 1) >> 16;
+    fn read(opacity: Opacity) -> Opacity {
+        opacity
+    }
+
+    #[inline(always)]
+    fn over(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
+        let w = Self::taken(pixel.transparency, opacity, dither);
         let mut out = pixel;
-        out.transparency -= w as u16;
+        out.transparency = C::from_bits(pixel.transparency.bits() - w);
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o += ((u32::from(c.to_bits()) * w + dither.colour) >> 15) as u16;
+            *o = C::from_bits(o.bits() + ((c * w + dither.colour) >> 15));
         }
         out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<u16> {
-        let a = opacity16(opacity);
+    fn under(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
+        let w = Self::taken(pixel.transparency, opacity, dither);
         let mut out = pixel;
-        out.transparency -= ((u32::from(pixel.transparency) * a + 2 * dither.transparency + 1) >> 16) as u16;
+        out.transparency = C::from_bits(pixel.transparency.bits() - w);
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            // |c - C| * A reaches 2^31: 64 bits.
-            let change = (i64::from(c.to_bits()) - i64::from(*o)) * i64::from(a);
-            let bits = i64::from(*o) + ((change + i64::from(2 * dither.colour + 1)) >> 16);
-            *o = bits as u16;
+            let scaled = (c * C::ONE.bits() + (1 << 14)) >> 15;
+            let change = (i64::from(scaled) - i64::from(o.bits())) * i64::from(opacity.to_bits());
+            let bits = i64::from(o.bits()) + ((change + (i64::from(2 * dither.colour + 1) << 15)) >> 31);
+            *o = C::from_bits(bits as u32);
         }
         out
     }
@@ -246,25 +292,32 @@ impl Truncating15 {
 impl Recurrence for Truncating15 {
     type Channel = u16;
     const FLOOR: u16 = 1;
+    const TELESCOPING: bool = false;
+    const COLOUR_BITS: u32 = 15;
 
     #[inline(always)]
-    fn over(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
+    fn read(opacity: Opacity) -> Opacity {
+        Opacity::from_bits(opacity.to_bits() >> 15 << 15)
+    }
+
+    #[inline(always)]
+    fn over(pixel: Pixel<u16>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
         let (t, a) = Self::sample(opacity);
         let before = u32::from(pixel.transparency);
         let mut out = pixel;
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o += product15(product15(u32::from(c.to_bits()), a), before) as u16;
+            *o += product15(product15(c, a), before) as u16;
         }
         out.transparency = product15(before, t) as u16;
         out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
+    fn under(pixel: Pixel<u16>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
         let (t, a) = Self::sample(opacity);
         let mut out = pixel;
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o = (product15(u32::from(*o), t) + product15(u32::from(c.to_bits()), a)) as u16;
+            *o = (product15(u32::from(*o), t) + product15(c, a)) as u16;
         }
         out.transparency = product15(u32::from(pixel.transparency), t) as u16;
         out
@@ -278,7 +331,7 @@ pub trait Order: Copy + Send + Sync + 'static {
     /// Folds one sample.
     fn fold<R: Recurrence>(
         pixel: Pixel<R::Channel>,
-        colour: [Intensity; 3],
+        colour: [u32; 3],
         opacity: Opacity,
         dither: Dither,
         floor: R::Channel,
@@ -298,7 +351,7 @@ impl Order for FrontToBack {
     #[inline(always)]
     fn fold<R: Recurrence>(
         pixel: Pixel<R::Channel>,
-        colour: [Intensity; 3],
+        colour: [u32; 3],
         opacity: Opacity,
         dither: Dither,
         floor: R::Channel,
@@ -314,7 +367,7 @@ impl Order for BackToFront {
     #[inline(always)]
     fn fold<R: Recurrence>(
         pixel: Pixel<R::Channel>,
-        colour: [Intensity; 3],
+        colour: [u32; 3],
         opacity: Opacity,
         dither: Dither,
         _: R::Channel,
@@ -360,7 +413,7 @@ impl<'a, C> PixelRow<'a, C> {
     }
 }
 
-/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31; `colour`: 1.15. All rows equally long.
+/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31; `colour`: `COLOUR_BITS`. All rows equally long.
 #[inline]
 pub fn fold_row<R: Recurrence, O: Order>(
     row: &mut PixelRow<'_, R::Channel>,
@@ -382,17 +435,20 @@ pub fn fold_row<R: Recurrence, O: Order>(
             colour: [*r, *g, *b],
             transparency: *t,
         };
-        let colour = [*cr, *cg, *cb].map(|c| Intensity::from_bits(c as u16));
+        let colour = [*cr, *cg, *cb].map(|c| c as u32);
         let out = O::fold::<R>(pixel, colour, Opacity::from_bits(*a as u32), dither, floor);
         [*r, *g, *b] = out.colour;
         *t = out.transparency;
     }
 }
 
-/// A channel as an 8-bit value, exactly rounded: `min(255, (255 C + half) >> bits)`.
+/// A channel as an 8-bit value, exactly rounded, halves up: `min(255, floor(255 C / ONE + 1/2))`.
 #[inline]
 pub fn to_byte<C: Channel>(channel: C) -> u8 {
-    ((u64::from(channel.bits()) * 255 + (1 << (C::BITS - 1))) >> C::BITS).min(255) as u8
+    let one = u64::from(C::ONE.bits());
+    // The divisor is a constant of the type, never 0.
+    let rounded = (u64::from(channel.bits()) * 510 + one).checked_div(2 * one);
+    rounded.unwrap_or(0).min(255) as u8
 }
 
 #[cfg(test)]
@@ -405,15 +461,21 @@ mod tests {
             .prop_map(Opacity::from_bits)
     }
 
-    fn colour() -> impl Strategy<Value = [Intensity; 3]> {
-        prop::array::uniform3(prop_oneof![0u16..=32768, Just(32768), Just(0)]).prop_map(|c| c.map(Intensity::from_bits))
+    /// Colours in 1.15; [`scaled`] takes them to a pixel's own bits.
+    fn colour() -> impl Strategy<Value = [u32; 3]> {
+        prop::array::uniform3(prop_oneof![0u32..=32768, Just(32768), Just(0)])
     }
 
-    fn keeps_its_bounds<R: Recurrence>(samples: &[([Intensity; 3], Opacity)]) -> Result<(), TestCaseError> {
+    fn scaled<R: Recurrence>(colour: [u32; 3]) -> [u32; 3] {
+        colour.map(|c| c << (R::COLOUR_BITS - 15))
+    }
+
+    fn keeps_its_bounds<R: Recurrence>(samples: &[([u32; 3], Opacity)]) -> Result<(), TestCaseError> {
         let one = R::Channel::ONE.bits();
         let (mut over, mut under) = (Pixel::<R::Channel>::clear(), Pixel::<R::Channel>::clear());
         for (k, &(c, a)) in samples.iter().enumerate() {
             let dither = Dither::of_plane(k as u32);
+            let c = scaled::<R>(c);
             over = R::over(over, c, a, dither);
             under = R::under(under, c, a, dither);
             for channel in over.colour {
@@ -430,21 +492,22 @@ mod tests {
         #[test]
         fn nothing_ever_needs_a_clamp(samples in prop::collection::vec((colour(), opacity()), 0..200)) {
             keeps_its_bounds::<Truncating15>(&samples)?;
-            keeps_its_bounds::<Dithered15>(&samples)?;
+            keeps_its_bounds::<Dithered<u16>>(&samples)?;
+            keeps_its_bounds::<Dithered<Unorm16>>(&samples)?;
             keeps_its_bounds::<Telescoping31>(&samples)?;
         }
 
         #[test]
         fn white_fog_keeps_all_light(samples in prop::collection::vec(opacity(), 0..400)) {
-            let white = [Intensity::ONE; 3];
-            let (mut wide, mut compact) = (Pixel::<u32>::clear(), Pixel::<u16>::clear());
+            let white = [1 << 15; 3];
+            let (mut wide, mut compact) = (Pixel::<u32>::clear(), Pixel::<Unorm16>::clear());
             for (k, &a) in samples.iter().enumerate() {
                 let dither = Dither::of_plane(k as u32);
-                wide = Telescoping31::over(wide, white, a, dither);
-                compact = Dithered15::over(compact, white, a, dither);
+                wide = Telescoping31::over(wide, scaled::<Telescoping31>(white), a, dither);
+                compact = Dithered::over(compact, white, a, dither);
             }
             prop_assert_eq!(wide.colour[0] + wide.transparency, 1 << 31);
-            prop_assert_eq!(compact.colour[0] + compact.transparency, 1 << 15);
+            prop_assert_eq!(compact.colour[0].0 + compact.transparency.0, u16::MAX);
         }
 
         #[test]
@@ -452,12 +515,12 @@ mod tests {
             t in 0u32..=1 << 31, c in any::<u32>(), sample in colour(), a in opacity(), k in any::<u32>(),
         ) {
             fn unchanged<R: Recurrence>(
-                t: u32, c: u32, sample: [Intensity; 3], a: Opacity, k: u32,
+                t: u32, c: u32, sample: [u32; 3], a: Opacity, k: u32,
             ) -> Result<(), TestCaseError> {
-                let t = t >> (31 - R::Channel::BITS);
+                let t = ((u64::from(t) * u64::from(R::Channel::ONE.bits())) >> 31) as u32;
                 let c = c.checked_rem(R::Channel::ONE.bits() - t + 1).unwrap_or(0);
                 let pixel = Pixel { colour: [R::Channel::from_bits(c); 3], transparency: R::Channel::from_bits(t) };
-                let dither = Dither::of_plane(k);
+                let (sample, dither) = (scaled::<R>(sample), Dither::of_plane(k));
                 prop_assert_eq!(R::over(pixel, sample, Opacity::ZERO, dither), pixel);
                 prop_assert_eq!(R::under(pixel, sample, Opacity::ZERO, dither), pixel);
                 let finished = Pixel { transparency: R::Channel::default(), ..pixel };
@@ -465,14 +528,15 @@ mod tests {
                 Ok(())
             }
             unchanged::<Truncating15>(t, c, sample, a, k)?;
-            unchanged::<Dithered15>(t, c, sample, a, k)?;
+            unchanged::<Dithered<u16>>(t, c, sample, a, k)?;
+            unchanged::<Dithered<Unorm16>>(t, c, sample, a, k)?;
             unchanged::<Telescoping31>(t, c, sample, a, k)?;
         }
 
         #[test]
         fn rows_are_the_scalar(samples in prop::collection::vec((colour(), opacity()), 0..34), k in any::<u32>()) {
             fn same<R: Recurrence, O: Order>(
-                samples: &[([Intensity; 3], Opacity)], k: u32,
+                samples: &[([u32; 3], Opacity)], k: u32,
             ) -> Result<(), TestCaseError> {
                 let n = samples.len();
                 let dither = Dither::of_plane(k);
@@ -482,7 +546,7 @@ mod tests {
                     *v = R::Channel::from_bits(share * (i as u32 % 7));
                 }
                 let before = row.clone();
-                let column = |c: usize| samples.iter().map(|s| i32::from(s.0[c].to_bits())).collect::<std::vec::Vec<_>>();
+                let column = |c: usize| samples.iter().map(|s| scaled::<R>(s.0)[c] as i32).collect::<std::vec::Vec<_>>();
                 let (r, g, b) = (column(0), column(1), column(2));
                 let a: std::vec::Vec<i32> = samples.iter().map(|s| s.1.to_bits() as i32).collect();
                 let mut pixels = PixelRow::of_runs(&mut row, n, 0..n);
@@ -491,16 +555,16 @@ mod tests {
                     let pixel = Pixel {
                         colour: [before[i], before[n + i], before[2 * n + i]], transparency: before[3 * n + i],
                     };
-                    let out = O::fold::<R>(pixel, c, a, dither, R::FLOOR);
+                    let out = O::fold::<R>(pixel, scaled::<R>(c), a, dither, R::FLOOR);
                     prop_assert_eq!([row[i], row[n + i], row[2 * n + i]], out.colour);
                     prop_assert_eq!(row[3 * n + i], out.transparency);
                 }
                 Ok(())
             }
             same::<Truncating15, FrontToBack>(&samples, k)?;
-            same::<Dithered15, FrontToBack>(&samples, k)?;
+            same::<Dithered<Unorm16>, FrontToBack>(&samples, k)?;
             same::<Telescoping31, FrontToBack>(&samples, k)?;
-            same::<Dithered15, BackToFront>(&samples, k)?;
+            same::<Dithered<Unorm16>, BackToFront>(&samples, k)?;
             same::<Telescoping31, BackToFront>(&samples, k)?;
         }
     }

@@ -8,12 +8,13 @@
 //! | weight | 1.12, truncated | 0.16 | 0.16 |
 //! | sample | 12.12, truncated at each lerp | 12.12, rounded once | 12.15, rounded once |
 //! | normal | 1.12, truncated | 15-bit block, length divided out last | as `Compact` |
-//! | shading | 16.16, truncated | 1.31 dots and powers, one rounding | as `Compact` |
-//! | pixel | 1.15 truncated, 64 bits | 1.15 telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
+//! | shading | 16.16, truncated | 1.31 dots and powers, 16-bit coefficients | 1.31, one rounding |
+//! | colour | 1.15 | 1.15 | 1.31 |
+//! | pixel | 1.15 truncated, 64 bits | 16 bits, 65535 is 1, telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
 
 use fixed::traits::Fixed;
 
-use crate::composite::{Dithered15, Recurrence, Telescoping31, Truncating15};
+use crate::composite::{Dithered, Recurrence, Telescoping31, Truncating15, Unorm16};
 use crate::format::{Rounding, Sample12, Sample15};
 
 /// The formats and roundings of a pipeline.
@@ -32,9 +33,11 @@ pub trait Precision: Copy + Default + Send + Sync + 'static {
     const LERP_ROUNDING: Rounding;
     /// How the normal reaches the dot product.
     const NORMAL: NormalForm;
-    /// How shading loses its low bits.
-    const SHADE_ROUNDING: Rounding;
+    /// The arithmetic of shading.
+    const SHADING: Shading;
 
+    /// Fraction bits of a colour: 15 or 31, as the pixel takes it.
+    const COLOUR_BITS: u32 = <Self::Pixel as Recurrence>::COLOUR_BITS;
     /// Fraction bits of a sample.
     const SAMPLE_BITS: u32 = Self::Sample::FRAC_NBITS;
 }
@@ -46,6 +49,35 @@ pub enum NormalForm {
     Deferred,
     /// The normal is formed first, each component truncated to this many fraction bits (at most 15).
     Formed(u32),
+}
+
+/// How coefficients, dot products and powers of the lighting are multiplied and summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shading {
+    /// 16.16, every product truncated; vectors and coefficients 1.15.
+    Truncated16,
+    /// Dots and powers in 1.31, then rounded to 1.16; vectors and coefficients 1.15; products with them fit 32 bits.
+    Rounded16,
+    /// All in 1.31, vectors 1.30; one rounding at the end.
+    Rounded31,
+}
+
+impl Shading {
+    /// Fraction bits of the components of light and viewing vectors.
+    pub const fn vector_bits(self) -> u32 {
+        match self {
+            Self::Truncated16 | Self::Rounded16 => 15,
+            Self::Rounded31 => 30,
+        }
+    }
+
+    /// Fraction bits of a lighting coefficient.
+    pub const fn coefficient_bits(self) -> u32 {
+        match self {
+            Self::Truncated16 | Self::Rounded16 => 15,
+            Self::Rounded31 => 31,
+        }
+    }
 }
 
 /// Squeeze to the letter: the baseline that the others are measured against.
@@ -68,18 +100,18 @@ impl Precision for Paper {
     const LERP_BITS: u32 = 12;
     const LERP_ROUNDING: Rounding = Rounding::Truncate;
     const NORMAL: NormalForm = NormalForm::Formed(12);
-    const SHADE_ROUNDING: Rounding = Rounding::Truncate;
+    const SHADING: Shading = Shading::Truncated16;
 }
 
 impl Precision for Compact {
     type Sample = Sample12;
-    type Pixel = Dithered15;
+    type Pixel = Dithered<Unorm16>;
     const NAME: &'static str = "compact";
     const WEIGHT_BITS: u32 = 16;
     const LERP_BITS: u32 = 16;
     const LERP_ROUNDING: Rounding = Rounding::Nearest;
     const NORMAL: NormalForm = NormalForm::Deferred;
-    const SHADE_ROUNDING: Rounding = Rounding::Nearest;
+    const SHADING: Shading = Shading::Rounded16;
 }
 
 impl Precision for Wide {
@@ -90,5 +122,5 @@ impl Precision for Wide {
     const LERP_BITS: u32 = 16;
     const LERP_ROUNDING: Rounding = Rounding::Nearest;
     const NORMAL: NormalForm = NormalForm::Deferred;
-    const SHADE_ROUNDING: Rounding = Rounding::Nearest;
+    const SHADING: Shading = Shading::Rounded31;
 }

@@ -54,8 +54,10 @@ const IMAGE_BYTES_MAX: u64 = 4 << 30;
 pub struct BaseImage {
     /// Pixels across and down.
     pub size: [usize; 2],
-    /// Fraction bits of a channel: 15 or 31.
-    pub bits: u32,
+    /// The channel's format: its name, and the bits of 1.0.
+    pub format: &'static str,
+    /// See [`BaseImage::format`].
+    pub one: u32,
     /// Red, green, blue and transparency, row after row.
     pub planes: [Vec<u32>; 4],
 }
@@ -116,8 +118,12 @@ impl<'a> Prepared<'a> {
     }
 
     /// Does a job with this scene's pipeline.
-    pub fn dispatch<J: Job>(&self, job: J) -> J::Output {
-        dispatch(self.scene, &self.table, self.setup.phong.as_ref(), job)
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`] if the setup's material has been changed to one that the pipeline does not take.
+    pub fn dispatch<J: Job>(&self, job: J) -> Result<J::Output, RenderError> {
+        let material = self.setup.material.as_ref();
+        Ok(dispatch(self.scene, &self.table, material, job).map_err(CameraError::from)?)
     }
 
     /// Renders the frame. `progress` is told how many steps of how many are done (tiles, or slices of a stream).
@@ -132,7 +138,7 @@ impl<'a> Prepared<'a> {
                 layer,
                 progress,
             })
-        })?
+        })??
     }
 }
 
@@ -303,13 +309,14 @@ pub fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) 
     }
     BaseImage {
         size,
-        bits: ChannelOf::<L::Precision>::BITS,
+        format: ChannelOf::<L::Precision>::NAME,
+        one: ChannelOf::<L::Precision>::ONE.bits(),
         planes,
     }
 }
 
 /// The viewer's picture, in front of the scene's background.
-fn picture<L: Pipeline>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
+pub(crate) fn picture<L: Pipeline>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
     let Picture { size, warp, .. } = prepared.setup.picture;
     let plan = &prepared.setup.plan;
     let background = background(prepared.scene);
