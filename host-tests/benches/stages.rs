@@ -8,18 +8,19 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use slicecast::classify::{Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::{Channel, Dither, FrontToBack, PixelRow, Recurrence, fold_row};
-use slicecast::format::{Intensity, Unit, Weight};
+use slicecast::format::{Coefficient, Intensity, Vector, Weight};
 use slicecast::gradient::{difference_row, space_row};
 use slicecast::interpolate::{x_row, y_row, z_row};
 use slicecast::normalise::normalise_row;
 use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
-use slicecast::shade::{Highlight, Light, Phong, Shader};
+use slicecast::shade::{Highlight, Light, Shader};
 use slicecast::slice::Slice;
 use slicecast::tap::NoTap;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
+use slicecast_sim::camera::Material;
 use slicecast_sim::engine::{fold_tiles, new_image, on_threads};
 use slicecast_sim::pipelines::Job;
 use slicecast_sim::scene::PrecisionName;
@@ -30,22 +31,21 @@ fn row(random: &mut Random, end: u32) -> Vec<i32> {
     (0..WIDTH).map(|_| random.below(end) as i32).collect()
 }
 
-fn lights() -> Phong {
+fn lights() -> Material {
     let light = Light {
-        direction: [-16_384, -16_384, -23_170].map(Unit::from_bits),
-        half: [-8_867, -8_867, -30_273].map(Unit::from_bits),
-        diffuse: [Intensity::from_bits(20_000); 3],
-        specular: [Intensity::from_bits(6_000); 3],
+        direction: [-16_384, -16_384, -23_170].map(|c| Vector::from_bits(c << 15)),
+        half: [-8_867, -8_867, -30_273].map(|c| Vector::from_bits(c << 15)),
+        diffuse: [Coefficient::from_bits(20_000 << 16); 3],
+        specular: [Coefficient::from_bits(6_000 << 16); 3],
     };
-    let viewer = [0, 0, -32_768].map(Unit::from_bits);
-    Phong::new(
-        [Intensity::from_bits(5_000); 3],
-        &[light],
+    let viewer = [0, 0, -32_768].map(|c| Vector::from_bits(c << 15));
+    Material {
+        ambient: [Coefficient::from_bits(5_000 << 16); 3],
+        lights: vec![light],
         viewer,
-        Highlight::Reflection,
-        5,
-    )
-    .expect("one light")
+        highlight: Highlight::Reflection,
+        exponent_log2: 5,
+    }
 }
 
 /// The kernels whose arithmetic depends on the precision.
@@ -98,13 +98,13 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
         let [x, y, z] = &mut normals;
         normalise_row([x, y, z], &mut r);
     }
-    let phong = lights();
+    let phong = lights().phong::<P>().expect("one light");
     group.bench_function(name("shade"), |b| {
         let [x, y, z] = &normals;
         let [cr, cg, cb] = &mut colours;
         b.iter(|| {
             let colours = [&mut cr[..], &mut cg[..], &mut cb[..]];
-            Shader::<P>::shade_row(
+            Shader::shade_row(
                 &phong,
                 [black_box(x), black_box(y), black_box(z)],
                 black_box(&r),
@@ -113,7 +113,7 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
         });
     });
 
-    let colours = [(); 3].map(|()| row(random, 32769));
+    let colours = [(); 3].map(|()| row(random, 1 << P::COLOUR_BITS));
     let opacities = row(random, 1 << 24);
     let mut pixels = vec![<P::Pixel as Recurrence>::Channel::default(); 4 * WIDTH];
     group.bench_function(name("composite"), |b| {
@@ -213,7 +213,7 @@ fn whole(c: &mut Criterion) {
         ..Frame::new(ripples, table)
     };
     let lit = Frame {
-        phong: Some(lights()),
+        material: Some(lights()),
         ..unlit.clone()
     };
     for (name, frame) in [("unlit", unlit), ("lit", lit)] {
@@ -221,7 +221,7 @@ fn whole(c: &mut Criterion) {
             let frame = frame.in_precision(precision);
             frame.with_prepared(|prepared, slices| {
                 group.bench_function(format!("{name}/{}", precision.name()), |b| {
-                    let run = || b.iter(|| prepared.dispatch(Fold(&prepared.setup.plan, slices)));
+                    let run = || b.iter(|| prepared.dispatch(Fold(&prepared.setup.plan, slices)).expect("a frame"));
                     on_threads(Some(1), run).expect("a thread");
                 });
             });

@@ -5,11 +5,10 @@ use std::sync::Arc;
 use slicecast::classify::{ENTRIES, entry};
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::plan::{Plan, Sampling, Spacing};
-use slicecast::shade::Phong;
 use slicecast::slice::Slice;
 use slicecast::view::View;
 use slicecast::warp::Warp;
-use slicecast_sim::camera::{CameraError, Picture, Setup};
+use slicecast_sim::camera::{CameraError, Material, Picture, Setup};
 use slicecast_sim::engine::Prepared;
 use slicecast_sim::oriented::with_slices;
 use slicecast_sim::scene::{self, AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
@@ -32,7 +31,7 @@ pub struct Frame {
     /// Colour and square root of the opacity (0.16) of each code.
     pub table: Arc<[([u8; 3], u16); ENTRIES]>,
     /// Lights in the slice frame; `None` is unlit.
-    pub phong: Option<Phong>,
+    pub material: Option<Material>,
     /// How samples combine.
     pub blend: Blend,
     /// Number formats.
@@ -55,7 +54,7 @@ impl Frame {
             planes_per_voxel: 1,
             rays_per_voxel: 1,
             table,
-            phong: None,
+            material: None,
             blend: Blend::FrontToBack,
             precision: PrecisionName::Compact,
             code: None,
@@ -139,7 +138,7 @@ impl Frame {
             volume: &self.volume,
             setup: Setup {
                 picture: picture(&plan),
-                phong: self.phong.clone(),
+                material: self.material.clone(),
                 step_length: 1.0,
                 plan,
             },

@@ -274,10 +274,12 @@ pub fn recorded(frame: &Frame, layer: Layer) -> (BaseImage, Recording) {
         }
     }
     frame.with_prepared(|prepared, slices| {
-        prepared.dispatch(Record {
-            plan: &prepared.setup.plan,
-            slices,
-            layer,
-        })
+        prepared
+            .dispatch(Record {
+                plan: &prepared.setup.plan,
+                slices,
+                layer,
+            })
+            .expect("a material that core takes")
     })
 }

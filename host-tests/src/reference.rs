@@ -7,7 +7,7 @@
 
 use slicecast::classify::Classifier;
 use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
-use slicecast::format::{Intensity, Step, Weight};
+use slicecast::format::{Step, Weight};
 use slicecast::gradient::space;
 use slicecast::interpolate::trilinear;
 use slicecast::locate::{Cell, cell, position};
@@ -70,6 +70,7 @@ struct Rays<'a, P: Precision> {
     frame: &'a Frame,
     plan: &'a Plan,
     table: AnyTable<'a>,
+    phong: Option<Phong<P>>,
     floor: <P::Pixel as Recurrence>::Channel,
 }
 
@@ -89,6 +90,10 @@ impl<P: Precision> Rays<'_, P> {
             frame,
             plan: &plan,
             table: compiled.classifier(),
+            phong: frame
+                .material
+                .as_ref()
+                .map(|m| m.phong().expect("a material that core takes")),
             floor: Channel::from_bits(P::Pixel::FLOOR.bits().max(asked)),
         };
         let n = plan.sampling().rays_per_voxel;
@@ -96,7 +101,8 @@ impl<P: Precision> Rays<'_, P> {
         let mut expected = Expected {
             image: BaseImage {
                 size,
-                bits: <<P::Pixel as Recurrence>::Channel as Channel>::BITS,
+                format: <<P::Pixel as Recurrence>::Channel as Channel>::NAME,
+                one,
                 planes: [(); 4].map(|()| Vec::new()),
             },
             recording: Recording::default(),
@@ -176,7 +182,7 @@ impl<P: Precision> Rays<'_, P> {
                 (Stage::Opacity, [opacity.to_bits(), 0, 0, 0]),
                 (Stage::Colour, colour_bits(colour)),
             ];
-            let shaded = match &self.frame.phong {
+            let shaded = match &self.phong {
                 Some(phong) => self.shaded(phong, cells, colour, &mut seen),
                 None => colour,
             };
@@ -228,13 +234,7 @@ impl<P: Precision> Rays<'_, P> {
     }
 
     /// Gradient, normal and shaded colour of a sample.
-    fn shaded(
-        &self,
-        phong: &Phong,
-        cells: Cells,
-        colour: [Intensity; 3],
-        seen: &mut Vec<(Stage, Bits)>,
-    ) -> [Intensity; 3] {
+    fn shaded(&self, phong: &Phong<P>, cells: Cells, colour: [u32; 3], seen: &mut Vec<(Stage, Bits)>) -> [u32; 3] {
         let [dx, dy] = [[1, 0], [0, 1]].map(|[di, dj]| {
             let at = |sign: i32| bits_of_sample::<P>(self.sample_beyond(cells, [sign * di, sign * dj]));
             at(1) - at(-1)
@@ -242,7 +242,7 @@ impl<P: Precision> Rays<'_, P> {
         let [fx, fy, fz] = self.plan.spacing();
         let gradient = [space(dx, fx), space(dy, fy), space(self.derivative(cells), fz)];
         let normal = normalise(gradient);
-        let shaded = phong.shade::<P>(normal, colour);
+        let shaded = phong.shade(normal, colour);
         let [x, y, z] = gradient.map(|c| c as u32);
         seen.push((Stage::Gradient, [x, y, z, 0]));
         let [x, y, z] = normal.g.map(|c| c as u32);
@@ -318,8 +318,7 @@ fn bits_of<C: Channel>(pixel: &Pixel<C>) -> Bits {
     [r, g, b, pixel.transparency.bits()]
 }
 
-fn colour_bits(colour: [Intensity; 3]) -> Bits {
-    let [r, g, b] = colour.map(|c| u32::from(c.to_bits()));
+fn colour_bits([r, g, b]: [u32; 3]) -> Bits {
     [r, g, b, 0]
 }
 

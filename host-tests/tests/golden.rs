@@ -18,11 +18,12 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use slicecast::format::{Intensity, Unit};
-use slicecast::shade::{Highlight, Light, Phong};
+use slicecast::format::{Coefficient, Vector};
+use slicecast::shade::{Highlight, Light};
 use slicecast_host_tests::checksum::of_frame;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, volume};
+use slicecast_sim::camera::Material;
 use slicecast_sim::scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 use slicecast_sim::volume::Volume;
 use slicecast_sim::volume::mapping::Window;
@@ -54,28 +55,39 @@ fn head_table() -> Frame {
     )
 }
 
-fn vector(v: [i32; 3]) -> [Unit; 3] {
-    v.map(Unit::from_bits)
+/// A unit vector from s1.15.
+fn vector(v: [i32; 3]) -> [Vector; 3] {
+    v.map(|c| Vector::from_bits(c << 15))
+}
+
+/// A coefficient of this many 1.15 units; the low bits are there for precisions that keep them.
+fn coefficient(units: u32) -> Coefficient {
+    Coefficient::from_bits((units << 16) + 9_876)
 }
 
 /// A white key light and a coloured fill light; unit vectors in s1.15.
-fn two_lights(highlight: Highlight, exponent_log2: u32) -> Option<Phong> {
+fn two_lights(highlight: Highlight, exponent_log2: u32) -> Option<Material> {
     let lights = [
         Light {
             direction: vector([-16_384, -16_384, -23_170]),
             half: vector([-8_867, -8_867, -30_273]),
-            diffuse: [Intensity::from_bits(20_000); 3],
-            specular: [Intensity::from_bits(6_000); 3],
+            diffuse: [coefficient(20_000); 3],
+            specular: [coefficient(6_000); 3],
         },
         Light {
             direction: vector([26_214, 0, -19_661]),
             half: vector([14_654, 0, -29_309]),
-            diffuse: [2_000, 3_000, 4_000].map(Intensity::from_bits),
-            specular: [500, 1_000, 1_500].map(Intensity::from_bits),
+            diffuse: [2_000, 3_000, 4_000].map(coefficient),
+            specular: [500, 1_000, 1_500].map(coefficient),
         },
     ];
-    let ambient = [Intensity::from_bits(5_000); 3];
-    Some(Phong::new(ambient, &lights, vector([0, 0, -32_768]), highlight, exponent_log2).unwrap())
+    Some(Material {
+        ambient: [coefficient(5_000); 3],
+        lights: lights.to_vec(),
+        viewer: vector([0, 0, -32_768]),
+        highlight,
+        exponent_log2,
+    })
 }
 
 /// The named frames, in `Compact`.
@@ -83,12 +95,12 @@ fn frames() -> Vec<(&'static str, Frame)> {
     let head = head_table();
     let lit = |direction: [i64; 3]| Frame {
         direction,
-        phong: two_lights(Highlight::Reflection, 5),
+        material: two_lights(Highlight::Reflection, 5),
         ..head.clone()
     };
     let made = |dims, filling| Arc::new(volume(dims, filling, 77));
     let ripples = Frame {
-        phong: two_lights(Highlight::HalfVector, 8),
+        material: two_lights(Highlight::HalfVector, 8),
         direction: [300, -200, 1000],
         ..Frame::new(
             made([40, 37, 41], Filling::Ripples),
@@ -203,7 +215,7 @@ fn frames() -> Vec<(&'static str, Frame)> {
             "noise-lit",
             Frame {
                 direction: [7, 3, -5],
-                phong: two_lights(Highlight::Reflection, 0),
+                material: two_lights(Highlight::Reflection, 0),
                 ..noise
             },
         ),

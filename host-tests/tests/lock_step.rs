@@ -31,7 +31,7 @@ fn config(cases: u32, seed: u64) -> Config {
 
 /// First pixel in which two images differ.
 fn image_difference(expected: &BaseImage, found: &BaseImage) -> Option<String> {
-    if (expected.size, expected.bits) != (found.size, found.bits) {
+    if (expected.size, expected.format, expected.one) != (found.size, found.format, found.one) {
         return Some(format!("sizes {:?} and {:?}", expected.size, found.size));
     }
     for (channel, (a, b)) in expected.planes.iter().zip(&found.planes).enumerate() {
@@ -147,7 +147,7 @@ fn thin_volumes_from_every_side() {
                     direction,
                     blend,
                     planes_per_voxel: 2,
-                    phong: Some(light(3, 1)),
+                    material: Some(light(3, 1)),
                     precision: PrecisionName::ALL[frames % 3],
                     ..Frame::new(volume.clone(), table.clone())
                 };
@@ -173,7 +173,7 @@ fn long_volumes_keep_their_positions() {
         let frame = Frame {
             direction,
             planes_per_voxel: 16,
-            phong: Some(light(5, 2)),
+            material: Some(light(5, 2)),
             precision,
             ..Frame::new(long.clone(), table.clone())
         };
@@ -188,7 +188,7 @@ fn long_volumes_keep_their_positions() {
 fn a_changed_value_is_reported_with_its_place_and_bits() {
     let table = table_of(&[(0, [255; 3], 20000)]);
     let frame = Frame {
-        phong: Some(light(2, 0)),
+        material: Some(light(2, 0)),
         ..Frame::new(Arc::new(volume([4, 3, 3], Filling::Noise, 5)), table)
     };
     let expected = render(&frame);

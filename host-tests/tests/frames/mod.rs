@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use slicecast::format::{Intensity, Unit};
-use slicecast::shade::{Highlight, Light, Phong};
+use slicecast::format::{Coefficient, Vector};
+use slicecast::shade::{Highlight, Light};
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
+use slicecast_sim::camera::Material;
 use slicecast_sim::scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 
 /// Vectors of length 1 in s1.15 (to 1e-5), and their opposites.
@@ -19,18 +20,22 @@ const UNITS: [[i32; 3]; 6] = [
     [10923, 21845, 21845],
 ];
 
-/// Lights by number: up to three of [`UNITS`], each a colour of its own.
-pub fn light(exponent_log2: u32, seed: u64) -> Phong {
+/// Lights by number: up to three of [`UNITS`], each a colour of its own. Low bits are filled, for precisions that keep
+/// them.
+pub fn light(exponent_log2: u32, seed: u64) -> Material {
     let mut random = Random::new(seed);
-    let mut unit = || UNITS[random.below(6) as usize].map(Unit::from_bits);
+    let mut unit = || {
+        let low = random.below(9000) as i32;
+        UNITS[random.below(6) as usize].map(|c| Vector::from_bits((c << 15) - low * c.signum()))
+    };
     let viewer = unit();
     let count = 1 + seed % 3;
     let lights: Vec<Light> = (0..count)
         .map(|n| Light {
             direction: unit(),
             half: unit(),
-            diffuse: [9000, 7000 - 900 * n as u16, 5000].map(Intensity::from_bits),
-            specular: [2000, 3000, 4000 + 100 * n as u16].map(Intensity::from_bits),
+            diffuse: [9000, 7000 - 900 * n as u32, 5000].map(coefficient),
+            specular: [2000, 3000, 4000 + 100 * n as u32].map(coefficient),
         })
         .collect();
     let highlight = if seed & 4 == 0 {
@@ -38,8 +43,18 @@ pub fn light(exponent_log2: u32, seed: u64) -> Phong {
     } else {
         Highlight::HalfVector
     };
-    let ambient = [1000, 2000, 3000].map(Intensity::from_bits);
-    Phong::new(ambient, &lights, viewer, highlight, exponent_log2).expect("lights that core takes")
+    Material {
+        ambient: [1000, 2000, 3000].map(coefficient),
+        lights,
+        viewer,
+        highlight,
+        exponent_log2,
+    }
+}
+
+/// A coefficient of this many 1.15 units and some more bits.
+fn coefficient(units: u32) -> Coefficient {
+    Coefficient::from_bits((units << 16) + 12_345)
 }
 
 fn dims() -> impl Strategy<Value = [usize; 3]> {
@@ -86,7 +101,7 @@ fn points() -> impl Strategy<Value = Vec<(u16, [u8; 3], u16)>> {
     ]
 }
 
-fn phong() -> impl Strategy<Value = Option<Phong>> {
+fn material() -> impl Strategy<Value = Option<Material>> {
     prop_oneof![
         1 => Just(None),
         2 => (0u32..=8, any::<u64>()).prop_map(|(exponent, seed)| Some(light(exponent, seed))),
@@ -121,11 +136,11 @@ pub fn frame() -> impl Strategy<Value = Frame> {
     );
     let code = prop::option::of(prop_oneof![Just(AlphaCodeName::Sqrt8), Just(AlphaCodeName::Sqrt16)]);
     let lookup = prop::option::of(prop_oneof![Just(LookupName::Nearest), Just(LookupName::Linear)]);
-    let look = (points(), phong(), blend(), code, lookup, prop::option::of(1u32..=20));
+    let look = (points(), material(), blend(), code, lookup, prop::option::of(1u32..=20));
     (shape, rates, look).prop_map(|(shape, rates, look)| {
         let (dims, filling, seed, direction, factors) = shape;
         let (planes_per_voxel, rays_per_voxel) = rates;
-        let (points, phong, blend, code, lookup, early_termination) = look;
+        let (points, material, blend, code, lookup, early_termination) = look;
         Frame {
             volume: Arc::new(volume(dims, filling, seed)),
             direction,
@@ -133,7 +148,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             planes_per_voxel,
             rays_per_voxel,
             table: table_of(&points),
-            phong,
+            material,
             blend,
             precision: PrecisionName::Compact,
             code,

@@ -1,6 +1,6 @@
 //! Normalisation and powers.
 
-use slicecast::format::{Cosine, Unit};
+use slicecast::format::Cosine;
 use slicecast::normalise::{Normal, block, normalise, reciprocal_root, unit};
 use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::shade::{dot, power};
@@ -113,8 +113,10 @@ fn cosines_are_rounded_to_nearest() {
         let product: i64 = normal.g.into_iter().zip(light).map(|(g, l)| i64::from(-g * l)).sum();
         let exact = i128::from(product.max(0)) * i128::from(normal.r);
         let nearest = ((exact + (1 << 18)) >> 19).min(1 << 31);
-        let found = dot::<Compact>(normal, light.map(Unit::from_bits));
+        let found = dot::<Compact>(normal, light);
         assert_eq!(i128::from(found.to_bits()), nearest, "{normal:?} {light:?}");
+        // A light of 30 bits whose low 15 are 0 is the same light.
+        assert_eq!(dot::<Wide>(normal, light.map(|l| l << 15)), found);
     }
 }
 
