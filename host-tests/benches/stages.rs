@@ -8,7 +8,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use slicecast::classify::{Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::{Channel, Dither, FrontToBack, PixelRow, Recurrence, fold_row};
-use slicecast::format::{Intensity, Weight};
+use slicecast::format::{Coefficient, Intensity, Vector, Weight};
 use slicecast::gradient::{difference_row, space_row};
 use slicecast::interpolate::{x_row, y_row, z_row};
 use slicecast::normalise::normalise_row;
@@ -18,7 +18,7 @@ use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Shader};
 use slicecast::slice::Slice;
 use slicecast::tap::NoTap;
-use slicecast_host_tests::frame::{Frame, coefficient, table_of, vector};
+use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_sim::camera::Material;
 use slicecast_sim::engine::{fold_tiles, new_image, on_threads};
@@ -33,15 +33,16 @@ fn row(random: &mut Random, end: u32) -> Vec<i32> {
 
 fn lights() -> Material {
     let light = Light {
-        direction: vector([-16_384, -16_384, -23_170]),
-        half: vector([-8_867, -8_867, -30_273]),
-        diffuse: [coefficient(20_000); 3],
-        specular: [coefficient(6_000); 3],
+        direction: [-16_384, -16_384, -23_170].map(|c| Vector::from_bits(c << 15)),
+        half: [-8_867, -8_867, -30_273].map(|c| Vector::from_bits(c << 15)),
+        diffuse: [Coefficient::from_bits(20_000 << 16); 3],
+        specular: [Coefficient::from_bits(6_000 << 16); 3],
     };
+    let viewer = [0, 0, -32_768].map(|c| Vector::from_bits(c << 15));
     Material {
-        ambient: [coefficient(5_000); 3],
+        ambient: [Coefficient::from_bits(5_000 << 16); 3],
         lights: vec![light],
-        viewer: vector([0, 0, -32_768]),
+        viewer,
         highlight: Highlight::Reflection,
         exponent_log2: 5,
     }
@@ -103,7 +104,7 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
         let [cr, cg, cb] = &mut colours;
         b.iter(|| {
             let colours = [&mut cr[..], &mut cg[..], &mut cb[..]];
-            Shader::<P>::shade_row(
+            Shader::shade_row(
                 &phong,
                 [black_box(x), black_box(y), black_box(z)],
                 black_box(&r),
@@ -112,7 +113,7 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
         });
     });
 
-    let colours = [(); 3].map(|()| row(random, 32769));
+    let colours = [(); 3].map(|()| row(random, 1 << P::COLOUR_BITS));
     let opacities = row(random, 1 << 24);
     let mut pixels = vec![<P::Pixel as Recurrence>::Channel::default(); 4 * WIDTH];
     group.bench_function(name("composite"), |b| {
@@ -220,7 +221,7 @@ fn whole(c: &mut Criterion) {
             let frame = frame.in_precision(precision);
             frame.with_prepared(|prepared, slices| {
                 group.bench_function(format!("{name}/{}", precision.name()), |b| {
-                    let run = || b.iter(|| prepared.dispatch(Fold(&prepared.setup.plan, slices)));
+                    let run = || b.iter(|| prepared.dispatch(Fold(&prepared.setup.plan, slices)).expect("a frame"));
                     on_threads(Some(1), run).expect("a thread");
                 });
             });

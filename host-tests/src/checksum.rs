@@ -24,7 +24,7 @@ pub fn fnv(bytes: impl IntoIterator<Item = u8>) -> u64 {
     bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
-/// FNV-1a of an image's size, the bits of 1.0 and raw channels, little-endian.
+/// FNV-1a of an image's size, its 1.0 and raw channels, little-endian.
 pub fn of_image(image: &BaseImage) -> u64 {
     let head = [image.size[0] as u32, image.size[1] as u32, image.one];
     let words = head.into_iter().chain(image.planes.iter().flatten().copied());
@@ -151,7 +151,7 @@ pub fn of_frame(frame: &Frame) -> Vec<(&'static str, u64)> {
     frame.with_prepared(|prepared, slices| {
         let sums = prepared
             .dispatch(Fold(&prepared.setup.plan, slices))
-            .expect("lights that core takes");
+            .expect("a material that core takes");
         let stages = Stage::ALL
             .into_iter()
             .filter_map(|stage| Some((stage.name(), sums.of(stage)?)));

@@ -5,7 +5,7 @@
 use std::ops::RangeInclusive;
 
 use slicecast::classify::opacity_of_root;
-use slicecast::composite::{Dither, Dithered, Pixel, Recurrence};
+use slicecast::composite::{Dither, Dithered, Pixel, Recurrence, Unorm16};
 use slicecast::format::{Cosine, Opacity, Weight};
 use slicecast::interpolate::trilinear;
 use slicecast::normalise::reciprocal_root;
@@ -36,10 +36,10 @@ pub const PROPERTIES: [Property; 6] = [
     },
     Property {
         name: "over",
-        claim: "Dithered<u16>::over takes what it gives, errs by less than a unit, and keeps 0 and 1: all T, all opacities, \
-                extreme and ordinary dithers",
+        claim: "Compact's over takes what it gives, errs by less than a unit, and keeps 0 and 1: all T, all opacities that \
+                an 8- or 16-bit root can have, extreme and ordinary dithers",
         check: over,
-        sample_stride: 499,
+        sample_stride: 997,
     },
     Property {
         name: "opacity",
@@ -127,38 +127,44 @@ const DITHERS: [Dither; 4] = [
 ];
 
 fn over(stride: u64) -> Result<u64, String> {
-    // Input n stands for T and A (1.16): T = n / 65537, A = n % 65537.
+    // Input n stands for T and an opacity: that of root n % 65537, or 1.
     const OPACITIES: u64 = 65537;
+    const ONE: u16 = u16::MAX;
     let check = |n: u64| {
-        let (t, a) = ((n / OPACITIES) as u16, (n % OPACITIES) as u32);
-        let pixel = Pixel {
-            colour: [0, 0, (1 << 15) - t],
-            transparency: t,
+        let t = (n / OPACITIES) as u16;
+        let root = n % OPACITIES;
+        let a = if root == 65536 {
+            1 << 31
+        } else {
+            opacity_of_root(root as u16).to_bits()
         };
-        let colour = [32768, 1, 32768];
+        let pixel = Pixel {
+            colour: [Unorm16(0), Unorm16(0), Unorm16(ONE - t)],
+            transparency: Unorm16(t),
+        };
         for dither in DITHERS {
-            let out = Dithered::<u16>::over(pixel, colour, Opacity::from_bits(a << 15), dither);
-            let [white, faint, full] = out.colour;
-            let left = i64::from(out.transparency);
-            let exact = i64::from(t) * i64::from((1 << 16) - a);
-            let right = out.transparency <= t
-                && white == t - out.transparency
+            let out = Dithered::<Unorm16>::over(pixel, [1 << 15, 1, 1 << 15], Opacity::from_bits(a), dither);
+            let [white, faint, full] = out.colour.map(|c| c.0);
+            let left = out.transparency.0;
+            let exact = i64::from(t) * ((1 << 31) - i64::from(a));
+            let right = left <= t
+                && white == t - left
                 && faint <= white
-                && u32::from(full) + u32::from(out.transparency) == 1 << 15
-                && ((left << 16) - exact).abs() < 1 << 16
+                && u32::from(full) + u32::from(left) == u32::from(ONE)
+                && ((i64::from(left) << 31) - exact).abs() < 1 << 31
                 && (a != 0 || out == pixel)
-                && (a != 1 << 16 || out.transparency == 0);
+                && (a != 1 << 31 || left == 0);
             if !right {
-                return Err(format!("T = {t}, A = {a}, {dither:?}: {out:?}"));
+                return Err(format!("T = {t}, a = {a}, {dither:?}: {out:?}"));
             }
         }
         Ok(DITHERS.len() as u64)
     };
-    let last = OPACITIES * 32769 - 1;
+    let last = OPACITIES * 65536 - 1;
     let mut count = everywhere(0..=last, stride, check)?;
-    for t in [0, 1, 2, 16384, 32767, 32768] {
-        for a in [0, 1, 2, 32768, 65534, 65535, 65536] {
-            count += check(t * OPACITIES + a)?;
+    for t in [0, 1, 2, 32767, 32768, 65534, 65535] {
+        for root in [0, 1, 2, 181, 182, 32768, 65534, 65535, 65536] {
+            count += check(t * OPACITIES + root)?;
         }
     }
     Ok(count)

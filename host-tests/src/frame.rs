@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use slicecast::classify::{ENTRIES, entry};
-use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
+use slicecast::format::{Direction, Intensity, Step};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::slice::Slice;
 use slicecast::view::View;
@@ -162,16 +162,6 @@ fn picture(plan: &Plan) -> Picture {
         },
         affine: [[0.0; 2]; 3],
     }
-}
-
-/// A vector with 15 fraction bits, as the lights of [`Material`] want it.
-pub fn vector(v: [i32; 3]) -> [Vector; 3] {
-    v.map(|c| Vector::from_bits(c << 15))
-}
-
-/// A coefficient with 15 fraction bits, as the lights of [`Material`] want it.
-pub fn coefficient(c: u32) -> Coefficient {
-    Coefficient::from_bits(c << 16)
 }
 
 /// A table from points `(code, colour, root)`, linear in integers between them, constant outside.

@@ -8,7 +8,7 @@
 //! | [`record`] | a tap that keeps everything, and the first place where two runs part |
 //! | [`checksum`] | a tap that keeps one number a stage |
 //! | [`exhaustive`] | properties that hold for every input |
-//! | [`tolerance`] | the local error against f64 that every stage is allowed |
+//! | [`tolerance`] | how far each stage may be from f64 |
 //!
 //! Frames are stated in integers because a sine or a logarithm may differ in its last bit between machines; the tests
 //! are about what the pipeline makes of its inputs, and those must not move.

@@ -274,11 +274,12 @@ pub fn recorded(frame: &Frame, layer: Layer) -> (BaseImage, Recording) {
         }
     }
     frame.with_prepared(|prepared, slices| {
-        let record = Record {
-            plan: &prepared.setup.plan,
-            slices,
-            layer,
-        };
-        prepared.dispatch(record).expect("lights that core takes")
+        prepared
+            .dispatch(Record {
+                plan: &prepared.setup.plan,
+                slices,
+                layer,
+            })
+            .expect("a material that core takes")
     })
 }

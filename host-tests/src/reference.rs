@@ -93,7 +93,7 @@ impl<P: Precision> Rays<'_, P> {
             phong: frame
                 .material
                 .as_ref()
-                .map(|m| m.phong().expect("lights that core takes")),
+                .map(|m| m.phong().expect("a material that core takes")),
             floor: Channel::from_bits(P::Pixel::FLOOR.bits().max(asked)),
         };
         let n = plan.sampling().rays_per_voxel;

@@ -18,9 +18,10 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
 use slicecast_host_tests::checksum::of_frame;
-use slicecast_host_tests::frame::{Frame, coefficient, table_of, vector};
+use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_sim::camera::Material;
 use slicecast_sim::scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
@@ -52,6 +53,16 @@ fn head_table() -> Frame {
             (1324, [242, 232, 208], 46_000),
         ]),
     )
+}
+
+/// A unit vector from s1.15.
+fn vector(v: [i32; 3]) -> [Vector; 3] {
+    v.map(|c| Vector::from_bits(c << 15))
+}
+
+/// A coefficient of this many 1.15 units; the low bits are there for precisions that keep them.
+fn coefficient(units: u32) -> Coefficient {
+    Coefficient::from_bits((units << 16) + 9_876)
 }
 
 /// A white key light and a coloured fill light; unit vectors in s1.15.

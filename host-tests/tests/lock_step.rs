@@ -31,7 +31,7 @@ fn config(cases: u32, seed: u64) -> Config {
 
 /// First pixel in which two images differ.
 fn image_difference(expected: &BaseImage, found: &BaseImage) -> Option<String> {
-    if (expected.size, expected.one) != (found.size, found.one) {
+    if (expected.size, expected.format, expected.one) != (found.size, found.format, found.one) {
         return Some(format!("sizes {:?} and {:?}", expected.size, found.size));
     }
     for (channel, (a, b)) in expected.planes.iter().zip(&found.planes).enumerate() {

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
+use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
-use slicecast_host_tests::frame::{Frame, coefficient, table_of, vector};
+use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_sim::camera::Material;
 use slicecast_sim::scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
@@ -19,10 +20,14 @@ const UNITS: [[i32; 3]; 6] = [
     [10923, 21845, 21845],
 ];
 
-/// Lights by number: up to three of [`UNITS`], each a colour of its own.
+/// Lights by number: up to three of [`UNITS`], each a colour of its own. Low bits are filled, for precisions that keep
+/// them.
 pub fn light(exponent_log2: u32, seed: u64) -> Material {
     let mut random = Random::new(seed);
-    let mut unit = || vector(UNITS[random.below(6) as usize]);
+    let mut unit = || {
+        let low = random.below(9000) as i32;
+        UNITS[random.below(6) as usize].map(|c| Vector::from_bits((c << 15) - low * c.signum()))
+    };
     let viewer = unit();
     let count = 1 + seed % 3;
     let lights: Vec<Light> = (0..count)
@@ -38,14 +43,18 @@ pub fn light(exponent_log2: u32, seed: u64) -> Material {
     } else {
         Highlight::HalfVector
     };
-    let ambient = [1000, 2000, 3000].map(coefficient);
     Material {
-        ambient,
+        ambient: [1000, 2000, 3000].map(coefficient),
         lights,
         viewer,
         highlight,
         exponent_log2,
     }
+}
+
+/// A coefficient of this many 1.15 units and some more bits.
+fn coefficient(units: u32) -> Coefficient {
+    Coefficient::from_bits((units << 16) + 12_345)
 }
 
 fn dims() -> impl Strategy<Value = [usize; 3]> {

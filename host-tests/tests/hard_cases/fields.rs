@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use slicecast::format::{Coefficient, Vector};
 use slicecast::normalise::{normalise, unit};
-use slicecast::precision::Compact;
+use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::shade::{Highlight, Light, keep_vector};
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, volume};
@@ -14,27 +14,26 @@ use slicecast_sim::engine::Layer;
 use slicecast_sim::scene::PrecisionName;
 use slicecast_sim::volume::Volume;
 
+/// A direction as a unit vector, s1.30.
+fn towards(v: [f64; 3]) -> [Vector; 3] {
+    let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    v.map(|c| Vector::from_bits((c / length * 2f64.powi(30)).round() as i32))
+}
+
 /// White light of full strength from `direction`, nothing else.
 fn diffuse_only(direction: [Vector; 3]) -> Material {
-    let light = Light {
-        direction,
-        half: direction,
-        diffuse: [Coefficient::ONE; 3],
-        specular: [Coefficient::ZERO; 3],
-    };
     Material {
         ambient: [Coefficient::ZERO; 3],
-        lights: vec![light],
+        lights: vec![Light {
+            direction,
+            half: direction,
+            diffuse: [Coefficient::ONE; 3],
+            specular: [Coefficient::ZERO; 3],
+        }],
         viewer: [Vector::ZERO, Vector::ZERO, -Vector::ONE],
         highlight: Highlight::Reflection,
         exponent_log2: 0,
     }
-}
-
-/// A direction as a unit vector, s1.30.
-fn unit30(v: [f64; 3]) -> [Vector; 3] {
-    let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    v.map(|c| Vector::from_num(c / length))
 }
 
 /// A frame in which every sample is visible: white, thin.
@@ -54,7 +53,7 @@ fn a_row_of_voxels_is_continued_linearly() {
     for (axis, dims) in [[4, 1, 1], [1, 4, 1], [1, 1, 4]].into_iter().enumerate() {
         let mut volume = volume(dims, Filling::Constant(0), 0);
         volume.voxels = row.to_vec();
-        let frame = thin_white(volume, diffuse_only(unit30([0.6, 0.0, -0.8])));
+        let frame = thin_white(volume, diffuse_only(towards([0.6, 0.0, -0.8])));
         for (precision, bits) in [
             (PrecisionName::Paper, 12),
             (PrecisionName::Compact, 12),
@@ -92,43 +91,52 @@ fn a_row_of_voxels_is_continued_linearly() {
 /// All gradients are 2 (7, -5, 11), borders included, and N = -(7, -5, 11) / sqrt(195). With the light
 /// (0.1, 0.2, -0.9) / sqrt(0.86) the cosine is 10.2 / sqrt(195 * 0.86) = 0.787650659 and with
 /// (-0.6, 0.3, -0.5) / sqrt(0.7) it is 11.2 / sqrt(195 * 0.7) = 0.958631503. (The study's 0.787665 and 0.958623 are
-/// not these cosines; they are not used here.) In 1.15 that is 25809.7 and 31412.4; lights in s1.15 turn
-/// by up to 0.5 units a component, which moves the cosine by at most 0.9 units more.
+/// not these cosines; they are not used here.) In 1.15 that is 25809.7 and 31412.4. Lights kept in s1.15 turn by up to
+/// 1.5 units a component, as they are chosen for their length, which moves the cosine by at most 2.6 units; lights in
+/// s1.30 do not.
 #[test]
 fn linear_field() {
     for (light, cosine) in [([0.1, 0.2, -0.9], 0.787_650_659), ([-0.6, 0.3, -0.5], 0.958_631_503)] {
-        let direction = unit30(light);
-        // The cosine with the light as rounded, from which only the pipeline's own errors are left.
-        let [x, y, z] = keep_vector::<Compact>(direction).map(|c| f64::from(c) / 32768.0);
-        let rounded = -(7.0 * x - 5.0 * y + 11.0 * z) / 195f64.sqrt();
-        assert!((rounded - cosine).abs() * 32768.0 < 0.9, "{rounded}");
+        let direction = towards(light);
         let field = volume([7, 6, 5], Filling::Linear, 0);
         let frame = Frame {
             direction: [1, -2, 4],
             planes_per_voxel: 2,
             ..thin_white(field, diffuse_only(direction))
         };
-        for precision in PrecisionName::ALL {
+        // The vector kept, fraction bits of it and of the colour, and what may be missing: rounding leaves half a unit
+        // of 1.15 and what the 15 bits of the normal do, which is all in 1.31. Paper truncates the normal to 1.12
+        // (three components of up to 8 units each, weighted by the light), the product and the result after that.
+        for (precision, kept, [vector_bits, colour_bits], low, high) in [
+            (
+                PrecisionName::Paper,
+                keep_vector::<Paper>(direction),
+                [15, 15],
+                -16.0,
+                8.0,
+            ),
+            (
+                PrecisionName::Compact,
+                keep_vector::<Compact>(direction),
+                [15, 15],
+                -1.0,
+                1.0,
+            ),
+            (PrecisionName::Wide, keep_vector::<Wide>(direction), [30, 31], -0.5, 0.5),
+        ] {
+            let [x, y, z] = kept.map(|c| f64::from(c) / 2f64.powi(vector_bits));
+            let rounded = -(7.0 * x - 5.0 * y + 11.0 * z) / 195f64.sqrt();
+            let turned = if vector_bits == 15 { 2.6 / 32768.0 } else { 1e-9 };
+            assert!((rounded - cosine).abs() < turned, "{precision:?}: {rounded}");
             let (_, recording) = recorded(&frame.in_precision(precision), Layer::Stream);
             let shaded = |place: &Place| place.stage == Stage::Shading;
             let mut samples = 0;
             for (place, bits) in recording.values.iter().filter(|(place, _)| shaded(place)) {
-                // In units of 2^-15; Wide has 16 bits more, and the light unrounded.
-                let error = match precision {
-                    PrecisionName::Wide => f64::from(bits[0]) / 65536.0 - cosine * 32768.0,
-                    _ => f64::from(bits[0]) - rounded * 32768.0,
-                };
-                // Rounding to nearest: half a unit and what the normal's 15 bits leave. Paper truncates the normal to
-                // 1.12 (three components of up to 8 units each, weighted by the light: 8 (|x| + |y| + |z|)) and the
-                // product and the result after that.
-                let (low, high) = match precision {
-                    PrecisionName::Paper => (-8.0 * (x.abs() + y.abs() + z.abs()) - 2.0, 8.0),
-                    PrecisionName::Compact | PrecisionName::Wide => (-1.0, 1.0),
-                };
+                let found = f64::from(bits[0]) / 2f64.powi(colour_bits);
+                let error = (found - rounded) * 32768.0;
                 assert!(
                     (low..=high).contains(&error),
-                    "{precision:?} {place:?}: {} is off by {error}",
-                    bits[0]
+                    "{precision:?} {place:?}: {found} is {error} units off"
                 );
                 samples += 1;
             }

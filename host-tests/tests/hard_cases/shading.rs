@@ -115,6 +115,8 @@ fn cosines_are_rounded_to_nearest() {
         let nearest = ((exact + (1 << 18)) >> 19).min(1 << 31);
         let found = dot::<Compact>(normal, light);
         assert_eq!(i128::from(found.to_bits()), nearest, "{normal:?} {light:?}");
+        // A light of 30 bits whose low 15 are 0 is the same light.
+        assert_eq!(dot::<Wide>(normal, light.map(|l| l << 15)), found);
     }
 }
 
