@@ -106,6 +106,11 @@ pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
     type Channel: Channel;
     /// Transparency below this becomes 0.
     const FLOOR: Self::Channel;
+    /// Whether a sample gives exactly the light that it takes, rounding included (front to back).
+    const TELESCOPING: bool;
+
+    /// The opacity as this pixel reads it: rounded to what its products can use.
+    fn read(opacity: Opacity) -> Opacity;
 
     /// A pixel with one more sample behind it (front to back). This function is the definition; it leaves out the
     /// floor, which [`settle`] applies.
@@ -152,6 +157,12 @@ fn product31(a: u32, b: u32) -> u32 {
 impl Recurrence for Telescoping31 {
     type Channel = u32;
     const FLOOR: u32 = 1 << 11;
+    const TELESCOPING: bool = true;
+
+    #[inline(always)]
+    fn read(opacity: Opacity) -> Opacity {
+        opacity
+    }
 
     #[inline(always)]
     fn over(pixel: Pixel<u32>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
@@ -193,6 +204,12 @@ fn opacity16(opacity: Opacity) -> u32 {
 impl Recurrence for Dithered15 {
     type Channel = u16;
     const FLOOR: u16 = 1;
+    const TELESCOPING: bool = true;
+
+    #[inline(always)]
+    fn read(opacity: Opacity) -> Opacity {
+        Opacity::from_bits(opacity16(opacity) << 15)
+    }
 
     #[inline(always)]
     fn over(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<u16> {
@@ -246,6 +263,12 @@ impl Truncating15 {
 impl Recurrence for Truncating15 {
     type Channel = u16;
     const FLOOR: u16 = 1;
+    const TELESCOPING: bool = false;
+
+    #[inline(always)]
+    fn read(opacity: Opacity) -> Opacity {
+        Opacity::from_bits(opacity.to_bits() >> 15 << 15)
+    }
 
     #[inline(always)]
     fn over(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {

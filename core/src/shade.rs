@@ -268,6 +268,15 @@ impl<P: Precision> Shader<P> for Phong {
     }
 }
 
+/// The normal N = -g r / 2^35 with its components truncated (towards zero) to so many fraction bits, 1 to 15.
+#[inline]
+pub fn formed(normal: Normal, bits: u32) -> [i32; 3] {
+    normal.g.map(|g| {
+        let magnitude = ((u64::from(g.unsigned_abs()) * u64::from(normal.r)) >> (35 - bits)) as i32;
+        if g > 0 { -magnitude } else { magnitude }
+    })
+}
+
 /// `max(0, N . L)` with N = -g r / 2^35, 1.31. `Formed` normals are truncated first, and so are their products, at 16
 /// fraction bits.
 #[inline]
@@ -284,9 +293,7 @@ pub fn dot<P: Precision>(normal: Normal, vector: [Unit; 3]) -> Cosine {
         }
         NormalForm::Formed(bits) => {
             let mut sum = 0i32;
-            for (g, l) in normal.g.iter().zip(vector) {
-                let magnitude = ((u64::from(g.unsigned_abs()) * u64::from(normal.r)) >> (35 - bits)) as i32;
-                let n = if *g > 0 { -magnitude } else { magnitude };
+            for (n, l) in formed(normal, bits).iter().zip(vector) {
                 // bits + 15 fraction bits, truncated to 16.
                 sum += (n * l.to_bits()) >> (bits - 1);
             }

@@ -273,9 +273,10 @@ mod tests {
             let v = [a.sin() * b.cos(), a.cos() * b.cos(), b.sin()];
             let u = lattice_unit(v).map(|c| f64::from(c.to_bits()) / 32768.0);
             worst = worst.max((dot(u, u).sqrt() - 1.0).abs());
-            assert!(dot(u, v) > 0.99999999, "{v:?} {u:?}");
+            assert!(dot(u, v) > 0.99999999 * dot(u, u).sqrt(), "{v:?} {u:?}");
         }
-        assert!(worst < 1.3e-5, "{worst}");
+        // Plain rounding reaches 2.2e-5. Close to an axis few neighbours help.
+        assert!(worst < 1.5e-5, "{worst}");
         assert_eq!(lattice_unit([0.0, -3.0, 0.0]), [Unit::ZERO, -Unit::ONE, Unit::ZERO]);
     }
 }

@@ -309,7 +309,7 @@ pub fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) 
 }
 
 /// The viewer's picture, in front of the scene's background.
-fn picture<L: Pipeline>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
+pub(crate) fn picture<L: Pipeline>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
     let Picture { size, warp, .. } = prepared.setup.picture;
     let plan = &prepared.setup.plan;
     let background = background(prepared.scene);

@@ -1,7 +1,9 @@
 //! The host side of slicecast: real volumes in, pictures and error figures out.
 
 pub mod camera;
+pub mod compare;
 pub mod engine;
+pub mod exchange;
 pub mod model;
 pub mod oriented;
 pub mod pipelines;

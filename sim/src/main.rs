@@ -1,2 +1,20 @@
 //! The `slicecast` program.
-fn main() {}
+//!
+//! Exit codes: 0 done; 1 the machine failed (disk, threads); 2 the request or its input is at fault. Results go to
+//! standard output, errors and progress to standard error.
+
+mod cli;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    match cli::Cli::parse().run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("slicecast: {}", failure.message);
+            ExitCode::from(failure.code)
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! `slicecast compare`.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+use slicecast_sim::compare::image::ImageFigures;
+use slicecast_sim::compare::stages::StageReport;
+use slicecast_sim::compare::statistics::Figures;
+use slicecast_sim::compare::{Comparison, ModelPositions, compare};
+use slicecast_sim::engine::{Prepared, on_threads};
+use slicecast_sim::exchange;
+use slicecast_sim::scene::{AlphaCodeName, LookupName};
+
+use super::Failure;
+use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use super::output::{Folder, write_file};
+use super::progress::with_bar;
+use super::tables;
+
+/// Compare every stage, and the picture, with the f64 model.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  slicecast compare
+  slicecast compare scan.nrrd --scene bone.toml --precision wide --exact-positions --json errors.json
+  slicecast compare scan.nrrd --scene bone.toml --npy planes/")]
+pub struct Args {
+    #[command(flatten)]
+    volume: VolumeArgs,
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    /// Let the model sample at the real positions instead of the pipeline's 16.16 ones.
+    #[arg(long)]
+    exact_positions: bool,
+    /// Write the figures as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the base-plane images of pipeline and model, the geometry and the decoded table for other tools.
+    #[arg(long, value_name = "DIR")]
+    npy: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// One line of `stages` in the JSON.
+#[derive(Serialize)]
+struct StageLine<'a> {
+    name: &'a str,
+    format: &'a str,
+    /// `local` or `carried`.
+    error: &'static str,
+    required_bits: Option<u32>,
+    #[serde(flatten)]
+    figures: Figures,
+}
+
+/// The figures as JSON.
+#[derive(Serialize)]
+pub struct Figured<'a> {
+    volume: &'a str,
+    precision: &'static str,
+    table: AlphaCodeName,
+    lookup: LookupName,
+    positions: &'static str,
+    image: ImageFigures,
+    picture: ImageFigures,
+    stages: Vec<StageLine<'a>>,
+}
+
+/// Gathers the figures of a comparison for JSON.
+pub fn figured<'a>(prepared: &'a Prepared<'_>, comparison: &'a Comparison, positions: ModelPositions) -> Figured<'a> {
+    let line = |stage: &'a StageReport, error, figures| StageLine {
+        name: stage.name,
+        format: &stage.format,
+        error,
+        required_bits: stage.required_bits,
+        figures,
+    };
+    Figured {
+        volume: &prepared.volume.name,
+        precision: prepared.scene.precision.name(),
+        table: prepared.table.code,
+        lookup: prepared.table.lookup,
+        positions: match positions {
+            ModelPositions::Pipeline => "pipeline",
+            ModelPositions::Exact => "exact",
+        },
+        image: comparison.image,
+        picture: comparison.picture,
+        stages: comparison
+            .stages
+            .iter()
+            .flat_map(|stage| [line(stage, "local", stage.local), line(stage, "carried", stage.carried)])
+            .collect(),
+    }
+}
+
+impl Args {
+    /// Does it.
+    pub fn run(self) -> Result<(), Failure> {
+        if let Some(path) = self
+            .json
+            .as_ref()
+            .filter(|path| !self.force && path.symlink_metadata().is_ok())
+        {
+            return Err(Failure::input(format!(
+                "{} exists; --force replaces it",
+                path.display()
+            )));
+        }
+        let scene = self.scene.load()?;
+        let loaded = self.volume.load()?;
+        let prepared = Prepared::new(&scene, &loaded.volume)?;
+        let mut folder = match &self.npy {
+            Some(path) => {
+                let folder = Folder::open(path, self.force)?;
+                folder.check(&exchange::NAMES.map(str::to_owned))?;
+                Some(folder)
+            }
+            None => None,
+        };
+        let positions = if self.exact_positions {
+            ModelPositions::Exact
+        } else {
+            ModelPositions::Pipeline
+        };
+        let comparison = with_bar("comparing", |progress| {
+            on_threads(self.threads.count(), || compare(&prepared, positions, progress))
+        })??;
+        println!("{}", tables::local(&comparison.stages));
+        println!();
+        println!("{}", tables::carried(&comparison.stages));
+        println!();
+        let lines = tables::image_lines(scene.precision.name(), &comparison);
+        println!("{}", tables::images(&lines));
+        if prepared.table.underflows > 0 {
+            println!(
+                "\nnote: {} table entries are visible in the transfer function and fall to 0 in the table",
+                prepared.table.underflows
+            );
+        }
+        if let Some(path) = &self.json {
+            let figures = figured(&prepared, &comparison, positions);
+            let json = serde_json::to_vec_pretty(&figures).map_err(Failure::machine)?;
+            write_file(path, self.force, &json)?;
+        }
+        if let Some(folder) = &mut folder {
+            for (name, contents) in exchange::files(&prepared, &comparison).map_err(Failure::machine)? {
+                folder.write(name, &contents)?;
+            }
+        }
+        Ok(())
+    }
+}

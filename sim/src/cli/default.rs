@@ -1,0 +1,110 @@
+//! The main job: the built-in volume through the whole machine.
+
+use std::path::PathBuf;
+
+use slicecast_sim::compare::image::{heat_map, model_picture};
+use slicecast_sim::compare::{Comparison, ModelPositions, compare};
+use slicecast_sim::engine::{Layer, Prepared, on_threads};
+use slicecast_sim::scene::{self, PrecisionName, Scene};
+use slicecast_sim::volume::mapping::Window;
+use slicecast_sim::volume::open::load;
+
+use super::Failure;
+use super::compare::figured;
+use super::inputs::ThreadArgs;
+use super::output::{Folder, png};
+use super::progress::with_bar;
+use super::tables;
+
+/// Options of the main job.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Where the pictures go.
+    #[arg(long, value_name = "DIR", default_value = "slicecast-out")]
+    out: PathBuf,
+    /// Replace files in it that slicecast did not write.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+/// A difference of this many steps of 1/255 is white in the heat map.
+const HEAT_FULL: f64 = 2.0;
+
+fn names() -> Vec<String> {
+    let per_precision = |p: PrecisionName| {
+        let name = p.name();
+        [
+            format!("head-{name}.png"),
+            format!("head-{name}-difference.png"),
+            format!("head-{name}.json"),
+        ]
+    };
+    let mut names: Vec<String> = PrecisionName::ALL.into_iter().flat_map(per_precision).collect();
+    names.push("head-model.png".into());
+    names
+}
+
+impl Args {
+    /// Does it.
+    pub fn run(self) -> Result<(), Failure> {
+        let mut folder = Folder::open(&self.out, self.force)?;
+        folder.check(&names())?;
+        let loaded = load(None, Window::Auto)?;
+        let [nx, ny, nz] = loaded.volume.dims;
+        println!("CT head, {nx} x {ny} x {nz} voxels; {}", loaded.report);
+        println!("scene: sim/scenes/headsq.toml\n");
+        let base = scene::file::built_in(scene::file::DEFAULT).map_err(Failure::input)?;
+        let mut summary = Vec::new();
+        let mut written = Vec::new();
+        for precision in PrecisionName::ALL {
+            let name = precision.name();
+            let scene = Scene {
+                precision,
+                ..base.clone()
+            };
+            let prepared = Prepared::new(&scene, &loaded.volume)?;
+            let streamed = with_bar(&format!("{name}: streaming"), |progress| {
+                prepared.render(Layer::Stream, progress)
+            })?;
+            let comparison: Comparison = with_bar(&format!("{name}: comparing"), |progress| {
+                on_threads(self.threads.count(), || {
+                    compare(&prepared, ModelPositions::Pipeline, progress)
+                })
+            })??;
+            if streamed != comparison.frame {
+                return Err(Failure::machine(format!(
+                    "{name}: the slices streamed one by one and the volume in memory gave different bits"
+                )));
+            }
+            println!("== {name} ==\n");
+            println!("{}\n", tables::local(&comparison.stages));
+            println!("{}\n", tables::carried(&comparison.stages));
+            summary.extend(tables::image_lines(name, &comparison));
+
+            let mut write = |file: String, contents: Vec<u8>| -> Result<(), Failure> {
+                written.push(folder.write(&file, &contents)?);
+                Ok(())
+            };
+            write(format!("head-{name}.png"), png(&streamed.picture)?)?;
+            let heat = heat_map(&comparison.frame.base, &comparison.model, HEAT_FULL);
+            write(format!("head-{name}-difference.png"), png(&heat)?)?;
+            let figures = figured(&prepared, &comparison, ModelPositions::Pipeline);
+            let json = serde_json::to_vec_pretty(&figures).map_err(Failure::machine)?;
+            write(format!("head-{name}.json"), json)?;
+            if precision == PrecisionName::Wide {
+                let model = model_picture(&comparison.model_picture, scene.image.background);
+                write("head-model.png".into(), png(&model)?)?;
+            }
+        }
+        println!("== pictures against the model ==\n");
+        println!("{}\n", tables::images(&summary));
+        println!("Streamed slice by slice and rendered in place: the same bits at every precision.");
+        println!("Differences: base plane, black is none, white {HEAT_FULL} steps of 1/255 or more.\n");
+        for path in written {
+            println!("wrote {}", path.display());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,97 @@
+//! The command line: one file a subcommand.
+
+mod compare;
+mod default;
+mod inputs;
+mod output;
+mod plan;
+mod progress;
+mod render;
+mod tables;
+
+use clap::{Parser, Subcommand};
+use slicecast_sim::engine::RenderError;
+use slicecast_sim::volume::open::LoadError;
+
+/// Why the program stops, and with which code.
+#[derive(Debug)]
+pub struct Failure {
+    /// One line for standard error.
+    pub message: String,
+    /// 1: the machine failed; 2: the request or its input is at fault.
+    pub code: u8,
+}
+
+impl Failure {
+    /// The request or its input is at fault.
+    pub fn input(message: impl ToString) -> Self {
+        Self {
+            message: message.to_string(),
+            code: 2,
+        }
+    }
+
+    /// The machine failed.
+    pub fn machine(message: impl ToString) -> Self {
+        Self {
+            message: message.to_string(),
+            code: 1,
+        }
+    }
+}
+
+impl From<LoadError> for Failure {
+    fn from(error: LoadError) -> Self {
+        Self::input(error)
+    }
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Threads(_) => Self::machine(error),
+            _ => Self::input(error),
+        }
+    }
+}
+
+/// A fixed-point volume renderer, and the f64 model that it is measured against.
+///
+/// Without a subcommand the built-in CT head is streamed, slice by slice, through the pipeline at its three
+/// precisions, each stage is compared with the f64 model, the error tables are printed, and the pictures are written.
+#[derive(Parser)]
+#[command(
+    name = "slicecast",
+    version,
+    args_conflicts_with_subcommands = true,
+    after_help = "Examples:
+  slicecast                                        the main job, pictures in ./slicecast-out/
+  slicecast render scan.nrrd --scene bone.toml -o bone.png
+  slicecast compare scan.nrrd --scene bone.toml --precision wide --json errors.json
+  slicecast plan --dims 64x64x64 --scene bone.toml"
+)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    main_job: default::Args,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Render(render::Args),
+    Compare(compare::Args),
+    Plan(plan::Args),
+}
+
+impl Cli {
+    /// Does what the command line asks.
+    pub fn run(self) -> Result<(), Failure> {
+        match self.command {
+            None => self.main_job.run(),
+            Some(Command::Render(args)) => args.run(),
+            Some(Command::Compare(args)) => args.run(),
+            Some(Command::Plan(args)) => args.run(),
+        }
+    }
+}

@@ -1,0 +1,373 @@
+//! The model beside the pipeline, plane by plane, for the rows of one tile.
+
+use slicecast::composite::{Channel, PixelRow, Recurrence};
+use slicecast::format::{Intensity, Opacity, Unit};
+use slicecast::locate::Plane;
+use slicecast::normalise::Normal;
+use slicecast::precision::{NormalForm, Precision};
+use slicecast::shade::{Phong, formed};
+use slicecast::tap::{Beam, Tap};
+
+use super::stages::{Stage, StageErrors, telescopes};
+use crate::engine::Tile;
+use crate::model::gradient::normalise;
+use crate::model::shade::{Lights, ResolvedLight};
+use crate::model::{Model, Pixel};
+use crate::scene::Blend;
+
+/// What the model knows of a sample of the current plane.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    value: f64,
+    opacity: f64,
+    visible: Option<Visible>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Visible {
+    colour: [f64; 3],
+    gradient: [f64; 3],
+    normal: [f64; 3],
+    shaded: [f64; 3],
+}
+
+/// The lights as the pipeline has them, dequantised, for errors of shading alone.
+#[derive(Clone, Debug)]
+struct PipelineLights {
+    lights: Lights,
+    ambient: [f64; 3],
+    /// Diffuse and specular coefficients of each light, a channel each.
+    coefficients: Vec<([f64; 3], [f64; 3])>,
+}
+
+fn unit_value(v: [Unit; 3]) -> [f64; 3] {
+    v.map(|c| f64::from(c.to_bits()) / 32768.0)
+}
+
+fn intensity_value(v: [Intensity; 3]) -> [f64; 3] {
+    v.map(|c| f64::from(c.to_bits()) / 32768.0)
+}
+
+impl PipelineLights {
+    fn new(phong: &Phong, model: &Lights) -> Self {
+        let viewer = unit_value(phong.viewer());
+        let resolve = |light: &slicecast::shade::Light| {
+            let direction = unit_value(light.direction);
+            ResolvedLight {
+                direction,
+                half: unit_value(light.half),
+                viewer_dot: viewer.iter().zip(direction).map(|(v, l)| v * l).sum(),
+                colour: [1.0; 3],
+            }
+        };
+        Self {
+            lights: Lights {
+                viewer,
+                lights: phong.lights().iter().map(resolve).collect(),
+                ..model.clone()
+            },
+            ambient: intensity_value(phong.ambient()),
+            coefficients: phong
+                .lights()
+                .iter()
+                .map(|l| (intensity_value(l.diffuse), intensity_value(l.specular)))
+                .collect(),
+        }
+    }
+
+    /// Squeeze, equation 10, with these lights.
+    fn shade(&self, normal: [f64; 3], colour: [f64; 3]) -> [f64; 3] {
+        let mut diffuse = self.ambient;
+        let mut specular = [0.0; 3];
+        for (light, (kd, ks)) in self.lights.lights.iter().zip(&self.coefficients) {
+            let terms = self.lights.terms(light, normal);
+            for c in 0..3 {
+                diffuse[c] += kd[c] * terms.diffuse;
+                specular[c] += ks[c] * terms.specular;
+            }
+        }
+        [0, 1, 2].map(|c| (colour[c] * diffuse[c].min(1.0) + specular[c]).min(1.0))
+    }
+}
+
+/// A tap that runs the f64 model in step with the pipeline and gathers the errors of every stage.
+pub struct Lockstep<'a, P> {
+    model: &'a Model<'a>,
+    lights: Option<PipelineLights>,
+    blend: Blend,
+    tile: Tile,
+    width: usize,
+    /// Rays per voxel.
+    rays: usize,
+    errors: StageErrors,
+    /// The model's samples of the current plane, and its pixels so far, for the rows of the tile.
+    samples: Vec<Option<Sample>>,
+    pixels: Vec<Pixel>,
+    /// The row under way, dequantised: index of its first pixel, sample values, opacities.
+    row: usize,
+    values: Vec<f64>,
+    opacities: Vec<f64>,
+    /// The span under way: gradients, normals, colours (shaded ones after shading), pixels before it.
+    gradients: Vec<[f64; 3]>,
+    normals: Vec<[f64; 3]>,
+    colours: Vec<[f64; 3]>,
+    before: Vec<Pixel>,
+    precision: std::marker::PhantomData<P>,
+}
+
+impl<'a, P: Precision> Lockstep<'a, P> {
+    /// A tap for a tile of a base plane of `width` columns a phase.
+    pub fn new(model: &'a Model<'a>, phong: Option<&Phong>, blend: Blend, tile: Tile, width: u32, rays: u32) -> Self {
+        let count = width as usize * tile.rows as usize;
+        let lights = match (phong, model.lights()) {
+            (Some(phong), Some(lights)) => Some(PipelineLights::new(phong, lights)),
+            _ => None,
+        };
+        Self {
+            model,
+            lights,
+            blend,
+            tile,
+            width: width as usize,
+            rays: rays as usize,
+            errors: StageErrors::default(),
+            samples: vec![None; count],
+            pixels: vec![Pixel::TRANSPARENT; count],
+            row: 0,
+            values: Vec::new(),
+            opacities: Vec::new(),
+            gradients: Vec::new(),
+            normals: Vec::new(),
+            colours: Vec::new(),
+            before: Vec::new(),
+            precision: std::marker::PhantomData,
+        }
+    }
+
+    /// The tile, what was gathered in it, and the model's pixels, row after row.
+    pub fn finish(self) -> (Tile, StageErrors, Vec<Pixel>) {
+        (self.tile, self.errors, self.pixels)
+    }
+
+    /// Full-resolution coordinates of a pixel of this phase.
+    fn full(&self, plane: &Plane, column: usize, row: usize) -> (usize, usize) {
+        (
+            column * self.rays + plane.phase.u as usize,
+            row * self.rays + plane.phase.v as usize,
+        )
+    }
+
+    fn index(&self, at: Beam<'_>) -> usize {
+        (at.row - self.tile.first) as usize * self.width + at.column as usize
+    }
+
+    fn add(&mut self, stage: Stage, local: f64, carried: Option<f64>) {
+        let (_, fraction) = stage.format::<P>();
+        let ulp = 2f64.powi(fraction as i32);
+        self.errors.local[stage as usize].add(local * ulp);
+        if let Some(carried) = carried {
+            self.errors.carried[stage as usize].add(carried * ulp);
+        }
+    }
+
+    fn add3(&mut self, stage: Stage, fixed: [f64; 3], exact: [f64; 3], carried: Option<[f64; 3]>) {
+        for c in 0..3 {
+            self.add(stage, fixed[c] - exact[c], carried.map(|e| fixed[c] - e[c]));
+        }
+    }
+
+    /// The model's own sample of a visible span; `None` where the model sees nothing.
+    fn visible(&self, index: usize) -> Option<Visible> {
+        self.samples.get(index).copied().flatten()?.visible
+    }
+
+    /// One plane of the model: samples, then pixels.
+    fn advance(&mut self, plane: &Plane) {
+        let lit = self.model.lights().is_some();
+        let composited = matches!(self.blend, Blend::FrontToBack | Blend::BackToFront);
+        for index in 0..self.samples.len() {
+            let (column, row) = (index % self.width, index / self.width + self.tile.first as usize);
+            let (u, v) = self.full(plane, column, row);
+            let sample = self.model.position(plane.index as usize, u, v).map(|position| {
+                let value = self.model.value_at(position);
+                let classified = self.model.classify(value);
+                let visible = (composited && classified.opacity > 0.0).then(|| {
+                    let (gradient, normal) = if lit {
+                        let gradient = self.model.gradient_at(position);
+                        (gradient, normalise(gradient))
+                    } else {
+                        ([0.0; 3], [0.0; 3])
+                    };
+                    Visible {
+                        colour: classified.colour,
+                        gradient,
+                        normal,
+                        shaded: self.model.shade(normal, classified.colour),
+                    }
+                });
+                Sample {
+                    value,
+                    opacity: classified.opacity,
+                    visible,
+                }
+            });
+            self.samples[index] = sample;
+            if let Some(Sample {
+                opacity,
+                visible: Some(visible),
+                ..
+            }) = sample
+            {
+                let pixel = self.pixels[index];
+                self.pixels[index] = match self.blend {
+                    Blend::BackToFront => pixel.back_to_front(visible.shaded, opacity),
+                    _ => pixel.front_to_back(visible.shaded, opacity),
+                };
+            }
+        }
+    }
+}
+
+impl<P: Precision> Tap for Lockstep<'_, P> {
+    fn plane(&mut self, plane: &Plane) {
+        let (u, v) = self.full(plane, 0, 0);
+        let geometry = self.model.geometry();
+        let exact = geometry.position(self.model.lattice(), plane.index as usize, u, v);
+        for (fixed, exact) in [plane.x, plane.y, plane.z].into_iter().zip(exact) {
+            let error = f64::from(fixed.to_bits()) / 65536.0 - exact;
+            // The tiles of a phase share their planes: count each once.
+            if self.tile.first == 0 {
+                self.add(Stage::Location, error, Some(error));
+            }
+        }
+        self.advance(plane);
+    }
+
+    fn samples(&mut self, at: Beam<'_>, samples: &[i32]) {
+        self.row = self.index(at);
+        self.values.clear();
+        for (offset, &bits) in samples.iter().enumerate() {
+            let fixed = f64::from(bits) * 2f64.powi(-(P::SAMPLE_BITS as i32));
+            self.values.push(fixed);
+            let local = fixed - self.model.value_at(fixed_position(at, offset));
+            let carried = self.samples[self.row + offset].map(|s| fixed - s.value);
+            self.add(Stage::Interpolation, local, carried);
+        }
+    }
+
+    fn opacities(&mut self, _: Beam<'_>, opacities: &[i32]) {
+        self.opacities.clear();
+        for (offset, &bits) in opacities.iter().enumerate() {
+            // As compositing will read it.
+            let read = <P::Pixel as Recurrence>::read(Opacity::from_bits(bits as u32));
+            let fixed = f64::from(read.to_bits()) / 2147483648.0;
+            self.opacities.push(fixed);
+            let local = fixed - self.model.classify(self.values[offset]).opacity;
+            let carried = self.samples[self.row + offset].map(|s| fixed - s.opacity);
+            self.add(Stage::Opacity, local, carried);
+        }
+    }
+
+    fn colours(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
+        self.colours.clear();
+        for offset in 0..colours[0].len() {
+            let index = self.index(at) + offset;
+            let fixed = colours.map(|c| f64::from(c[offset]) / 32768.0);
+            self.colours.push(fixed);
+            let exact = self.model.classify(self.values[index - self.row]).colour;
+            self.add3(Stage::Colour, fixed, exact, self.visible(index).map(|v| v.colour));
+        }
+    }
+
+    fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
+        self.gradients.clear();
+        for offset in 0..gradients[0].len() {
+            let fixed = gradients.map(|g| f64::from(g[offset]) * 2f64.powi(-(P::SAMPLE_BITS as i32)));
+            self.gradients.push(fixed);
+            let exact = self.model.gradient_at(fixed_position(at, offset));
+            let carried = self.visible(self.index(at) + offset).map(|v| v.gradient);
+            self.add3(Stage::Gradient, fixed, exact, carried);
+        }
+    }
+
+    fn normals(&mut self, at: Beam<'_>, g: [&[i32]; 3], r: &[i32]) {
+        self.normals.clear();
+        for (offset, &r) in r.iter().enumerate() {
+            let normal = Normal {
+                g: g.map(|g| g[offset]),
+                r: r as u32,
+            };
+            let fixed = match P::NORMAL {
+                NormalForm::Deferred => normal.g.map(|g| -f64::from(g) * f64::from(normal.r) * 2f64.powi(-35)),
+                NormalForm::Formed(bits) => formed(normal, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32))),
+            };
+            self.normals.push(fixed);
+            let exact = normalise(self.gradients[offset]);
+            let carried = self.visible(self.index(at) + offset).map(|v| v.normal);
+            self.add3(Stage::Normal, fixed, exact, carried);
+        }
+    }
+
+    fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
+        for offset in 0..colours[0].len() {
+            let fixed = colours.map(|c| f64::from(c[offset]) / 32768.0);
+            if let Some(lights) = &self.lights {
+                let exact = lights.shade(self.normals[offset], self.colours[offset]);
+                let carried = self.visible(self.index(at) + offset).map(|v| v.shaded);
+                self.add3(Stage::Shading, fixed, exact, carried);
+            }
+            self.colours[offset] = fixed;
+        }
+    }
+
+    fn before<C: Channel>(&mut self, _: Beam<'_>, pixels: &PixelRow<'_, C>) {
+        self.before.clear();
+        self.before
+            .extend((0..pixels.transparency.len()).map(|i| pixel_at(pixels, i)));
+    }
+
+    fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
+        for offset in 0..pixels.transparency.len() {
+            let index = self.index(at) + offset;
+            let (before, after) = (self.before[offset], pixel_at(pixels, offset));
+            let (opacity, colour) = (self.opacities[index - self.row], self.colours[offset]);
+            let exact = match self.blend {
+                Blend::BackToFront => before.back_to_front(colour, opacity),
+                _ => before.front_to_back(colour, opacity),
+            };
+            let given = if telescopes::<P>() && self.blend != Blend::BackToFront {
+                // The light that the sample has really taken, rounding included.
+                let taken = before.transparency - after.transparency;
+                [0, 1, 2].map(|c| before.colour[c] + colour[c] * taken)
+            } else {
+                exact.colour
+            };
+            let model = self.pixels[index];
+            let carried = after.transparency - model.transparency;
+            self.add(
+                Stage::Transparency,
+                after.transparency - exact.transparency,
+                Some(carried),
+            );
+            self.add3(Stage::Compositing, after.colour, given, Some(model.colour));
+        }
+    }
+}
+
+/// The pipeline's own position of a sample, voxels.
+fn fixed_position(at: Beam<'_>, offset: usize) -> [f64; 3] {
+    let position = |bits: i32, pixel: u32| f64::from(bits) / 65536.0 + f64::from(pixel);
+    [
+        position(at.plane.x.to_bits(), at.column + offset as u32),
+        position(at.plane.y.to_bits(), at.row),
+        position(at.plane.z.to_bits(), 0),
+    ]
+}
+
+fn pixel_at<C: Channel>(pixels: &PixelRow<'_, C>, index: usize) -> Pixel {
+    let value = |c: C| f64::from(c.bits()) / f64::from(C::ONE.bits());
+    Pixel {
+        colour: [0, 1, 2].map(|c| value(pixels.colour[c][index])),
+        transparency: value(pixels.transparency[index]),
+    }
+}
