@@ -7,6 +7,7 @@ pub mod exchange;
 pub mod model;
 pub mod oriented;
 pub mod pipelines;
+pub mod presets;
 pub mod scene;
 pub mod table;
 pub mod volume;

@@ -17,6 +17,7 @@ pub mod nrrd;
 pub mod open;
 mod payload;
 pub mod raw;
+pub mod statistics;
 mod text;
 pub mod tiff;
 pub mod values;

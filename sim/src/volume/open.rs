@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::error::{Problem, ReadError};
 use super::mapping::{MappingError, MappingReport, Window, map};
-use super::values::Decoded;
+use super::values::{Decoded, Modality, Orientation, Values};
 use super::{Volume, dicom, metaimage, nifti, nrrd, raw, tiff};
 
 /// The CT head that comes with the program, 64 x 64 x 93 voxels (see `sim/data/LICENSE-headsq.txt`).
@@ -146,6 +146,12 @@ pub struct Loaded {
     pub report: MappingReport,
     /// What was assumed or left aside in reading the file, a sentence each.
     pub notes: Vec<String>,
+    /// What made the values, if the file says so.
+    pub modality: Option<Modality>,
+    /// How the volume lies in the patient.
+    pub orientation: Orientation,
+    /// Whether the stored values are integers.
+    pub integers: bool,
 }
 
 /// Reads a volume file, or the built-in CT head if there is no path, and maps it to 12 bits.
@@ -178,6 +184,9 @@ pub fn prepare(decoded: &Decoded, window: Window) -> Result<Loaded, LoadError> {
             volume,
             report,
             notes: decoded.notes().to_vec(),
+            modality: decoded.modality(),
+            orientation: decoded.orientation().clone(),
+            integers: !matches!(decoded.values(), Values::F32(_) | Values::F64(_)),
         }),
         Err(error) => Err(LoadError::Mapping {
             name: decoded.name().to_owned(),
@@ -218,7 +227,9 @@ mod tests {
 
     #[test]
     fn the_built_in_volume_is_the_documented_one() {
-        let Loaded { volume, report, notes } = load(None, Window::Auto).unwrap();
+        let Loaded {
+            volume, report, notes, ..
+        } = load(None, Window::Auto).unwrap();
         assert!(notes.is_empty());
         assert_eq!(volume.dims, [64, 64, 93]);
         assert_eq!(volume.spacing, [3.2, 3.2, 1.5]);
