@@ -17,6 +17,7 @@
 //! | [`ReciprocalNorm`] | u32 | 605414 to 2^21 | 2^35 / norm | normalisation | shading |
 //! | [`Opacity`] | 1.31 | 0 to 1 | fraction of light blocked by a step | classification | compositing |
 //! | [`Cosine`] | 1.31 | 0 to 1 | | shading | shading |
+//! | [`Coefficient`] | 1.31 | 0 to 1 | | caller | shading |
 //! | [`Intensity`] | 1.15 | 0 to 1 | | classification, shading | compositing |
 //! | `u16` channel | 1.15 | 0 to 1 | | compositing | warp |
 //! | `u32` channel | 1.31 | 0 to 1 | | compositing | warp |
@@ -49,7 +50,9 @@ pub type ReciprocalNorm = u32;
 pub type Opacity = FixedU32<U31>;
 /// A clamped dot product of two unit vectors, or its power, 1.31.
 pub type Cosine = FixedU32<U31>;
-/// A colour channel or a lighting coefficient, 1.15; 32768 is 1.0.
+/// A lighting coefficient (the material's times the light's), 1.31. A precision may keep fewer bits of it.
+pub type Coefficient = FixedU32<U31>;
+/// A colour channel, 1.15; 32768 is 1.0.
 pub type Intensity = FixedU16<U15>;
 
 /// The largest voxel value: 12 bits.

@@ -8,7 +8,7 @@
 //! | weight | 1.12, truncated | 0.16 | 0.16 |
 //! | sample | 12.12, truncated at each lerp | 12.12, rounded once | 12.15, rounded once |
 //! | normal | 1.12, truncated | 15-bit block, length divided out last | as `Compact` |
-//! | shading | 16.16, truncated | 1.31 dots and powers, one rounding | as `Compact` |
+//! | shading | 16.16, truncated | 1.31 dots and powers, 16-bit coefficients | 1.31, one rounding |
 //! | pixel | 1.15 truncated, 64 bits | 1.15 telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
 
 use fixed::traits::Fixed;
@@ -32,8 +32,8 @@ pub trait Precision: Copy + Default + Send + Sync + 'static {
     const LERP_ROUNDING: Rounding;
     /// How the normal reaches the dot product.
     const NORMAL: NormalForm;
-    /// How shading loses its low bits.
-    const SHADE_ROUNDING: Rounding;
+    /// The arithmetic of shading.
+    const SHADING: Shading;
 
     /// Fraction bits of a sample.
     const SAMPLE_BITS: u32 = Self::Sample::FRAC_NBITS;
@@ -46,6 +46,27 @@ pub enum NormalForm {
     Deferred,
     /// The normal is formed first, each component truncated to this many fraction bits (at most 15).
     Formed(u32),
+}
+
+/// How coefficients, dot products and powers of the lighting are multiplied and summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shading {
+    /// 16.16, every product truncated; coefficients 1.15.
+    Truncated16,
+    /// Dots and powers in 1.31, then rounded to 1.16; coefficients 1.15; every product fits 32 bits.
+    Rounded16,
+    /// All in 1.31, one rounding at the end.
+    Rounded31,
+}
+
+impl Shading {
+    /// Fraction bits of a lighting coefficient.
+    pub const fn coefficient_bits(self) -> u32 {
+        match self {
+            Self::Truncated16 | Self::Rounded16 => 15,
+            Self::Rounded31 => 31,
+        }
+    }
 }
 
 /// Squeeze to the letter: the baseline that the others are measured against.
@@ -68,7 +89,7 @@ impl Precision for Paper {
     const LERP_BITS: u32 = 12;
     const LERP_ROUNDING: Rounding = Rounding::Truncate;
     const NORMAL: NormalForm = NormalForm::Formed(12);
-    const SHADE_ROUNDING: Rounding = Rounding::Truncate;
+    const SHADING: Shading = Shading::Truncated16;
 }
 
 impl Precision for Compact {
@@ -79,7 +100,7 @@ impl Precision for Compact {
     const LERP_BITS: u32 = 16;
     const LERP_ROUNDING: Rounding = Rounding::Nearest;
     const NORMAL: NormalForm = NormalForm::Deferred;
-    const SHADE_ROUNDING: Rounding = Rounding::Nearest;
+    const SHADING: Shading = Shading::Rounded16;
 }
 
 impl Precision for Wide {
@@ -90,5 +111,5 @@ impl Precision for Wide {
     const LERP_BITS: u32 = 16;
     const LERP_ROUNDING: Rounding = Rounding::Nearest;
     const NORMAL: NormalForm = NormalForm::Deferred;
-    const SHADE_ROUNDING: Rounding = Rounding::Nearest;
+    const SHADING: Shading = Shading::Rounded31;
 }

@@ -1,12 +1,13 @@
 //! From the scene's real numbers to the pipeline's: view, plan, warp, light vectors. Each is rounded once, here.
 
-use slicecast::format::{Direction, Intensity, Step, Unit};
+use slicecast::format::{Coefficient, Direction, Intensity, Step, Unit};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
+use slicecast::precision::{Compact, Precision};
 use slicecast::shade::{self, Phong, PhongError};
 use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
 
-use crate::scene::{CameraAxes, Frame, Highlight, Lighting, Scene};
+use crate::scene::{CameraAxes, Frame, Highlight, Light, Lighting, Scene};
 use crate::volume::Volume;
 
 /// A scene that the pipeline cannot take.
@@ -113,17 +114,30 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The lights of a scene in the slice frame.
-///
-/// # Errors
-/// [`CameraError::Lighting`] for more lights or a higher exponent than the pipeline takes.
-pub fn phong(lighting: &Lighting, axes: &CameraAxes, view: &View) -> Result<Phong, CameraError> {
-    let intensity = |k: f64| Intensity::from_bits((k * 32768.0).round().clamp(0.0, 32768.0) as u16);
-    let viewer = view.orient(axes.forward.map(|c| -c));
-    let lights: Vec<shade::Light> = lighting
-        .lights
-        .iter()
-        .map(|light| {
+/// Lights and material in the slice frame, before a precision takes what it keeps of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Ambient coefficient, a channel each.
+    pub ambient: [Coefficient; 3],
+    /// The lights, with their coefficients.
+    pub lights: Vec<shade::Light>,
+    /// Unit vector towards the eye.
+    pub viewer: [Unit; 3],
+    /// The form of the highlight.
+    pub highlight: shade::Highlight,
+    /// log2 of its exponent.
+    pub exponent_log2: u32,
+}
+
+impl Material {
+    /// The lights of a scene.
+    ///
+    /// # Errors
+    /// [`CameraError::Lighting`] for more lights or a higher exponent than the pipeline takes.
+    pub fn new(lighting: &Lighting, axes: &CameraAxes, view: &View) -> Result<Self, CameraError> {
+        let coefficient = |k: f64| Coefficient::from_bits((k * 2147483648.0).round().clamp(0.0, 2147483648.0) as u32);
+        let viewer = view.orient(axes.forward.map(|c| -c));
+        let light = |light: &Light| {
             let direction = to_slice_frame(view, axes, light.frame, light.direction);
             let half = [0, 1, 2].map(|a| direction[a] + viewer[a]);
             // A light straight behind the volume has no half vector; it lights nothing that the viewer sees.
@@ -131,23 +145,38 @@ pub fn phong(lighting: &Lighting, axes: &CameraAxes, view: &View) -> Result<Phon
             shade::Light {
                 direction: lattice_unit(direction),
                 half: lattice_unit(half),
-                diffuse: light.colour.map(|c| intensity(lighting.diffuse * c)),
-                specular: light.colour.map(|c| intensity(lighting.specular * c)),
+                diffuse: light.colour.map(|c| coefficient(lighting.diffuse * c)),
+                specular: light.colour.map(|c| coefficient(lighting.specular * c)),
             }
-        })
-        .collect();
-    let highlight = match lighting.highlight {
-        Highlight::Reflection => shade::Highlight::Reflection,
-        Highlight::HalfVector => shade::Highlight::HalfVector,
-    };
-    let ambient = [intensity(lighting.ambient); 3];
-    Ok(Phong::new(
-        ambient,
-        &lights,
-        lattice_unit(viewer),
-        highlight,
-        lighting.exponent_log2,
-    )?)
+        };
+        let material = Self {
+            ambient: [coefficient(lighting.ambient); 3],
+            lights: lighting.lights.iter().map(light).collect(),
+            viewer: lattice_unit(viewer),
+            highlight: match lighting.highlight {
+                Highlight::Reflection => shade::Highlight::Reflection,
+                Highlight::HalfVector => shade::Highlight::HalfVector,
+            },
+            exponent_log2: lighting.exponent_log2,
+        };
+        // What one precision takes all of them take.
+        material.phong::<Compact>()?;
+        Ok(material)
+    }
+
+    /// The shader of a precision.
+    ///
+    /// # Errors
+    /// As [`Material::new`].
+    pub fn phong<P: Precision>(&self) -> Result<Phong<P>, PhongError> {
+        Phong::new(
+            self.ambient,
+            &self.lights,
+            self.viewer,
+            self.highlight,
+            self.exponent_log2,
+        )
+    }
 }
 
 /// A picture: its size and where its pixels look.
@@ -238,7 +267,7 @@ pub struct Setup {
     /// The picture.
     pub picture: Picture,
     /// Lights; `None` is an unlit scene.
-    pub phong: Option<Phong>,
+    pub material: Option<Material>,
     /// Length of a ray's step, in the unit of the spacing.
     pub step_length: f64,
 }
@@ -252,8 +281,8 @@ pub fn set_up(scene: &Scene, volume: &Volume) -> Result<Setup, CameraError> {
     let axes = scene.view.axes();
     Ok(Setup {
         picture: picture(scene, &plan, volume.dims, volume.spacing)?,
-        phong: match &scene.lighting {
-            Some(lighting) => Some(phong(lighting, &axes, plan.view())?),
+        material: match &scene.lighting {
+            Some(lighting) => Some(Material::new(lighting, &axes, plan.view())?),
             None => None,
         },
         step_length: step_length(scene, &plan, volume.spacing),

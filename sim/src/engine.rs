@@ -116,8 +116,12 @@ impl<'a> Prepared<'a> {
     }
 
     /// Does a job with this scene's pipeline.
-    pub fn dispatch<J: Job>(&self, job: J) -> J::Output {
-        dispatch(self.scene, &self.table, self.setup.phong.as_ref(), job)
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`] if the setup's material has been changed to one that the pipeline does not take.
+    pub fn dispatch<J: Job>(&self, job: J) -> Result<J::Output, RenderError> {
+        let material = self.setup.material.as_ref();
+        Ok(dispatch(self.scene, &self.table, material, job).map_err(CameraError::from)?)
     }
 
     /// Renders the frame. `progress` is told how many steps of how many are done (tiles, or slices of a stream).
@@ -132,7 +136,7 @@ impl<'a> Prepared<'a> {
                 layer,
                 progress,
             })
-        })?
+        })??
     }
 }
 

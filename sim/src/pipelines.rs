@@ -4,8 +4,9 @@ use slicecast::composite::{BackToFront, FrontToBack};
 use slicecast::plane::{Composite, Pipeline, Project};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::project::{Maximum, Minimum};
-use slicecast::shade::{Phong, Unlit};
+use slicecast::shade::{PhongError, Shader, Unlit};
 
+use crate::camera::Material;
 use crate::scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
 use crate::table::{AnyTable, Correction, Table};
 use crate::volume::Mapping;
@@ -60,39 +61,50 @@ pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
 }
 
 /// Does a job with the pipeline of a scene.
-pub fn dispatch<J: Job>(scene: &Scene, table: &Table, phong: Option<&Phong>, job: J) -> J::Output {
+///
+/// # Errors
+/// [`PhongError`] if the material is not one that [`Material::new`] has checked.
+pub fn dispatch<J: Job>(
+    scene: &Scene,
+    table: &Table,
+    material: Option<&Material>,
+    job: J,
+) -> Result<J::Output, PhongError> {
     let table = table.classifier();
     match scene.precision {
-        PrecisionName::Paper => with_precision::<Paper, J>(scene, table, phong, job),
-        PrecisionName::Compact => with_precision::<Compact, J>(scene, table, phong, job),
-        PrecisionName::Wide => with_precision::<Wide, J>(scene, table, phong, job),
+        PrecisionName::Paper => with_precision::<Paper, J>(scene, table, material, job),
+        PrecisionName::Compact => with_precision::<Compact, J>(scene, table, material, job),
+        PrecisionName::Wide => with_precision::<Wide, J>(scene, table, material, job),
     }
 }
 
 fn with_precision<P: Precision, J: Job>(
     scene: &Scene,
     table: AnyTable<'_>,
-    phong: Option<&Phong>,
+    material: Option<&Material>,
     job: J,
-) -> J::Output {
-    match (scene.blend, phong) {
-        (Blend::FrontToBack, Some(phong)) => {
-            let pipeline = Composite::<P, _, _, FrontToBack>::new(table, phong.clone());
-            job.run(&match scene.early_termination {
-                Some(bits) => pipeline.with_early_termination(bits),
-                None => pipeline,
-            })
+) -> Result<J::Output, PhongError> {
+    Ok(match (scene.blend, material) {
+        (Blend::FrontToBack, Some(material)) => {
+            job.run(&early::<P, _>(Composite::new(table, material.phong::<P>()?), scene))
         }
-        (Blend::FrontToBack, None) => {
-            let pipeline = Composite::<P, _, _, FrontToBack>::new(table, Unlit);
-            job.run(&match scene.early_termination {
-                Some(bits) => pipeline.with_early_termination(bits),
-                None => pipeline,
-            })
+        (Blend::FrontToBack, None) => job.run(&early::<P, _>(Composite::new(table, Unlit), scene)),
+        (Blend::BackToFront, Some(material)) => {
+            job.run(&Composite::<P, _, _, BackToFront>::new(table, material.phong::<P>()?))
         }
-        (Blend::BackToFront, Some(phong)) => job.run(&Composite::<P, _, _, BackToFront>::new(table, phong.clone())),
         (Blend::BackToFront, None) => job.run(&Composite::<P, _, _, BackToFront>::new(table, Unlit)),
         (Blend::Maximum, _) => job.run(&Project::<P, _, Maximum>::new(table)),
         (Blend::Minimum, _) => job.run(&Project::<P, _, Minimum>::new(table)),
+    })
+}
+
+/// Ends rays early if the scene asks for it.
+fn early<'t, P: Precision, S: Shader<P>>(
+    pipeline: Composite<P, AnyTable<'t>, S, FrontToBack>,
+    scene: &Scene,
+) -> Composite<P, AnyTable<'t>, S, FrontToBack> {
+    match scene.early_termination {
+        Some(bits) => pipeline.with_early_termination(bits),
+        None => pipeline,
     }
 }

@@ -3,7 +3,7 @@
 use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
 use slicecast::stream::Needs;
-use slicecast_sim::camera::{phong, plan};
+use slicecast_sim::camera::{Material, plan};
 use slicecast_sim::pipelines::{Job, compile, dispatch};
 use slicecast_sim::volume::Mapping;
 
@@ -42,7 +42,7 @@ impl Args {
         let dims = self.dims.map(|side| usize::try_from(side).unwrap_or(usize::MAX));
         let plan = plan(&scene, dims, self.spacing).map_err(Failure::input)?;
         let lights = match &scene.lighting {
-            Some(lighting) => Some(phong(lighting, &scene.view.axes(), plan.view()).map_err(Failure::input)?),
+            Some(lighting) => Some(Material::new(lighting, &scene.view.axes(), plan.view()).map_err(Failure::input)?),
             None => None,
         };
         let codes = Mapping {
@@ -50,7 +50,7 @@ impl Args {
             offset: 0.0,
         };
         let table = compile(&scene, &codes, 1.0);
-        let needs = dispatch(&scene, &table, lights.as_ref(), Count(&plan));
+        let needs = dispatch(&scene, &table, lights.as_ref(), Count(&plan)).map_err(Failure::input)?;
         let [slices, ranges, scratch, image] = needs.bytes();
         let [width, height, depth] = plan.dims();
         let [base_width, base_height] = plan.base();

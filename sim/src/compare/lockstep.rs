@@ -1,14 +1,15 @@
 //! The model beside the pipeline, plane by plane, for the rows of one tile.
 
 use slicecast::composite::{Channel, PixelRow, Recurrence};
-use slicecast::format::{Intensity, Opacity, Unit};
+use slicecast::format::{Coefficient, Opacity, Unit};
 use slicecast::locate::Plane;
 use slicecast::normalise::Normal;
 use slicecast::precision::{NormalForm, Precision};
-use slicecast::shade::{Phong, formed};
+use slicecast::shade::{formed, keep};
 use slicecast::tap::{Beam, Tap};
 
 use super::stages::{Stage, StageErrors, telescopes};
+use crate::camera::{Material, Setup};
 use crate::engine::Tile;
 use crate::model::gradient::normalise;
 use crate::model::shade::{Lights, ResolvedLight};
@@ -44,13 +45,14 @@ fn unit_value(v: [Unit; 3]) -> [f64; 3] {
     v.map(|c| f64::from(c.to_bits()) / 32768.0)
 }
 
-fn intensity_value(v: [Intensity; 3]) -> [f64; 3] {
-    v.map(|c| f64::from(c.to_bits()) / 32768.0)
+/// Coefficients as a precision keeps them.
+fn coefficient_value<P: Precision>(v: [Coefficient; 3]) -> [f64; 3] {
+    v.map(|c| f64::from(keep::<P>(c)) * 2f64.powi(-(P::SHADING.coefficient_bits() as i32)))
 }
 
 impl PipelineLights {
-    fn new(phong: &Phong, model: &Lights) -> Self {
-        let viewer = unit_value(phong.viewer());
+    fn new<P: Precision>(material: &Material, model: &Lights) -> Self {
+        let viewer = unit_value(material.viewer);
         let resolve = |light: &slicecast::shade::Light| {
             let direction = unit_value(light.direction);
             ResolvedLight {
@@ -63,14 +65,14 @@ impl PipelineLights {
         Self {
             lights: Lights {
                 viewer,
-                lights: phong.lights().iter().map(resolve).collect(),
+                lights: material.lights.iter().map(resolve).collect(),
                 ..model.clone()
             },
-            ambient: intensity_value(phong.ambient()),
-            coefficients: phong
-                .lights()
+            ambient: coefficient_value::<P>(material.ambient),
+            coefficients: material
+                .lights
                 .iter()
-                .map(|l| (intensity_value(l.diffuse), intensity_value(l.specular)))
+                .map(|l| (coefficient_value::<P>(l.diffuse), coefficient_value::<P>(l.specular)))
                 .collect(),
         }
     }
@@ -94,6 +96,8 @@ impl PipelineLights {
 pub struct Lockstep<'a, P> {
     model: &'a Model<'a>,
     lights: Option<PipelineLights>,
+    /// Spacing factors as the pipeline has them.
+    spacing: [f64; 3],
     blend: Blend,
     tile: Tile,
     width: usize,
@@ -116,20 +120,23 @@ pub struct Lockstep<'a, P> {
 }
 
 impl<'a, P: Precision> Lockstep<'a, P> {
-    /// A tap for a tile of a base plane of `width` columns a phase.
-    pub fn new(model: &'a Model<'a>, phong: Option<&Phong>, blend: Blend, tile: Tile, width: u32, rays: u32) -> Self {
-        let count = width as usize * tile.rows as usize;
-        let lights = match (phong, model.lights()) {
-            (Some(phong), Some(lights)) => Some(PipelineLights::new(phong, lights)),
+    /// A tap for a tile.
+    pub fn new(model: &'a Model<'a>, setup: &Setup, blend: Blend, tile: Tile) -> Self {
+        let [width, _] = setup.plan.base();
+        let width = width as usize;
+        let count = width * tile.rows as usize;
+        let lights = match (&setup.material, model.lights()) {
+            (Some(material), Some(lights)) => Some(PipelineLights::new::<P>(material, lights)),
             _ => None,
         };
         Self {
             model,
             lights,
+            spacing: setup.plan.spacing().map(|f| f64::from(f.to_bits()) / 32768.0),
             blend,
             tile,
-            width: width as usize,
-            rays: rays as usize,
+            width,
+            rays: setup.plan.sampling().rays_per_voxel as usize,
             errors: StageErrors::default(),
             samples: vec![None; count],
             pixels: vec![Pixel::TRANSPARENT; count],
@@ -284,7 +291,8 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
         for offset in 0..gradients[0].len() {
             let fixed = gradients.map(|g| f64::from(g[offset]) * 2f64.powi(-(P::SAMPLE_BITS as i32)));
             self.gradients.push(fixed);
-            let exact = self.model.gradient_at(fixed_position(at, offset));
+            let difference = self.model.difference_at(fixed_position(at, offset));
+            let exact = [0, 1, 2].map(|a| difference[a] * self.spacing[a]);
             let carried = self.visible(self.index(at) + offset).map(|v| v.gradient);
             self.add3(Stage::Gradient, fixed, exact, carried);
         }

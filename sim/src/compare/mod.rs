@@ -64,7 +64,7 @@ pub fn compare(
             slices,
             progress,
         })
-    })?
+    })??
 }
 
 /// The model of a prepared scene: its own geometry from the scene's real numbers, on the pipeline's lattice of rays.
@@ -117,16 +117,7 @@ impl Job for Compare<'_> {
         let [width, _] = plan.base();
         let rays = plan.sampling().rays_per_voxel;
         let mut image = new_image::<L>(plan)?;
-        let tap = |tile: Tile| {
-            Lockstep::<L::Precision>::new(
-                model,
-                prepared.setup.phong.as_ref(),
-                prepared.scene.blend,
-                tile,
-                width,
-                rays,
-            )
-        };
+        let tap = |tile: Tile| Lockstep::<L::Precision>::new(model, &prepared.setup, prepared.scene.blend, tile);
         let taps = fold_tiles(plan, pipeline, slices, &mut image, TILE_ROWS, progress, tap);
         let mut errors = StageErrors::default();
         let mut pixels = Tiles::new(model.lattice().size, width as usize, rays as usize);
