@@ -98,7 +98,7 @@ pub fn scene(name: &str, volume: &Volume, statistics: &Statistics) -> Result<Sce
     let scene = Scene {
         view: View {
             azimuth: 30.0,
-            elevation: 10.0,
+            elevation: if is_slab(volume) { 40.0 } else { 10.0 },
             roll: 0.0,
         },
         image: Image::default(),
@@ -119,6 +119,12 @@ pub fn scene(name: &str, volume: &Volume, statistics: &Statistics) -> Result<Sce
         fault: error.into(),
     })?;
     Ok(thrifty(scene, volume))
+}
+
+/// Whether a volume is much lower than wide: from the front it would show its edge.
+fn is_slab(volume: &Volume) -> bool {
+    let side = |axis: usize| volume.dims[axis] as f64 * volume.spacing[axis];
+    side(2) < 0.6 * side(0).min(side(1))
 }
 
 /// One ray a voxel where a volume is large enough to give a picture of a good size.
@@ -192,27 +198,28 @@ fn labels(volume: &Volume, statistics: &Statistics) -> TransferFunction {
     let mut listed = Vec::new();
     let occurring = statistics.counts().iter().enumerate().filter(|(_, count)| **count > 0);
     let codes: Vec<f64> = occurring.map(|(code, _)| code as f64).collect();
+    let colour = |index: usize| hue(index as f64 / codes.len().saturating_sub(2).max(1) as f64);
     for (index, pair) in codes.windows(2).enumerate() {
-        let colour = hue(index);
         let half = f64::midpoint(pair[0], pair[1]);
-        // Below its half a label is invisible, or has its predecessor's colour up to there.
+        // Below its half the first label is invisible; the others have their predecessor's colour up to there.
         if index == 0 {
-            listed.push((pair[0], colour, 0.0));
-            listed.push((half, colour, 0.0));
+            listed.push((pair[0], colour(0), 0.0));
+            listed.push((half, colour(0), 0.0));
         } else {
-            listed.push((half, hue(index - 1), 0.5));
+            listed.push((half, colour(index - 1), 0.5));
         }
-        listed.push((half + 1e-3, colour, 0.5));
+        listed.push((half + 1e-3, colour(index), 0.5));
     }
     if let Some(&last) = codes.last() {
-        listed.push((last, hue(codes.len().saturating_sub(2)), 0.5));
+        listed.push((last, colour(codes.len().saturating_sub(2)), 0.5));
     }
     points(volume, &listed)
 }
 
-/// Colours that neighbours can be told apart by: the golden angle around the circle of hues.
-fn hue(index: usize) -> [u8; 3] {
-    let turn = (index as f64 * 137.507_764 / 360.0).fract() * 6.0;
+/// A colour along a wheel, 0 to 1: blue, green, yellow, red. Neighbouring labels are alike, so that the thin lines
+/// where interpolation passes through the labels between two others do not glare.
+fn hue(place: f64) -> [u8; 3] {
+    let turn = 4.0 - 4.0 * place.clamp(0.0, 1.0);
     [5.0, 3.0, 1.0].map(|shift| {
         let k = (turn + shift) % 6.0;
         let strength = k.min(4.0 - k).clamp(0.0, 1.0);

@@ -3,6 +3,7 @@
 mod compare;
 mod default;
 mod inputs;
+mod inspect;
 mod output;
 mod plan;
 mod progress;
@@ -82,6 +83,7 @@ enum Command {
     Render(render::Args),
     Compare(compare::Args),
     Plan(plan::Args),
+    Inspect(inspect::Args),
 }
 
 impl Cli {
@@ -92,6 +94,7 @@ impl Cli {
             Some(Command::Render(args)) => args.run(),
             Some(Command::Compare(args)) => args.run(),
             Some(Command::Plan(args)) => args.run(),
+            Some(Command::Inspect(args)) => args.run(),
         }
     }
 }
