@@ -6,7 +6,7 @@
 //!
 //! | value | format | range |
 //! |---|---|---|
-//! | T, C | 1.15 ([`Truncating15`], [`Dithered15`]) or 1.31 ([`Telescoping31`]) | 0 to 1 |
+//! | T, C | 1.15 ([`Truncating15`]), [`Unorm16`] or 1.15 ([`Dithered`]), 1.31 ([`Telescoping31`]) | 0 to 1 |
 //! | opacity a | 1.31 | 0 to 1 |
 //! | colour c | 1.15 | 0 to 1 |
 //!
@@ -16,26 +16,31 @@
 //! Error a step: less than 1 ulp in T, less than 1 ulp in C given the light taken. Overflow: none. State: the pixel.
 
 use core::fmt::Debug;
+use core::marker::PhantomData;
 use core::ops::Range;
 
 use crate::format::{Intensity, Opacity};
 use crate::rows::take;
 
-/// An accumulator format: 0 to 1, both included.
+/// An accumulator format: 0 to 1, both included, as whole multiples of 1 / [`Channel::ONE`].
 pub trait Channel: Copy + Debug + Default + Ord + Send + Sync + 'static {
-    /// Fraction bits.
-    const BITS: u32;
+    /// The format's name in reports.
+    const NAME: &'static str;
     /// 1.0.
     const ONE: Self;
+    /// The least value above 0.
+    const LEAST: Self;
     /// Raw bits.
     fn bits(self) -> u32;
     /// From raw bits; those beyond the type are lost.
     fn from_bits(bits: u32) -> Self;
 }
 
+/// 1.15: 32768 is 1.0.
 impl Channel for u16 {
-    const BITS: u32 = 15;
+    const NAME: &'static str = "1.15";
     const ONE: Self = 1 << 15;
+    const LEAST: Self = 1;
     #[inline(always)]
     fn bits(self) -> u32 {
         u32::from(self)
@@ -46,9 +51,11 @@ impl Channel for u16 {
     }
 }
 
+/// 1.31: 2^31 is 1.0.
 impl Channel for u32 {
-    const BITS: u32 = 31;
+    const NAME: &'static str = "1.31";
     const ONE: Self = 1 << 31;
+    const LEAST: Self = 1;
     #[inline(always)]
     fn bits(self) -> u32 {
         self
@@ -56,6 +63,28 @@ impl Channel for u32 {
     #[inline(always)]
     fn from_bits(bits: u32) -> Self {
         bits
+    }
+}
+
+/// 16 bits of which 65535 is 1.0: all of a 16-bit word, where 1.15 leaves half of its codes unused.
+///
+/// Squeeze (section 3) rejects such a scale because a product of two such numbers needs a correction. A telescoping
+/// pixel never forms one: transparency is only ever multiplied by an opacity of 31 fraction bits and subtracted from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(transparent)]
+pub struct Unorm16(pub u16);
+
+impl Channel for Unorm16 {
+    const NAME: &'static str = "unorm16";
+    const ONE: Self = Self(u16::MAX);
+    const LEAST: Self = Self(1);
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        Self(bits as u16)
     }
 }
 
@@ -187,28 +216,29 @@ impl Recurrence for Telescoping31 {
     }
 }
 
-/// 1.15 with a dither that changes from plane to plane; 64 bits a pixel.
+/// 16 bits with a dither that changes from plane to plane; 64 bits a pixel. The channel is 1.15 (`u16`) or
+/// [`Unorm16`], which halves every rounding error; the arithmetic does not know its scale.
 ///
 /// With the plane's [`Dither`] d:
 /// over: `w = (T a + (2 dT + 1) 2^15) >> 31; T -= w; C += (c w + dC) >> 15`;
-/// under: `w` and T alike, `C += ((c - C) a + (2 dC + 1) 2^15) >> 31`.
+/// under: `w` and T alike, `C += ((c - C) a + (2 dC + 1) 2^15) >> 31` with c on the channel's scale.
 /// The opacity keeps its 31 bits: rounded to 1.16 it would be wrong by up to 1 % in thin fog, the same way at every
 /// sample, and no dither could mend that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dithered15;
+pub struct Dithered<C>(PhantomData<C>);
 
-impl Dithered15 {
+impl<C: Channel> Dithered<C> {
     /// The light that a sample takes: at most the transparency, and none at an opacity of 0.
     #[inline(always)]
-    fn taken(transparency: u16, opacity: Opacity, dither: Dither) -> u32 {
-        let product = u64::from(transparency) * u64::from(opacity.to_bits());
+    fn taken(transparency: C, opacity: Opacity, dither: Dither) -> u32 {
+        let product = u64::from(transparency.bits()) * u64::from(opacity.to_bits());
         ((product + (u64::from(2 * dither.transparency + 1) << 15)) >> 31) as u32
     }
 }
 
-impl Recurrence for Dithered15 {
-    type Channel = u16;
-    const FLOOR: u16 = 1;
+impl<C: Channel> Recurrence for Dithered<C> {
+    type Channel = C;
+    const FLOOR: C = C::LEAST;
     const TELESCOPING: bool = true;
 
     #[inline(always)]
@@ -217,24 +247,26 @@ impl Recurrence for Dithered15 {
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<u16> {
+    fn over(pixel: Pixel<C>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
         let w = Self::taken(pixel.transparency, opacity, dither);
         let mut out = pixel;
-        out.transparency -= w as u16;
+        out.transparency = C::from_bits(pixel.transparency.bits() - w);
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o += ((u32::from(c.to_bits()) * w + dither.colour) >> 15) as u16;
+            *o = C::from_bits(o.bits() + ((u32::from(c.to_bits()) * w + dither.colour) >> 15));
         }
         out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<u16> {
+    fn under(pixel: Pixel<C>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
+        let w = Self::taken(pixel.transparency, opacity, dither);
         let mut out = pixel;
-        out.transparency -= Self::taken(pixel.transparency, opacity, dither) as u16;
+        out.transparency = C::from_bits(pixel.transparency.bits() - w);
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            let change = (i64::from(c.to_bits()) - i64::from(*o)) * i64::from(opacity.to_bits());
-            let bits = i64::from(*o) + ((change + (i64::from(2 * dither.colour + 1) << 15)) >> 31);
-            *o = bits as u16;
+            let scaled = (u32::from(c.to_bits()) * C::ONE.bits() + (1 << 14)) >> 15;
+            let change = (i64::from(scaled) - i64::from(o.bits())) * i64::from(opacity.to_bits());
+            let bits = i64::from(o.bits()) + ((change + (i64::from(2 * dither.colour + 1) << 15)) >> 31);
+            *o = C::from_bits(bits as u32);
         }
         out
     }
@@ -414,10 +446,13 @@ pub fn fold_row<R: Recurrence, O: Order>(
     }
 }
 
-/// A channel as an 8-bit value, exactly rounded: `min(255, (255 C + half) >> bits)`.
+/// A channel as an 8-bit value, exactly rounded, halves up: `min(255, floor(255 C / ONE + 1/2))`.
 #[inline]
 pub fn to_byte<C: Channel>(channel: C) -> u8 {
-    ((u64::from(channel.bits()) * 255 + (1 << (C::BITS - 1))) >> C::BITS).min(255) as u8
+    let one = u64::from(C::ONE.bits());
+    // The divisor is a constant of the type, never 0.
+    let rounded = (u64::from(channel.bits()) * 510 + one).checked_div(2 * one);
+    rounded.unwrap_or(0).min(255) as u8
 }
 
 #[cfg(test)]
@@ -455,21 +490,22 @@ mod tests {
         #[test]
         fn nothing_ever_needs_a_clamp(samples in prop::collection::vec((colour(), opacity()), 0..200)) {
             keeps_its_bounds::<Truncating15>(&samples)?;
-            keeps_its_bounds::<Dithered15>(&samples)?;
+            keeps_its_bounds::<Dithered<u16>>(&samples)?;
+            keeps_its_bounds::<Dithered<Unorm16>>(&samples)?;
             keeps_its_bounds::<Telescoping31>(&samples)?;
         }
 
         #[test]
         fn white_fog_keeps_all_light(samples in prop::collection::vec(opacity(), 0..400)) {
             let white = [Intensity::ONE; 3];
-            let (mut wide, mut compact) = (Pixel::<u32>::clear(), Pixel::<u16>::clear());
+            let (mut wide, mut compact) = (Pixel::<u32>::clear(), Pixel::<Unorm16>::clear());
             for (k, &a) in samples.iter().enumerate() {
                 let dither = Dither::of_plane(k as u32);
                 wide = Telescoping31::over(wide, white, a, dither);
-                compact = Dithered15::over(compact, white, a, dither);
+                compact = Dithered::over(compact, white, a, dither);
             }
             prop_assert_eq!(wide.colour[0] + wide.transparency, 1 << 31);
-            prop_assert_eq!(compact.colour[0] + compact.transparency, 1 << 15);
+            prop_assert_eq!(compact.colour[0].0 + compact.transparency.0, u16::MAX);
         }
 
         #[test]
@@ -479,7 +515,7 @@ mod tests {
             fn unchanged<R: Recurrence>(
                 t: u32, c: u32, sample: [Intensity; 3], a: Opacity, k: u32,
             ) -> Result<(), TestCaseError> {
-                let t = t >> (31 - R::Channel::BITS);
+                let t = ((u64::from(t) * u64::from(R::Channel::ONE.bits())) >> 31) as u32;
                 let c = c.checked_rem(R::Channel::ONE.bits() - t + 1).unwrap_or(0);
                 let pixel = Pixel { colour: [R::Channel::from_bits(c); 3], transparency: R::Channel::from_bits(t) };
                 let dither = Dither::of_plane(k);
@@ -490,7 +526,8 @@ mod tests {
                 Ok(())
             }
             unchanged::<Truncating15>(t, c, sample, a, k)?;
-            unchanged::<Dithered15>(t, c, sample, a, k)?;
+            unchanged::<Dithered<u16>>(t, c, sample, a, k)?;
+            unchanged::<Dithered<Unorm16>>(t, c, sample, a, k)?;
             unchanged::<Telescoping31>(t, c, sample, a, k)?;
         }
 
@@ -523,9 +560,9 @@ mod tests {
                 Ok(())
             }
             same::<Truncating15, FrontToBack>(&samples, k)?;
-            same::<Dithered15, FrontToBack>(&samples, k)?;
+            same::<Dithered<Unorm16>, FrontToBack>(&samples, k)?;
             same::<Telescoping31, FrontToBack>(&samples, k)?;
-            same::<Dithered15, BackToFront>(&samples, k)?;
+            same::<Dithered<Unorm16>, BackToFront>(&samples, k)?;
             same::<Telescoping31, BackToFront>(&samples, k)?;
         }
     }

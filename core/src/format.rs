@@ -13,19 +13,21 @@
 //! | [`Blend16`] | s14.16 | ghosts reach -4095 to 8190 | data code | z and y interpolation | x interpolation |
 //! | [`Sample12`], [`Sample15`] | 12.12, 12.15 | 0 to 4095 | data code | interpolation | classification, gradient |
 //! | gradient | s13.12, s13.15 | -8190 to 8190 | data code over two voxels | gradient | normalisation |
-//! | [`Unit`] | s1.15 | -1 to 1 | | caller, normalisation | shading |
+//! | [`Vector`] | s1.30 | -1 to 1 | | caller | shading |
+//! | [`Unit`] | s1.15 | -1 to 1 | | normalisation | export |
 //! | [`ReciprocalNorm`] | u32 | 605414 to 2^21 | 2^35 / norm | normalisation | shading |
 //! | [`Opacity`] | 1.31 | 0 to 1 | fraction of light blocked by a step | classification | compositing |
 //! | [`Cosine`] | 1.31 | 0 to 1 | | shading | shading |
 //! | [`Coefficient`] | 1.31 | 0 to 1 | | caller | shading |
 //! | [`Intensity`] | 1.15 | 0 to 1 | | classification, shading | compositing |
-//! | `u16` channel | 1.15 | 0 to 1 | | compositing | warp |
-//! | `u32` channel | 1.31 | 0 to 1 | | compositing | warp |
+//! | `u16` channel | 1.15 | 0 to 1 | | compositing (`Paper`) | warp |
+//! | `Unorm16` channel | 16 bits, 65535 is 1 | 0 to 1 | | compositing (`Compact`) | warp |
+//! | `u32` channel | 1.31 | 0 to 1 | | compositing (`Wide`) | warp |
 //!
 //! Rounding is named as hardware tools name it: *truncate* is towards minus infinity (AP_TRN), *nearest* is half up
 //! (AP_RND), *saturate* is AP_SAT and always stated.
 
-use fixed::types::extra::{U12, U15, U16, U31, U32, U58};
+use fixed::types::extra::{U12, U15, U16, U30, U31, U32, U58};
 use fixed::{FixedI32, FixedI64, FixedU16, FixedU32};
 
 /// A component of a viewing direction in voxel units, s5.58; the vector's length may be at most 1.
@@ -42,7 +44,9 @@ pub type Blend16 = FixedI32<U16>;
 pub type Sample12 = FixedI32<U12>;
 /// A sample of the `Wide` precision, 12.15.
 pub type Sample15 = FixedI32<U15>;
-/// A component of a unit vector, s1.15; 32768 is 1.0.
+/// A component of a light or viewing vector, s1.30. A precision may keep fewer bits of it.
+pub type Vector = FixedI32<U30>;
+/// A component of a normal made for export, s1.15; 32768 is 1.0.
 pub type Unit = FixedI32<U15>;
 /// The reciprocal length of a block-normalised gradient, floor(2^35 / sqrt(S)).
 pub type ReciprocalNorm = u32;

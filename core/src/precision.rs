@@ -9,11 +9,11 @@
 //! | sample | 12.12, truncated at each lerp | 12.12, rounded once | 12.15, rounded once |
 //! | normal | 1.12, truncated | 15-bit block, length divided out last | as `Compact` |
 //! | shading | 16.16, truncated | 1.31 dots and powers, 16-bit coefficients | 1.31, one rounding |
-//! | pixel | 1.15 truncated, 64 bits | 1.15 telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
+//! | pixel | 1.15 truncated, 64 bits | 16 bits, 65535 is 1, telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
 
 use fixed::traits::Fixed;
 
-use crate::composite::{Dithered15, Recurrence, Telescoping31, Truncating15};
+use crate::composite::{Dithered, Recurrence, Telescoping31, Truncating15, Unorm16};
 use crate::format::{Rounding, Sample12, Sample15};
 
 /// The formats and roundings of a pipeline.
@@ -51,15 +51,23 @@ pub enum NormalForm {
 /// How coefficients, dot products and powers of the lighting are multiplied and summed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shading {
-    /// 16.16, every product truncated; coefficients 1.15.
+    /// 16.16, every product truncated; vectors and coefficients 1.15.
     Truncated16,
-    /// Dots and powers in 1.31, then rounded to 1.16; coefficients 1.15; every product fits 32 bits.
+    /// Dots and powers in 1.31, then rounded to 1.16; vectors and coefficients 1.15; products with them fit 32 bits.
     Rounded16,
-    /// All in 1.31, one rounding at the end.
+    /// All in 1.31, vectors 1.30; one rounding at the end.
     Rounded31,
 }
 
 impl Shading {
+    /// Fraction bits of the components of light and viewing vectors.
+    pub const fn vector_bits(self) -> u32 {
+        match self {
+            Self::Truncated16 | Self::Rounded16 => 15,
+            Self::Rounded31 => 30,
+        }
+    }
+
     /// Fraction bits of a lighting coefficient.
     pub const fn coefficient_bits(self) -> u32 {
         match self {
@@ -94,7 +102,7 @@ impl Precision for Paper {
 
 impl Precision for Compact {
     type Sample = Sample12;
-    type Pixel = Dithered15;
+    type Pixel = Dithered<Unorm16>;
     const NAME: &'static str = "compact";
     const WEIGHT_BITS: u32 = 16;
     const LERP_BITS: u32 = 16;

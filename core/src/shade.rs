@@ -6,8 +6,8 @@
 //! | value | format | range |
 //! |---|---|---|
 //! | g, r | `normalise` | normal N = -g r / 2^35 (towards lower values) |
-//! | light L, half vector H, viewer V | s1.15 | -1 to 1 |
-//! | dot x | 1.31, `min(1, (d r + 2^18) >> 19)` with d = max(0, -(g . L)) | 0 to 1 |
+//! | light L, half vector H, viewer V | s1.30; s1.15 where a precision keeps less ([`keep_vector`]) | -1 to 1 |
+//! | dot x | 1.31, `min(1, (d r + 2^18) >> 19)` with d = max(0, -(g . L)) at 15 fraction bits of L | 0 to 1 |
 //! | power x^(2^n) | 1.31, n times `x = (x x + 2^30) >> 31` | 0 to 1, 1 stays 1 |
 //! | coefficients ka, kd_i, ks_i | 1.31, a channel each (material times light); 1.15 where a precision keeps less | 0 to 1 |
 //! | colour c | 1.15 | 0 to 1 |
@@ -28,7 +28,7 @@ use core::marker::PhantomData;
 
 use heapless::Vec;
 
-use crate::format::{Coefficient, Cosine, Intensity, Unit};
+use crate::format::{Coefficient, Cosine, Intensity, Vector};
 use crate::normalise::Normal;
 use crate::precision::{NormalForm, Precision, Shading};
 
@@ -70,9 +70,9 @@ pub enum Highlight {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Light {
     /// Unit vector towards the light.
-    pub direction: [Unit; 3],
+    pub direction: [Vector; 3],
     /// Unit vector half way between the light and the viewer; read by [`Highlight::HalfVector`] only.
-    pub half: [Unit; 3],
+    pub half: [Vector; 3],
     /// Diffuse coefficient times the light's red, green, blue.
     pub diffuse: [Coefficient; 3],
     /// Specular coefficient times the light's red, green, blue.
@@ -82,20 +82,20 @@ pub struct Light {
 /// Phong illumination by up to eight lights.
 #[derive(Clone, Debug)]
 pub struct Phong<P> {
-    /// Coefficients hold as many fraction bits as the precision keeps.
+    /// Vectors and coefficients hold as many fraction bits as the precision keeps.
     ambient: [u32; 3],
     lights: Vec<Source, LIGHTS_MAX>,
-    viewer: [Unit; 3],
+    viewer: [i32; 3],
     highlight: Highlight,
     exponent_log2: u32,
     precision: PhantomData<P>,
 }
 
-/// A light with the coefficients that a precision keeps.
+/// A light with the bits that a precision keeps.
 #[derive(Clone, Copy, Debug)]
 struct Source {
-    direction: [Unit; 3],
-    half: [Unit; 3],
+    direction: [i32; 3],
+    half: [i32; 3],
     diffuse: [u32; 3],
     specular: [u32; 3],
 }
@@ -115,7 +115,7 @@ pub enum PhongError {
     },
     /// A component of a vector is beyond -1 to 1.
     Vector {
-        /// The component's bits, s1.15.
+        /// The component's bits, s1.30.
         bits: i32,
     },
     /// A coefficient is above 1.
@@ -132,7 +132,7 @@ impl core::fmt::Display for PhongError {
             Self::Exponent { given } => {
                 write!(f, "an exponent of 2^{given}; accepted: at most 2^{EXPONENT_LOG2_MAX}")
             }
-            Self::Vector { bits } => write!(f, "a vector component of {bits}/32768; accepted: -32768 to 32768"),
+            Self::Vector { bits } => write!(f, "a vector component of {bits}/2^30; accepted: -2^30 to 2^30"),
             Self::Coefficient { bits } => write!(f, "a coefficient of {bits}/2^31; accepted: at most 2^31"),
         }
     }
@@ -147,6 +147,39 @@ pub fn keep<P: Precision>(coefficient: Coefficient) -> u32 {
     (coefficient.to_bits() + ((1 << cut) >> 1)) >> cut
 }
 
+/// A unit vector with the bits that a precision keeps. At 15 bits it is the nearest lattice vector, or that one of its
+/// 26 neighbours whose length is nearest to 1: a highlight raises the length to its exponent. Length error 1.5e-5
+/// (plain rounding: 2.2e-5).
+pub fn keep_vector<P: Precision>(vector: [Vector; 3]) -> [i32; 3] {
+    let exact = vector.map(Vector::to_bits);
+    let cut = 30 - P::SHADING.vector_bits();
+    if cut == 0 {
+        return exact;
+    }
+    let one = 1i64 << P::SHADING.vector_bits();
+    let nearest = exact.map(|c| (i64::from(c) + ((1 << cut) >> 1)) >> cut);
+    let (mut best, mut least) = (nearest, (u64::MAX, u64::MAX));
+    for x in -1..=1 {
+        for y in -1..=1 {
+            for z in -1..=1 {
+                let [a, b, c] = nearest;
+                let candidate = [a + x, b + y, c + z];
+                let square: i64 = candidate.iter().map(|c| c * c).sum();
+                let away: i64 = candidate
+                    .iter()
+                    .zip(exact)
+                    .map(|(c, e)| ((c << cut) - i64::from(e)).pow(2))
+                    .sum();
+                let cost = ((square - one * one).unsigned_abs(), away.unsigned_abs());
+                if cost < least && candidate.iter().all(|c| c.abs() <= one) {
+                    (best, least) = (candidate, cost);
+                }
+            }
+        }
+    }
+    best.map(|c| c as i32)
+}
+
 impl<P: Precision> Phong<P> {
     /// Lights and material. `viewer` is the unit vector towards the eye, in the slice frame; the highlight's exponent
     /// is `2^exponent_log2`.
@@ -156,7 +189,7 @@ impl<P: Precision> Phong<P> {
     pub fn new(
         ambient: [Coefficient; 3],
         lights: &[Light],
-        viewer: [Unit; 3],
+        viewer: [Vector; 3],
         highlight: Highlight,
         exponent_log2: u32,
     ) -> Result<Self, PhongError> {
@@ -165,7 +198,7 @@ impl<P: Precision> Phong<P> {
         }
         let vectors = lights.iter().flat_map(|l| [l.direction, l.half]).chain([viewer]);
         for component in vectors.flatten() {
-            if component.unsigned_abs() > Unit::ONE.unsigned_abs() {
+            if component.unsigned_abs() > Vector::ONE.unsigned_abs() {
                 return Err(PhongError::Vector {
                     bits: component.to_bits(),
                 });
@@ -182,8 +215,8 @@ impl<P: Precision> Phong<P> {
         let mut sources = Vec::new();
         for light in lights {
             let source = Source {
-                direction: light.direction,
-                half: light.half,
+                direction: keep_vector::<P>(light.direction),
+                half: keep_vector::<P>(light.half),
                 diffuse: light.diffuse.map(keep::<P>),
                 specular: light.specular.map(keep::<P>),
             };
@@ -194,7 +227,7 @@ impl<P: Precision> Phong<P> {
         Ok(Self {
             ambient: ambient.map(keep::<P>),
             lights: sources,
-            viewer,
+            viewer: keep_vector::<P>(viewer),
             highlight,
             exponent_log2,
             precision: PhantomData,
@@ -334,43 +367,53 @@ pub fn formed(normal: Normal, bits: u32) -> [i32; 3] {
 }
 
 /// `max(0, N . L)` with N = -g r / 2^35, 1.31. `Formed` normals are truncated first, and so are their products, at 16
-/// fraction bits.
+/// fraction bits. The vector has the precision's bits ([`keep_vector`]).
 #[inline]
-pub fn dot<P: Precision>(normal: Normal, vector: [Unit; 3]) -> Cosine {
+pub fn dot<P: Precision>(normal: Normal, vector: [i32; 3]) -> Cosine {
     match P::NORMAL {
         NormalForm::Deferred => {
-            let mut sum = 0i32;
-            for (g, l) in normal.g.iter().zip(vector) {
-                // |sum| <= sqrt(3) * 32767 * 32768 < 2^31 for unit vectors; wrapping keeps others from a panic.
-                sum = sum.wrapping_sub(g.wrapping_mul(l.to_bits()));
-            }
-            let d = sum.max(0) as u64;
+            let d = if P::SHADING.vector_bits() == 15 {
+                let mut sum = 0i32;
+                for (g, l) in normal.g.iter().zip(vector) {
+                    // |sum| <= sqrt(3) * 32767 * 32768 < 2^31 for unit vectors; wrapping keeps others from a panic.
+                    sum = sum.wrapping_sub(g.wrapping_mul(l));
+                }
+                sum.max(0) as u64
+            } else {
+                let mut sum = 0i64;
+                for (g, l) in normal.g.iter().zip(vector) {
+                    sum -= i64::from(*g) * i64::from(l);
+                }
+                let cut = P::SHADING.vector_bits() - 15;
+                (sum.max(0) as u64 + ((1 << cut) >> 1)) >> cut
+            };
             Cosine::from_bits(((d * u64::from(normal.r) + (1 << 18)) >> 19).min(1 << 31) as u32)
         }
         NormalForm::Formed(bits) => {
             let mut sum = 0i32;
             for (n, l) in formed(normal, bits).iter().zip(vector) {
                 // bits + 15 fraction bits, truncated to 16.
-                sum += (n * l.to_bits()) >> (bits - 1);
+                sum += (n * l) >> (bits - 1);
             }
             Cosine::from_bits((sum.clamp(0, 1 << 16) as u32) << 15)
         }
     }
 }
 
-/// R.L = 2 (N.V)(N.L) - V.L, 0 to 1, and 0 where N.V or N.L is 0.
+/// R.L = 2 (N.V)(N.L) - V.L, 0 to 1, and 0 where N.V or N.L is 0. The vectors have the precision's bits.
 #[inline]
-pub fn reflected<P: Precision>(nv: Cosine, nl: Cosine, viewer: [Unit; 3], light: [Unit; 3]) -> Cosine {
+pub fn reflected<P: Precision>(nv: Cosine, nl: Cosine, viewer: [i32; 3], light: [i32; 3]) -> Cosine {
     if nv == Cosine::ZERO || nl == Cosine::ZERO {
         return Cosine::ZERO;
     }
     let mut vl = 0i64;
     for (v, l) in viewer.iter().zip(light) {
-        vl += i64::from(v.to_bits()) * i64::from(l.to_bits());
+        vl += i64::from(*v) * i64::from(l);
     }
     let product = u64::from(nv.to_bits()) * u64::from(nl.to_bits());
     let rl = match P::SHADING {
-        Shading::Rounded16 | Shading::Rounded31 => ((product + (1 << 29)) >> 30) as i64 - (vl << 1),
+        Shading::Rounded31 => ((product + (1 << 29)) >> 30) as i64 - (vl >> 29),
+        Shading::Rounded16 => ((product + (1 << 29)) >> 30) as i64 - (vl << 1),
         Shading::Truncated16 => ((product >> 45) as i64 - (vl >> 14)) << 15,
     };
     Cosine::from_bits(rl.clamp(0, 1 << 31) as u32)
@@ -411,13 +454,17 @@ mod tests {
     use proptest::prelude::*;
     use std::vec::Vec as StdVec;
 
-    fn unit(v: [f64; 3]) -> [Unit; 3] {
+    fn unit(v: [f64; 3]) -> [Vector; 3] {
         let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
-        v.map(|c| Unit::from_bits((c / length * 32768.0).round() as i32))
+        v.map(|c| Vector::from_num(c / length))
     }
 
-    fn value(v: [Unit; 3]) -> [f64; 3] {
-        v.map(|c| f64::from(c.to_bits()) / 32768.0)
+    fn value(v: [Vector; 3]) -> [f64; 3] {
+        v.map(Vector::to_num)
+    }
+
+    fn kept<P: Precision>(v: [i32; 3]) -> [f64; 3] {
+        v.map(|c| f64::from(c) * 2f64.powi(-(P::SHADING.vector_bits() as i32)))
     }
 
     fn dot64(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -427,17 +474,17 @@ mod tests {
     /// Equation 10 in f64, on the pipeline's own inputs.
     fn model<P: Precision>(phong: &Phong<P>, normal: Normal, colour: [Intensity; 3]) -> [f64; 3] {
         let n = normal.g.map(|c| -f64::from(c) * f64::from(normal.r) / 2f64.powi(35));
-        let viewer = value(phong.viewer);
+        let viewer = kept::<P>(phong.viewer);
         let mut out = [0.0; 3];
         for (c, o) in out.iter_mut().enumerate() {
             let one = 2f64.powi(P::SHADING.coefficient_bits() as i32);
             let k = |v: [u32; 3]| f64::from(v[c]) / one;
             let (mut diffuse, mut specular) = (k(phong.ambient), 0.0);
             for light in &phong.lights {
-                let l = value(light.direction);
+                let l = kept::<P>(light.direction);
                 let nl = dot64(n, l).clamp(0.0, 1.0);
                 let base = match phong.highlight {
-                    Highlight::HalfVector => dot64(n, value(light.half)),
+                    Highlight::HalfVector => dot64(n, kept::<P>(light.half)),
                     Highlight::Reflection => {
                         let nv = dot64(n, viewer).clamp(0.0, 1.0);
                         if nv > 0.0 {
@@ -462,7 +509,7 @@ mod tests {
     }
 
     /// The arguments of [`Phong::new`].
-    type Scene = ([Coefficient; 3], StdVec<Light>, [Unit; 3], Highlight, u32);
+    type Scene = ([Coefficient; 3], StdVec<Light>, [Vector; 3], Highlight, u32);
 
     fn make<P: Precision>((ambient, lights, viewer, highlight, exponent): &Scene) -> Phong<P> {
         Phong::new(*ambient, lights, *viewer, *highlight, *exponent).unwrap()
@@ -546,6 +593,23 @@ mod tests {
     }
 
     #[test]
+    fn lattice_vectors_have_the_right_length() {
+        let mut worst: f64 = 0.0;
+        for n in 0..2000 {
+            let (a, b) = (f64::from(n) * 0.7, f64::from(n) * 0.31);
+            let v = [a.sin() * b.cos(), a.cos() * b.cos(), b.sin()];
+            let u = kept::<Compact>(keep_vector::<Compact>(unit(v)));
+            let length = dot64(u, u).sqrt();
+            worst = worst.max((length - 1.0).abs());
+            assert!(dot64(u, v) > 0.99999999 * length, "{v:?} {u:?}");
+            let w = kept::<Wide>(keep_vector::<Wide>(unit(v)));
+            assert!((dot64(w, w).sqrt() - 1.0).abs() < 2e-9);
+        }
+        assert!(worst < 1.5e-5, "{worst}");
+        assert_eq!(keep_vector::<Compact>(unit([0.0, -3.0, 0.0])), [0, -32768, 0]);
+    }
+
+    #[test]
     fn one_stays_one_and_zero_stays_zero() {
         for n in 0..=8 {
             assert_eq!(power::<Compact>(Cosine::ONE, n), Cosine::ONE);
@@ -594,10 +658,10 @@ mod tests {
             Some(PhongError::Coefficient { bits: one + 1 })
         );
         let long = Light {
-            half: [Unit::from_bits(-32769), Unit::ZERO, Unit::ZERO],
+            half: [-Vector::ONE - Vector::DELTA, Vector::ZERO, Vector::ZERO],
             ..light
         };
-        assert_eq!(make(&[long], 0, 0), Some(PhongError::Vector { bits: -32769 }));
+        assert_eq!(make(&[long], 0, 0), Some(PhongError::Vector { bits: -(1 << 30) - 1 }));
         assert_eq!(make(&[light; 8], one, 8), None);
     }
 }

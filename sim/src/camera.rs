@@ -1,6 +1,6 @@
 //! From the scene's real numbers to the pipeline's: view, plan, warp, light vectors. Each is rounded once, here.
 
-use slicecast::format::{Coefficient, Direction, Intensity, Step, Unit};
+use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
 use slicecast::shade::{self, Phong, PhongError};
@@ -87,27 +87,10 @@ fn to_slice_frame(view: &View, axes: &CameraAxes, frame: Frame, v: [f64; 3]) -> 
     view.orient(world)
 }
 
-/// The nearest s1.15 vector to a unit vector, or that one of its 26 neighbours whose length is nearest to 1: the
-/// length of a light vector matters more to a highlight than the last bit of its direction.
-pub fn lattice_unit(v: [f64; 3]) -> [Unit; 3] {
+/// A direction as a unit vector, s1.30.
+fn unit(v: [f64; 3]) -> [Vector; 3] {
     let length = dot(v, v).sqrt();
-    let exact = v.map(|c| c / length * 32768.0);
-    let nearest = exact.map(f64::round);
-    let mut best = (f64::INFINITY, f64::INFINITY, nearest);
-    for n in 0..27 {
-        let offset = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1].map(f64::from);
-        let candidate = [0, 1, 2].map(|a| nearest[a] + offset[a]);
-        if candidate.iter().any(|c| c.abs() > 32768.0) {
-            continue;
-        }
-        let length_error = (dot(candidate, candidate).sqrt() - 32768.0).abs();
-        let away = [0, 1, 2].map(|a| candidate[a] - exact[a]);
-        let distance = dot(away, away);
-        if (length_error, distance) < (best.0, best.1) {
-            best = (length_error, distance, candidate);
-        }
-    }
-    best.2.map(|c| Unit::from_bits(c as i32))
+    v.map(|c| Vector::from_bits((c / length * 1073741824.0).round() as i32))
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -122,7 +105,7 @@ pub struct Material {
     /// The lights, with their coefficients.
     pub lights: Vec<shade::Light>,
     /// Unit vector towards the eye.
-    pub viewer: [Unit; 3],
+    pub viewer: [Vector; 3],
     /// The form of the highlight.
     pub highlight: shade::Highlight,
     /// log2 of its exponent.
@@ -143,8 +126,8 @@ impl Material {
             // A light straight behind the volume has no half vector; it lights nothing that the viewer sees.
             let half = if dot(half, half) > 1e-12 { half } else { direction };
             shade::Light {
-                direction: lattice_unit(direction),
-                half: lattice_unit(half),
+                direction: unit(direction),
+                half: unit(half),
                 diffuse: light.colour.map(|c| coefficient(lighting.diffuse * c)),
                 specular: light.colour.map(|c| coefficient(lighting.specular * c)),
             }
@@ -152,7 +135,7 @@ impl Material {
         let material = Self {
             ambient: [coefficient(lighting.ambient); 3],
             lights: lighting.lights.iter().map(light).collect(),
-            viewer: lattice_unit(viewer),
+            viewer: unit(viewer),
             highlight: match lighting.highlight {
                 Highlight::Reflection => shade::Highlight::Reflection,
                 Highlight::HalfVector => shade::Highlight::HalfVector,
@@ -288,24 +271,4 @@ pub fn set_up(scene: &Scene, volume: &Volume) -> Result<Setup, CameraError> {
         step_length: step_length(scene, &plan, volume.spacing),
         plan,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lattice_vectors_have_the_right_length() {
-        let mut worst: f64 = 0.0;
-        for n in 0..2000 {
-            let (a, b) = (f64::from(n) * 0.7, f64::from(n) * 0.31);
-            let v = [a.sin() * b.cos(), a.cos() * b.cos(), b.sin()];
-            let u = lattice_unit(v).map(|c| f64::from(c.to_bits()) / 32768.0);
-            worst = worst.max((dot(u, u).sqrt() - 1.0).abs());
-            assert!(dot(u, v) > 0.99999999 * dot(u, u).sqrt(), "{v:?} {u:?}");
-        }
-        // Plain rounding reaches 2.2e-5. Close to an axis few neighbours help.
-        assert!(worst < 1.5e-5, "{worst}");
-        assert_eq!(lattice_unit([0.0, -3.0, 0.0]), [Unit::ZERO, -Unit::ONE, Unit::ZERO]);
-    }
 }

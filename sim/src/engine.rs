@@ -54,8 +54,10 @@ const IMAGE_BYTES_MAX: u64 = 4 << 30;
 pub struct BaseImage {
     /// Pixels across and down.
     pub size: [usize; 2],
-    /// Fraction bits of a channel: 15 or 31.
-    pub bits: u32,
+    /// The channel's format: its name, and the bits of 1.0.
+    pub format: &'static str,
+    /// See [`BaseImage::format`].
+    pub one: u32,
     /// Red, green, blue and transparency, row after row.
     pub planes: [Vec<u32>; 4],
 }
@@ -307,7 +309,8 @@ pub fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) 
     }
     BaseImage {
         size,
-        bits: ChannelOf::<L::Precision>::BITS,
+        format: ChannelOf::<L::Precision>::NAME,
+        one: ChannelOf::<L::Precision>::ONE.bits(),
         planes,
     }
 }

@@ -54,7 +54,7 @@ impl Sums {
 
 /// Compares base-plane images: premultiplied colour.
 pub fn base_figures(fixed: &BaseImage, model: &ModelImage) -> ImageFigures {
-    let one = 2f64.powi(fixed.bits as i32);
+    let one = f64::from(fixed.one);
     let mut sums = Sums::default();
     for index in 0..model.t.len() {
         if model.t[index] == 1.0 && f64::from(fixed.planes[3][index]) == one {
@@ -92,8 +92,8 @@ pub fn picture_figures(fixed: &Rgb, model: &ModelImage, background: [f64; 3]) ->
 pub fn model_picture(model: &ModelImage, background: [f64; 3]) -> Rgb {
     let mut bytes = Vec::with_capacity(model.t.len() * 3);
     for index in 0..model.t.len() {
-        for c in 0..3 {
-            let value = (model.rgb[c][index] + model.t[index] * background[c]) * 255.0;
+        for (plane, behind) in model.rgb.iter().zip(background) {
+            let value = (plane[index] + model.t[index] * behind) * 255.0;
             bytes.push((value + 0.5).floor().clamp(0.0, 255.0) as u8);
         }
     }
@@ -106,7 +106,7 @@ pub fn model_picture(model: &ModelImage, background: [f64; 3]) -> Rgb {
 /// A heat map of the largest channel difference of two base-plane images: black for none, then dark red to white up
 /// to `full` steps of 1/255 and beyond.
 pub fn heat_map(fixed: &BaseImage, model: &ModelImage, full: f64) -> Rgb {
-    let one = 2f64.powi(fixed.bits as i32);
+    let one = f64::from(fixed.one);
     let mut bytes = Vec::with_capacity(model.t.len() * 3);
     for index in 0..model.t.len() {
         let error = (0..3)

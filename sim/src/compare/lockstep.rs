@@ -1,11 +1,11 @@
 //! The model beside the pipeline, plane by plane, for the rows of one tile.
 
 use slicecast::composite::{Channel, PixelRow, Recurrence};
-use slicecast::format::{Coefficient, Opacity, Unit};
+use slicecast::format::{Coefficient, Opacity, Vector};
 use slicecast::locate::Plane;
 use slicecast::normalise::Normal;
 use slicecast::precision::{NormalForm, Precision};
-use slicecast::shade::{formed, keep};
+use slicecast::shade::{formed, keep, keep_vector};
 use slicecast::tap::{Beam, Tap};
 
 use super::stages::{Stage, StageErrors, telescopes};
@@ -41,8 +41,9 @@ struct PipelineLights {
     coefficients: Vec<([f64; 3], [f64; 3])>,
 }
 
-fn unit_value(v: [Unit; 3]) -> [f64; 3] {
-    v.map(|c| f64::from(c.to_bits()) / 32768.0)
+/// A vector as a precision keeps it.
+fn vector_value<P: Precision>(v: [Vector; 3]) -> [f64; 3] {
+    keep_vector::<P>(v).map(|c| f64::from(c) * 2f64.powi(-(P::SHADING.vector_bits() as i32)))
 }
 
 /// Coefficients as a precision keeps them.
@@ -52,12 +53,12 @@ fn coefficient_value<P: Precision>(v: [Coefficient; 3]) -> [f64; 3] {
 
 impl PipelineLights {
     fn new<P: Precision>(material: &Material, model: &Lights) -> Self {
-        let viewer = unit_value(material.viewer);
+        let viewer = vector_value::<P>(material.viewer);
         let resolve = |light: &slicecast::shade::Light| {
-            let direction = unit_value(light.direction);
+            let direction = vector_value::<P>(light.direction);
             ResolvedLight {
                 direction,
-                half: unit_value(light.half),
+                half: vector_value::<P>(light.half),
                 viewer_dot: viewer.iter().zip(direction).map(|(v, l)| v * l).sum(),
                 colour: [1.0; 3],
             }
@@ -104,6 +105,8 @@ pub struct Lockstep<'a, P> {
     /// Rays per voxel.
     rays: usize,
     errors: StageErrors,
+    /// Ulp in 1.0, stage by stage.
+    per_unit: [f64; Stage::ALL.len()],
     /// The model's samples of the current plane, and its pixels so far, for the rows of the tile.
     samples: Vec<Option<Sample>>,
     pixels: Vec<Pixel>,
@@ -138,6 +141,7 @@ impl<'a, P: Precision> Lockstep<'a, P> {
             width,
             rays: setup.plan.sampling().rays_per_voxel as usize,
             errors: StageErrors::default(),
+            per_unit: Stage::ALL.map(Stage::per_unit::<P>),
             samples: vec![None; count],
             pixels: vec![Pixel::TRANSPARENT; count],
             row: 0,
@@ -169,8 +173,7 @@ impl<'a, P: Precision> Lockstep<'a, P> {
     }
 
     fn add(&mut self, stage: Stage, local: f64, carried: Option<f64>) {
-        let (_, fraction) = stage.format::<P>();
-        let ulp = 2f64.powi(fraction as i32);
+        let ulp = self.per_unit[stage as usize];
         self.errors.local[stage as usize].add(local * ulp);
         if let Some(carried) = carried {
             self.errors.carried[stage as usize].add(carried * ulp);

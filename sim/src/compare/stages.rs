@@ -60,20 +60,28 @@ impl Stage {
         }
     }
 
-    /// Integer and fraction bits of the stage's output, as error figures count them.
-    pub fn format<P: Precision>(self) -> (u32, u32) {
+    /// The format of the stage's output, as error figures count it: its name, and how many ulp are 1.0.
+    pub fn format<P: Precision>(self) -> (String, f64) {
+        let fixed = |integer: u32, fraction: u32| (format!("{integer}.{fraction}"), f64::from(fraction).exp2());
         match self {
-            Self::Location => (16, 16),
-            Self::Interpolation | Self::Gradient => (12, P::SAMPLE_BITS),
-            Self::Opacity => (0, 16),
-            Self::Colour => (0, 8),
+            Self::Location => fixed(16, 16),
+            Self::Interpolation | Self::Gradient => fixed(12, P::SAMPLE_BITS),
+            Self::Opacity => fixed(0, 16),
+            Self::Colour => fixed(0, 8),
             Self::Normal => match P::NORMAL {
-                NormalForm::Deferred => (1, 15),
-                NormalForm::Formed(bits) => (1, bits),
+                NormalForm::Deferred => fixed(1, 15),
+                NormalForm::Formed(bits) => fixed(1, bits),
             },
-            Self::Shading => (1, 15),
-            Self::Transparency | Self::Compositing => (1, ChannelOf::<P>::BITS),
+            Self::Shading => fixed(1, 15),
+            Self::Transparency | Self::Compositing => {
+                (ChannelOf::<P>::NAME.to_owned(), f64::from(ChannelOf::<P>::ONE.bits()))
+            }
         }
+    }
+
+    /// How many ulp of the stage's output are 1.0.
+    pub fn per_unit<P: Precision>(self) -> f64 {
+        self.format::<P>().1
     }
 
     /// Fraction bits that Squeeze requires of a stage's output (its section 5; table entries: section 4.4). Of the
@@ -112,20 +120,20 @@ impl StageErrors {
     pub fn report<P: Precision>(&self) -> Vec<StageReport> {
         let mut reports = Vec::new();
         for stage in Stage::ALL {
-            let (integer, fraction) = stage.format::<P>();
-            let local = self.local[stage as usize].figures(fraction);
+            let (format, per_unit) = stage.format::<P>();
+            let local = self.local[stage as usize].figures(per_unit);
             if local.samples == 0 {
                 continue;
             }
             reports.push(StageReport {
                 name: stage.name(),
-                format: format!("{integer}.{fraction}"),
+                format,
                 required_bits: stage.required(),
                 meets_required: stage
                     .required()
                     .map(|required| local.bits.is_none_or(|b| b >= f64::from(required) - 1e-9)),
                 local,
-                carried: self.carried[stage as usize].figures(fraction),
+                carried: self.carried[stage as usize].figures(per_unit),
             });
         }
         reports

@@ -35,8 +35,8 @@ impl Errors {
         self.exact += other.exact;
     }
 
-    /// The figures; `fraction_bits` is the format's.
-    pub fn figures(&self, fraction_bits: u32) -> Figures {
+    /// The figures; the format has `per_unit` ulp in 1.0.
+    pub fn figures(&self, per_unit: f64) -> Figures {
         let mean = |sum: f64| sum / (self.samples.max(1) as f64);
         Figures {
             samples: self.samples,
@@ -45,7 +45,7 @@ impl Errors {
             rms_ulp: mean(self.sum_squares).sqrt(),
             bias_ulp: mean(self.sum),
             exact_percent: 100.0 * mean(self.exact as f64),
-            bits: (self.max > 0.0).then(|| f64::from(fraction_bits) - self.max.log2()),
+            bits: (self.max > 0.0).then(|| (per_unit / self.max).log2()),
         }
     }
 }
@@ -83,10 +83,10 @@ mod tests {
         b.add(2.0);
         b.add(0.0);
         a.merge(&b);
-        let f = a.figures(12);
+        let f = a.figures(4096.0);
         assert_eq!((f.samples, f.max_ulp, f.mean_ulp, f.bias_ulp), (4, 2.0, 1.0, 0.25));
         assert_eq!((f.exact_percent, f.bits), (50.0, Some(11.0)));
         assert!((f.rms_ulp - (6.5f64 / 4.0).sqrt()).abs() < 1e-15);
-        assert_eq!(Errors::default().figures(12).bits, None);
+        assert_eq!(Errors::default().figures(4096.0).bits, None);
     }
 }
