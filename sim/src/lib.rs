@@ -4,6 +4,7 @@ pub mod camera;
 pub mod compare;
 pub mod engine;
 pub mod exchange;
+pub mod export;
 pub mod model;
 pub mod oriented;
 pub mod pipelines;

@@ -8,7 +8,9 @@ mod output;
 mod plan;
 mod progress;
 mod render;
+mod table;
 mod tables;
+mod turntable;
 
 use clap::{Parser, Subcommand};
 use slicecast_sim::engine::RenderError;
@@ -84,6 +86,8 @@ enum Command {
     Compare(compare::Args),
     Plan(plan::Args),
     Inspect(inspect::Args),
+    Table(table::Args),
+    Turntable(turntable::Args),
 }
 
 impl Cli {
@@ -95,6 +99,8 @@ impl Cli {
             Some(Command::Compare(args)) => args.run(),
             Some(Command::Plan(args)) => args.run(),
             Some(Command::Inspect(args)) => args.run(),
+            Some(Command::Table(args)) => args.run(),
+            Some(Command::Turntable(args)) => args.run(),
         }
     }
 }
