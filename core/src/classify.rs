@@ -9,7 +9,7 @@
 //! | sample s | 12.F | 0 to 4095 |
 //! | square root q | 0.16; of an 8-bit code 257 q8 | 0 to 65535 |
 //! | opacity a | 1.31, `(q^2 + 1) >> 1` | 0 to 2147418113 |
-//! | colour c | 1.15, `(257 O8 + 1) >> 1` | 0 to 32768 |
+//! | colour c | 1.15, `(257 O8 + 1) >> 1`; 1.31 in `Wide`, `8421504 O8 + ((257 O8 + 256) >> 9)` | 0 to 1 |
 //!
 //! Index: the nearest entry, `(s + 2^(F-1)) >> F`, taken from the stored sample only ([`Nearest`]); or linear between
 //! the two neighbours, opacity and colour alike, rounded to nearest ([`Linear`]). Neither can leave the table.
@@ -18,7 +18,7 @@
 
 use core::marker::PhantomData;
 
-use crate::format::{Intensity, Opacity};
+use crate::format::Opacity;
 use crate::precision::Precision;
 use crate::slice::RowRange;
 
@@ -31,8 +31,9 @@ pub trait Classifier<P: Precision>: Sync {
     /// Opacity of a sample: the definition.
     fn opacity(&self, sample: P::Sample) -> Opacity;
 
-    /// Colour of a sample (not weighted by its opacity), red, green, blue: the definition.
-    fn colour(&self, sample: P::Sample) -> [Intensity; 3];
+    /// Colour of a sample (not weighted by its opacity), red, green, blue, `P::COLOUR_BITS` fraction bits: the
+    /// definition.
+    fn colour(&self, sample: P::Sample) -> [u32; 3];
 
     /// Which voxel ranges can hold a visible sample.
     fn support(&self) -> Support;
@@ -45,13 +46,12 @@ pub trait Classifier<P: Precision>: Sync {
         }
     }
 
-    /// Colours of a row, 1.15. All rows equally long.
+    /// Colours of a row. All rows equally long.
     #[inline]
     fn colour_row(&self, samples: &[i32], out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
         for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(samples) {
-            let c = self.colour(sample::<P>(s)).map(|c| i32::from(c.to_bits()));
-            [*r, *g, *b] = c;
+            [*r, *g, *b] = self.colour(sample::<P>(s)).map(|c| c as i32);
         }
     }
 }
@@ -155,10 +155,15 @@ pub const fn opacity_of_root(root: u16) -> Opacity {
     Opacity::from_bits((root as u32 * root as u32 + 1) >> 1)
 }
 
-/// Intensity of an 8-bit colour, 1.15: 255 is exactly 1, and all 256 values come back from 8-bit output.
-#[inline]
-pub const fn intensity_of_byte(byte: u8) -> Intensity {
-    Intensity::from_bits((257 * byte as u16).div_ceil(2))
+/// An 8-bit colour with 15 or 31 fraction bits, to nearest: 255 is exactly 1, and all 256 values come back from 8-bit
+/// output.
+#[inline(always)]
+pub const fn colour_of_byte(byte: u8, bits: u32) -> u32 {
+    if bits == 31 {
+        byte as u32 * 8_421_504 + ((byte as u32 * 257 + 256) >> 9)
+    } else {
+        (257 * byte as u32).div_ceil(2)
+    }
 }
 
 /// Packs an entry: red in the lowest byte, then green, blue and the square root of the opacity (or its high byte).
@@ -198,10 +203,10 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
     }
 
     #[inline(always)]
-    fn colour_at(&self, index: usize) -> [i32; 3] {
+    fn colour_at<P: Precision>(&self, index: usize) -> [u32; 3] {
         let entry = self.entries.get(index.min(ENTRIES - 1)).copied().unwrap_or(0);
         let [r, g, b, _] = entry.to_le_bytes();
-        [r, g, b].map(|byte| i32::from(intensity_of_byte(byte).to_bits()))
+        [r, g, b].map(|byte| colour_of_byte(byte, P::COLOUR_BITS))
     }
 }
 
@@ -228,6 +233,19 @@ fn mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
     a.wrapping_add(((((d >> 16) * f) << (16 - bits)) + low) as u32)
 }
 
+/// `a + (b - a) f` to nearest, for colours (whose difference may reach 1).
+#[inline(always)]
+fn mix_colour<P: Precision>(a: u32, b: u32, f: i32) -> u32 {
+    let half = 1 << P::SAMPLE_BITS >> 1;
+    if P::COLOUR_BITS == 15 {
+        // 15 and 15 bits: 32 suffice.
+        (a as i32 + (((b as i32 - a as i32) * f + half) >> P::SAMPLE_BITS)) as u32
+    } else {
+        let product = (i64::from(b) - i64::from(a)) * i64::from(f);
+        (i64::from(a) + ((product + i64::from(half)) >> P::SAMPLE_BITS)) as u32
+    }
+}
+
 impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, L> {
     #[inline]
     fn opacity(&self, sample: P::Sample) -> Opacity {
@@ -241,18 +259,16 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
     }
 
     #[inline]
-    fn colour(&self, sample: P::Sample) -> [Intensity; 3] {
+    fn colour(&self, sample: P::Sample) -> [u32; 3] {
         let bits = fixed::traits::Fixed::to_bits(sample);
-        let raw = if L::LINEAR {
+        if L::LINEAR {
             let (index, f) = split::<P>(bits);
-            let half = 1 << P::SAMPLE_BITS >> 1;
-            let [r0, g0, b0] = self.colour_at(index);
-            let [r1, g1, b1] = self.colour_at(index + 1);
-            [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| a + (((b - a) * f + half) >> P::SAMPLE_BITS))
+            let [r0, g0, b0] = self.colour_at::<P>(index);
+            let [r1, g1, b1] = self.colour_at::<P>(index + 1);
+            [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour::<P>(a, b, f))
         } else {
-            self.colour_at(nearest::<P>(bits))
-        };
-        raw.map(|c| Intensity::from_bits(c as u16))
+            self.colour_at::<P>(nearest::<P>(bits))
+        }
     }
 
     fn support(&self) -> Support {
@@ -285,10 +301,14 @@ mod tests {
     #[test]
     fn every_byte_survives_a_round_trip() {
         for byte in 0..=255u8 {
-            let c = u32::from(intensity_of_byte(byte).to_bits());
-            assert_eq!((c * 255 + (1 << 14)) >> 15, u32::from(byte));
+            for bits in [15, 31] {
+                let c = colour_of_byte(byte, bits);
+                let exact = f64::from(byte) / 255.0 * f64::from(bits).exp2();
+                assert!((f64::from(c) - exact).abs() <= 0.5, "{byte} {bits}");
+                assert_eq!((u64::from(c) * 255 + (1 << (bits - 1))) >> bits, u64::from(byte));
+            }
         }
-        assert_eq!(intensity_of_byte(255), Intensity::ONE);
+        assert_eq!((colour_of_byte(255, 15), colour_of_byte(255, 31)), (1 << 15, 1 << 31));
     }
 
     #[test]
@@ -355,8 +375,8 @@ mod tests {
             let got = f64::from(Classifier::<Wide>::opacity(&t, s).to_bits());
             prop_assert!((got - exact).abs() <= 0.5 + 1e-6, "{got} {exact}");
             let colour = Classifier::<Wide>::colour(&t, s);
-            for (c, (a, b)) in colour.iter().zip(t.colour_at(i).into_iter().zip(t.colour_at(i + 1))) {
-                prop_assert!((f64::from(c.to_bits()) - between(a as u32, b as u32)).abs() <= 0.5 + 1e-9);
+            for (c, (a, b)) in colour.iter().zip(t.colour_at::<Wide>(i).into_iter().zip(t.colour_at::<Wide>(i + 1))) {
+                prop_assert!((f64::from(*c) - between(a, b)).abs() <= 0.5 + 1e-6);
             }
         }
 
@@ -382,7 +402,7 @@ mod tests {
             for (i, &s) in samples.iter().enumerate() {
                 let s = Sample12::from_bits(s);
                 prop_assert_eq!(a[i] as u32, Classifier::<Compact>::opacity(&t, s).to_bits());
-                let colour = Classifier::<Compact>::colour(&t, s).map(|c| i32::from(c.to_bits()));
+                let colour = Classifier::<Compact>::colour(&t, s).map(|c| c as i32);
                 prop_assert_eq!([c[0][i], c[1][i], c[2][i]], colour);
             }
         }

@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | T, C | 1.15 ([`Truncating15`]), [`Unorm16`] or 1.15 ([`Dithered`]), 1.31 ([`Telescoping31`]) | 0 to 1 |
 //! | opacity a | 1.31 | 0 to 1 |
-//! | colour c | 1.15 | 0 to 1 |
+//! | colour c | 1.15 (16-bit channels) or 1.31, [`Recurrence::COLOUR_BITS`] | 0 to 1 |
 //!
 //! An opacity of 0 leaves a pixel as it is, and so does any sample where T is 0: skipping what is empty, stopping a
 //! finished ray and going on are the same bits. T that falls below a pixel format's floor becomes 0. A higher floor is
@@ -19,7 +19,7 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use crate::format::{Intensity, Opacity};
+use crate::format::Opacity;
 use crate::rows::take;
 
 /// An accumulator format: 0 to 1, both included, as whole multiples of 1 / [`Channel::ONE`].
@@ -138,25 +138,18 @@ pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
     /// Whether a sample gives exactly the light that it takes, rounding included (front to back).
     const TELESCOPING: bool;
 
+    /// Fraction bits of a sample's colour: 15 or 31.
+    const COLOUR_BITS: u32;
+
     /// The opacity as this pixel reads it: rounded to what its products can use.
     fn read(opacity: Opacity) -> Opacity;
 
     /// A pixel with one more sample behind it (front to back). This function is the definition; it leaves out the
     /// floor, which [`settle`] applies.
-    fn over(
-        pixel: Pixel<Self::Channel>,
-        colour: [Intensity; 3],
-        opacity: Opacity,
-        dither: Dither,
-    ) -> Pixel<Self::Channel>;
+    fn over(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel>;
 
     /// A pixel with one more sample in front of it (back to front). The same picture up to rounding.
-    fn under(
-        pixel: Pixel<Self::Channel>,
-        colour: [Intensity; 3],
-        opacity: Opacity,
-        dither: Dither,
-    ) -> Pixel<Self::Channel>;
+    fn under(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel>;
 }
 
 /// Transparency with the floor applied.
@@ -171,8 +164,8 @@ pub fn settle<C: Channel>(transparency: C, floor: C) -> C {
 
 /// 1.31 in floor steps; 128 bits a pixel. At most 2^-31 is lost a step.
 ///
-/// Over: `w = floor(T a / 2^31); T -= w; C += floor(c w / 2^15)`.
-/// Under: `C = C - floor(C a / 2^31) + floor(2^16 c a / 2^31)`.
+/// Over: `w = floor(T a / 2^31); T -= w; C += floor(c w / 2^31)`.
+/// Under: `C = C - floor(C a / 2^31) + floor(c a / 2^31)`.
 /// Below 2^-20 floor steps no longer move T, hence the floor there: 0.0003 of an 8-bit step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Telescoping31;
@@ -187,6 +180,7 @@ impl Recurrence for Telescoping31 {
     type Channel = u32;
     const FLOOR: u32 = 1 << 11;
     const TELESCOPING: bool = true;
+    const COLOUR_BITS: u32 = 31;
 
     #[inline(always)]
     fn read(opacity: Opacity) -> Opacity {
@@ -194,23 +188,23 @@ impl Recurrence for Telescoping31 {
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<u32>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
+    fn over(pixel: Pixel<u32>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
         let w = product31(pixel.transparency, opacity.to_bits());
         let mut out = pixel;
         out.transparency -= w;
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o += ((u64::from(c.to_bits()) * u64::from(w)) >> 15) as u32;
+            *o += product31(c, w);
         }
         out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<u32>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
+    fn under(pixel: Pixel<u32>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
         let a = opacity.to_bits();
         let mut out = pixel;
         out.transparency -= product31(pixel.transparency, a);
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o = *o - product31(*o, a) + product31(u32::from(c.to_bits()) << 16, a);
+            *o = *o - product31(*o, a) + product31(c, a);
         }
         out
     }
@@ -240,6 +234,7 @@ impl<C: Channel> Recurrence for Dithered<C> {
     type Channel = C;
     const FLOOR: C = C::LEAST;
     const TELESCOPING: bool = true;
+    const COLOUR_BITS: u32 = 15;
 
     #[inline(always)]
     fn read(opacity: Opacity) -> Opacity {
@@ -247,23 +242,23 @@ impl<C: Channel> Recurrence for Dithered<C> {
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<C>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
+    fn over(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
         let w = Self::taken(pixel.transparency, opacity, dither);
         let mut out = pixel;
         out.transparency = C::from_bits(pixel.transparency.bits() - w);
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o = C::from_bits(o.bits() + ((u32::from(c.to_bits()) * w + dither.colour) >> 15));
+            *o = C::from_bits(o.bits() + ((c * w + dither.colour) >> 15));
         }
         out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<C>, colour: [Intensity; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
+    fn under(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
         let w = Self::taken(pixel.transparency, opacity, dither);
         let mut out = pixel;
         out.transparency = C::from_bits(pixel.transparency.bits() - w);
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            let scaled = (u32::from(c.to_bits()) * C::ONE.bits() + (1 << 14)) >> 15;
+            let scaled = (c * C::ONE.bits() + (1 << 14)) >> 15;
             let change = (i64::from(scaled) - i64::from(o.bits())) * i64::from(opacity.to_bits());
             let bits = i64::from(o.bits()) + ((change + (i64::from(2 * dither.colour + 1) << 15)) >> 31);
             *o = C::from_bits(bits as u32);
@@ -298,6 +293,7 @@ impl Recurrence for Truncating15 {
     type Channel = u16;
     const FLOOR: u16 = 1;
     const TELESCOPING: bool = false;
+    const COLOUR_BITS: u32 = 15;
 
     #[inline(always)]
     fn read(opacity: Opacity) -> Opacity {
@@ -305,23 +301,23 @@ impl Recurrence for Truncating15 {
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
+    fn over(pixel: Pixel<u16>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
         let (t, a) = Self::sample(opacity);
         let before = u32::from(pixel.transparency);
         let mut out = pixel;
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o += product15(product15(u32::from(c.to_bits()), a), before) as u16;
+            *o += product15(product15(c, a), before) as u16;
         }
         out.transparency = product15(before, t) as u16;
         out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<u16>, colour: [Intensity; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
+    fn under(pixel: Pixel<u16>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
         let (t, a) = Self::sample(opacity);
         let mut out = pixel;
         for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o = (product15(u32::from(*o), t) + product15(u32::from(c.to_bits()), a)) as u16;
+            *o = (product15(u32::from(*o), t) + product15(c, a)) as u16;
         }
         out.transparency = product15(u32::from(pixel.transparency), t) as u16;
         out
@@ -335,7 +331,7 @@ pub trait Order: Copy + Send + Sync + 'static {
     /// Folds one sample.
     fn fold<R: Recurrence>(
         pixel: Pixel<R::Channel>,
-        colour: [Intensity; 3],
+        colour: [u32; 3],
         opacity: Opacity,
         dither: Dither,
         floor: R::Channel,
@@ -355,7 +351,7 @@ impl Order for FrontToBack {
     #[inline(always)]
     fn fold<R: Recurrence>(
         pixel: Pixel<R::Channel>,
-        colour: [Intensity; 3],
+        colour: [u32; 3],
         opacity: Opacity,
         dither: Dither,
         floor: R::Channel,
@@ -371,7 +367,7 @@ impl Order for BackToFront {
     #[inline(always)]
     fn fold<R: Recurrence>(
         pixel: Pixel<R::Channel>,
-        colour: [Intensity; 3],
+        colour: [u32; 3],
         opacity: Opacity,
         dither: Dither,
         _: R::Channel,
@@ -417,7 +413,7 @@ impl<'a, C> PixelRow<'a, C> {
     }
 }
 
-/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31; `colour`: 1.15. All rows equally long.
+/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31; `colour`: `COLOUR_BITS`. All rows equally long.
 #[inline]
 pub fn fold_row<R: Recurrence, O: Order>(
     row: &mut PixelRow<'_, R::Channel>,
@@ -439,7 +435,7 @@ pub fn fold_row<R: Recurrence, O: Order>(
             colour: [*r, *g, *b],
             transparency: *t,
         };
-        let colour = [*cr, *cg, *cb].map(|c| Intensity::from_bits(c as u16));
+        let colour = [*cr, *cg, *cb].map(|c| c as u32);
         let out = O::fold::<R>(pixel, colour, Opacity::from_bits(*a as u32), dither, floor);
         [*r, *g, *b] = out.colour;
         *t = out.transparency;
@@ -465,15 +461,21 @@ mod tests {
             .prop_map(Opacity::from_bits)
     }
 
-    fn colour() -> impl Strategy<Value = [Intensity; 3]> {
-        prop::array::uniform3(prop_oneof![0u16..=32768, Just(32768), Just(0)]).prop_map(|c| c.map(Intensity::from_bits))
+    /// Colours in 1.15; [`scaled`] takes them to a pixel's own bits.
+    fn colour() -> impl Strategy<Value = [u32; 3]> {
+        prop::array::uniform3(prop_oneof![0u32..=32768, Just(32768), Just(0)])
     }
 
-    fn keeps_its_bounds<R: Recurrence>(samples: &[([Intensity; 3], Opacity)]) -> Result<(), TestCaseError> {
+    fn scaled<R: Recurrence>(colour: [u32; 3]) -> [u32; 3] {
+        colour.map(|c| c << (R::COLOUR_BITS - 15))
+    }
+
+    fn keeps_its_bounds<R: Recurrence>(samples: &[([u32; 3], Opacity)]) -> Result<(), TestCaseError> {
         let one = R::Channel::ONE.bits();
         let (mut over, mut under) = (Pixel::<R::Channel>::clear(), Pixel::<R::Channel>::clear());
         for (k, &(c, a)) in samples.iter().enumerate() {
             let dither = Dither::of_plane(k as u32);
+            let c = scaled::<R>(c);
             over = R::over(over, c, a, dither);
             under = R::under(under, c, a, dither);
             for channel in over.colour {
@@ -497,11 +499,11 @@ mod tests {
 
         #[test]
         fn white_fog_keeps_all_light(samples in prop::collection::vec(opacity(), 0..400)) {
-            let white = [Intensity::ONE; 3];
+            let white = [1 << 15; 3];
             let (mut wide, mut compact) = (Pixel::<u32>::clear(), Pixel::<Unorm16>::clear());
             for (k, &a) in samples.iter().enumerate() {
                 let dither = Dither::of_plane(k as u32);
-                wide = Telescoping31::over(wide, white, a, dither);
+                wide = Telescoping31::over(wide, scaled::<Telescoping31>(white), a, dither);
                 compact = Dithered::over(compact, white, a, dither);
             }
             prop_assert_eq!(wide.colour[0] + wide.transparency, 1 << 31);
@@ -513,12 +515,12 @@ mod tests {
             t in 0u32..=1 << 31, c in any::<u32>(), sample in colour(), a in opacity(), k in any::<u32>(),
         ) {
             fn unchanged<R: Recurrence>(
-                t: u32, c: u32, sample: [Intensity; 3], a: Opacity, k: u32,
+                t: u32, c: u32, sample: [u32; 3], a: Opacity, k: u32,
             ) -> Result<(), TestCaseError> {
                 let t = ((u64::from(t) * u64::from(R::Channel::ONE.bits())) >> 31) as u32;
                 let c = c.checked_rem(R::Channel::ONE.bits() - t + 1).unwrap_or(0);
                 let pixel = Pixel { colour: [R::Channel::from_bits(c); 3], transparency: R::Channel::from_bits(t) };
-                let dither = Dither::of_plane(k);
+                let (sample, dither) = (scaled::<R>(sample), Dither::of_plane(k));
                 prop_assert_eq!(R::over(pixel, sample, Opacity::ZERO, dither), pixel);
                 prop_assert_eq!(R::under(pixel, sample, Opacity::ZERO, dither), pixel);
                 let finished = Pixel { transparency: R::Channel::default(), ..pixel };
@@ -534,7 +536,7 @@ mod tests {
         #[test]
         fn rows_are_the_scalar(samples in prop::collection::vec((colour(), opacity()), 0..34), k in any::<u32>()) {
             fn same<R: Recurrence, O: Order>(
-                samples: &[([Intensity; 3], Opacity)], k: u32,
+                samples: &[([u32; 3], Opacity)], k: u32,
             ) -> Result<(), TestCaseError> {
                 let n = samples.len();
                 let dither = Dither::of_plane(k);
@@ -544,7 +546,7 @@ mod tests {
                     *v = R::Channel::from_bits(share * (i as u32 % 7));
                 }
                 let before = row.clone();
-                let column = |c: usize| samples.iter().map(|s| i32::from(s.0[c].to_bits())).collect::<std::vec::Vec<_>>();
+                let column = |c: usize| samples.iter().map(|s| scaled::<R>(s.0)[c] as i32).collect::<std::vec::Vec<_>>();
                 let (r, g, b) = (column(0), column(1), column(2));
                 let a: std::vec::Vec<i32> = samples.iter().map(|s| s.1.to_bits() as i32).collect();
                 let mut pixels = PixelRow::of_runs(&mut row, n, 0..n);
@@ -553,7 +555,7 @@ mod tests {
                     let pixel = Pixel {
                         colour: [before[i], before[n + i], before[2 * n + i]], transparency: before[3 * n + i],
                     };
-                    let out = O::fold::<R>(pixel, c, a, dither, R::FLOOR);
+                    let out = O::fold::<R>(pixel, scaled::<R>(c), a, dither, R::FLOOR);
                     prop_assert_eq!([row[i], row[n + i], row[2 * n + i]], out.colour);
                     prop_assert_eq!(row[3 * n + i], out.transparency);
                 }

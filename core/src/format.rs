@@ -19,7 +19,8 @@
 //! | [`Opacity`] | 1.31 | 0 to 1 | fraction of light blocked by a step | classification | compositing |
 //! | [`Cosine`] | 1.31 | 0 to 1 | | shading | shading |
 //! | [`Coefficient`] | 1.31 | 0 to 1 | | caller | shading |
-//! | [`Intensity`] | 1.15 | 0 to 1 | | classification, shading | compositing |
+//! | colour | 1.15, or 1.31 (`Wide`) | 0 to 1 | | classification, shading | compositing |
+//! | [`Intensity`] | 1.15 | 0 to 1 | | caller | gradient (spacing), background |
 //! | `u16` channel | 1.15 | 0 to 1 | | compositing (`Paper`) | warp |
 //! | `Unorm16` channel | 16 bits, 65535 is 1 | 0 to 1 | | compositing (`Compact`) | warp |
 //! | `u32` channel | 1.31 | 0 to 1 | | compositing (`Wide`) | warp |
@@ -56,7 +57,7 @@ pub type Opacity = FixedU32<U31>;
 pub type Cosine = FixedU32<U31>;
 /// A lighting coefficient (the material's times the light's), 1.31. A precision may keep fewer bits of it.
 pub type Coefficient = FixedU32<U31>;
-/// A colour channel, 1.15; 32768 is 1.0.
+/// A spacing factor or a background colour, 1.15; 32768 is 1.0.
 pub type Intensity = FixedU16<U15>;
 
 /// The largest voxel value: 12 bits.

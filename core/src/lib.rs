@@ -10,6 +10,51 @@
 //! the volume in memory and many threads). Both give the same bits.
 //!
 //! Number formats are declared in [`mod@format`], the three named precisions in [`precision`].
+//!
+//! # Example
+//!
+//! White fog of 8 slices, 8 x 8 voxels each, pushed one by one:
+//!
+//! ```
+//! use slicecast::classify::{ENTRIES, Linear, PointTable, Sqrt16, entry};
+//! use slicecast::composite::FrontToBack;
+//! use slicecast::plan::{Plan, Sampling, Spacing};
+//! use slicecast::plane::{Composite, Pipeline};
+//! use slicecast::precision::Compact;
+//! use slicecast::shade::Unlit;
+//! use slicecast::slice::RowRange;
+//! use slicecast::stream::{Memory, Needs, Stream};
+//! use slicecast::tap::NoTap;
+//! use slicecast::view::View;
+//!
+//! // Firmware names one combination and pays for that one.
+//! type Unshaded<'t> = Composite<Compact, PointTable<'t, Sqrt16, Linear>, Unlit, FrontToBack>;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // Every code is white, with the root of its opacity at 0x2000 / 0x10000: 1/64 a step.
+//! static WHITE: [u32; ENTRIES] = [entry([255; 3], 0x20); ENTRIES];
+//! static LOW: [u8; ENTRIES] = [0; ENTRIES];
+//! let pipeline = Unshaded::new(PointTable::new(&WHITE, &LOW), Unlit);
+//!
+//! let view = View::from_angles(0.0, 0.0, [1.0; 3])?;
+//! let plan = Plan::new(view, [8, 8, 8], Spacing::CUBIC, Sampling::default())?;
+//! let needs = Needs::of::<Unshaded>(&plan);
+//! let mut slices = vec![0; needs.slices];
+//! let mut ranges = vec![RowRange::EMPTY; needs.ranges];
+//! let mut scratch = vec![0; needs.scratch];
+//! let mut image = vec![Unshaded::empty(0); needs.image];
+//! let memory = Memory { slices: &mut slices, ranges: &mut ranges, scratch: &mut scratch, image: &mut image };
+//!
+//! let mut stream = Stream::new(plan, pipeline, memory)?;
+//! while let Some(_number) = stream.wanted() {
+//!     stream.push(&[1000; 64], &mut NoTap)?;
+//! }
+//! // Eight samples of 1/64 leave (63/64)^8 of the light: 57780 of 65535.
+//! let left = stream.pixel(4, 4).transparency.0;
+//! assert!((57779..=57781).contains(&left));
+//! # Ok(())
+//! # }
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

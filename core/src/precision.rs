@@ -9,6 +9,7 @@
 //! | sample | 12.12, truncated at each lerp | 12.12, rounded once | 12.15, rounded once |
 //! | normal | 1.12, truncated | 15-bit block, length divided out last | as `Compact` |
 //! | shading | 16.16, truncated | 1.31 dots and powers, 16-bit coefficients | 1.31, one rounding |
+//! | colour | 1.15 | 1.15 | 1.31 |
 //! | pixel | 1.15 truncated, 64 bits | 16 bits, 65535 is 1, telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
 
 use fixed::traits::Fixed;
@@ -35,6 +36,8 @@ pub trait Precision: Copy + Default + Send + Sync + 'static {
     /// The arithmetic of shading.
     const SHADING: Shading;
 
+    /// Fraction bits of a colour: 15 or 31, as the pixel takes it.
+    const COLOUR_BITS: u32 = <Self::Pixel as Recurrence>::COLOUR_BITS;
     /// Fraction bits of a sample.
     const SAMPLE_BITS: u32 = Self::Sample::FRAC_NBITS;
 }

@@ -25,13 +25,13 @@ pub trait Tap {
     fn samples(&mut self, _at: Beam<'_>, _samples: &[i32]) {}
     /// Classification: the opacities of the same row, bits of 1.31.
     fn opacities(&mut self, _at: Beam<'_>, _opacities: &[i32]) {}
-    /// Classification: the colours of a visible span, 1.15.
+    /// Classification: the colours of a visible span, 1.15 or 1.31.
     fn colours(&mut self, _at: Beam<'_>, _colours: [&[i32]; 3]) {}
     /// Gradient: a visible span of a lit scene, after the spacing factors.
     fn gradients(&mut self, _at: Beam<'_>, _gradients: [&[i32]; 3]) {}
     /// Normalisation: the same span, block-normalised components and reciprocal lengths.
     fn normals(&mut self, _at: Beam<'_>, _g: [&[i32]; 3], _r: &[i32]) {}
-    /// Shading: the colours of the same span, 1.15.
+    /// Shading: the colours of the same span, in the same format.
     fn shaded(&mut self, _at: Beam<'_>, _colours: [&[i32]; 3]) {}
     /// Compositing: the pixels of a visible span before its samples are folded in.
     fn before<C: Channel>(&mut self, _at: Beam<'_>, _pixels: &PixelRow<'_, C>) {}

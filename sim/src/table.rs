@@ -8,7 +8,7 @@
 use slicecast::classify::{
     Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt8, Sqrt16, Support, entry, opacity_of_root,
 };
-use slicecast::format::{Intensity, Opacity};
+use slicecast::format::Opacity;
 use slicecast::precision::Precision;
 
 use crate::scene::{AlphaCodeName, LookupName, TransferFunction};
@@ -169,7 +169,7 @@ impl<P: Precision> Classifier<P> for AnyTable<'_> {
         with_table!(self, table => Classifier::<P>::opacity(table, sample))
     }
 
-    fn colour(&self, sample: P::Sample) -> [Intensity; 3] {
+    fn colour(&self, sample: P::Sample) -> [u32; 3] {
         with_table!(self, table => Classifier::<P>::colour(table, sample))
     }
 

@@ -29,8 +29,8 @@ pub struct Args {
     threads: ThreadArgs,
 }
 
-/// A difference of this many steps of 1/255 is white in the heat map.
-const HEAT_FULL: f64 = 2.0;
+/// A difference of this many steps of 1/255 is white in the heat map: from here on an 8-bit value may be another.
+const HEAT_FULL: f64 = 0.5;
 
 fn names() -> Vec<String> {
     let per_precision = |p: PrecisionName| {
@@ -101,7 +101,7 @@ impl Args {
         println!("== pictures against the model ==\n");
         println!("{}\n", tables::images(&summary));
         println!("Streamed slice by slice and rendered in place: the same bits at every precision.");
-        println!("Differences: base plane, black is none, white {HEAT_FULL} steps of 1/255 or more.\n");
+        println!("Differences: base plane, black is none, white {HEAT_FULL} of a step of 1/255 or more.\n");
         for path in written {
             println!("wrote {}", path.display());
         }

@@ -282,7 +282,7 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
         self.colours.clear();
         for offset in 0..colours[0].len() {
             let index = self.index(at) + offset;
-            let fixed = colours.map(|c| f64::from(c[offset]) / 32768.0);
+            let fixed = colours.map(|c| f64::from(c[offset] as u32) / f64::from(P::COLOUR_BITS).exp2());
             self.colours.push(fixed);
             let exact = self.model.classify(self.values[index - self.row]).colour;
             self.add3(Stage::Colour, fixed, exact, self.visible(index).map(|v| v.colour));
@@ -321,7 +321,7 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
 
     fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
         for offset in 0..colours[0].len() {
-            let fixed = colours.map(|c| f64::from(c[offset]) / 32768.0);
+            let fixed = colours.map(|c| f64::from(c[offset] as u32) / f64::from(P::COLOUR_BITS).exp2());
             if let Some(lights) = &self.lights {
                 let exact = lights.shade(self.normals[offset], self.colours[offset]);
                 let carried = self.visible(self.index(at) + offset).map(|v| v.shaded);

@@ -72,7 +72,7 @@ impl Stage {
                 NormalForm::Deferred => fixed(1, 15),
                 NormalForm::Formed(bits) => fixed(1, bits),
             },
-            Self::Shading => fixed(1, 15),
+            Self::Shading => fixed(1, P::COLOUR_BITS),
             Self::Transparency | Self::Compositing => {
                 (ChannelOf::<P>::NAME.to_owned(), f64::from(ChannelOf::<P>::ONE.bits()))
             }
