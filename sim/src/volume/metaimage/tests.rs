@@ -134,7 +134,7 @@ fn wrong_fields_and_data_are_refused_by_name() {
             "True",
             "zlib data are damaged after 0 unpacked bytes of 12",
         ),
-        ("BinaryData", "False", "is no"),
+        ("BinaryData", "False", "value 0 of the text is"),
         ("HeaderSize", "-2", "field `HeaderSize`"),
         ("ElementDataFile", "a.raw", "expected `LOCAL`"),
         ("ElementDataFile", "", "expected `LOCAL`"),

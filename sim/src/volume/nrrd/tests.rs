@@ -224,7 +224,7 @@ fn wrong_fields_are_refused_by_name() {
         (
             "space directions",
             "(1,1,0) (0,1,0) (0,0,1)",
-            "has axes x and y at 45.00 degrees",
+            "field `spacings` is `1 1 2`, expected the lengths",
         ),
         (
             "encoding",
@@ -261,6 +261,12 @@ fn wrong_fields_are_refused_by_name() {
             "{field}: {value}: {text}"
         );
     }
+}
+
+#[test]
+fn axes_not_at_right_angles_are_refused() {
+    let fields = [("spacings", ""), ("space directions", "(1,1,0) (0,1,0) (0,0,1)")];
+    assert!(message(&fields, &[0; 6]).contains("has axes x and y at 45.00 degrees"));
 }
 
 #[test]
