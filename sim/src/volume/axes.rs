@@ -75,8 +75,7 @@ impl Turn {
         }
         for axes in [[0, 1], [0, 2], [1, 2]] {
             let cosine = dot(unit[axes[0]], unit[axes[1]]);
-            // Written so that NaN is refused as well.
-            if !(cosine.abs() <= RIGHT_ANGLE) {
+            if cosine.is_nan() || cosine.abs() > RIGHT_ANGLE {
                 let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
                 return Err(AxesError::Sheared { axes, angle });
             }

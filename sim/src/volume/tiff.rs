@@ -157,12 +157,11 @@ impl Pages {
         self.count += 1;
         let voxels = voxel_count([width.into(), height.into(), self.count])?;
         let bytes = voxels * bits / 8;
-        if bytes > file_max.max(MAX_BYTES / 64) || bytes > MAX_BYTES {
-            return Err(Problem::TooLarge {
-                bytes,
-                what: "the pages so far",
-                limit: file_max.max(MAX_BYTES / 64).min(MAX_BYTES),
-            });
+        // A folder's files add up, so that a single one's expansion is no bound below this.
+        let limit = file_max.clamp(MAX_BYTES / 64, MAX_BYTES);
+        if bytes > limit {
+            let what = "the pages so far";
+            return Err(Problem::TooLarge { bytes, what, limit });
         }
         let size = *self.size.get_or_insert([width, height]);
         if size != [width, height] {

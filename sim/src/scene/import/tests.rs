@@ -119,3 +119,32 @@ fn names_tell_the_kind() {
         assert_eq!(Kind::of(Path::new(name)), kind);
     }
 }
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig {
+        cases: 1000,
+        failure_persistence: None,
+        rng_seed: proptest::test_runner::RngSeed::Fixed(0x51CE_CA57),
+        ..proptest::prelude::ProptestConfig::default()
+    })]
+
+    /// Whatever a file says, reading ends with a checked function or an error of one line.
+    #[test]
+    fn mutated_files_never_panic(edits in proptest::collection::vec((0_usize..300, 0_u8..128), 0..6)) {
+        let json = r#"{"volumeProperties":[{"components":[{"scalarOpacity":{"points":[{"x":0,"y":0},{"x":9,"y":1}]},
+            "rgbTransferFunction":{"points":[{"x":0,"color":[0,0,0]},{"x":9,"color":[1,1,1]}]}}]}]}"#;
+        let map = r#"[{"ColorSpace":"Step","RGBPoints":[0,0,0,0,9,1,1,1],"Points":[0,0,0.5,0,9,1,0.5,0]}]"#;
+        for (kind, text) in [(Kind::SlicerText, VP), (Kind::SlicerJson, json), (Kind::ParaView, map)] {
+            let mut bytes = text.as_bytes().to_vec();
+            for &(at, byte) in &edits {
+                let at = at % bytes.len();
+                bytes[at] = byte;
+            }
+            let text = String::from_utf8(bytes).unwrap();
+            match parse(&text, kind) {
+                Ok(imported) => proptest::prop_assert!(check::transfer(&imported.transfer).is_ok()),
+                Err(fault) => proptest::prop_assert!(!fault.to_string().contains('\n')),
+            }
+        }
+    }
+}

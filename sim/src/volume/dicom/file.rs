@@ -158,19 +158,24 @@ impl Slice {
     }
 
     /// What slices of one series have in common.
-    pub fn series_key(&self) -> (&str, &str, &str, [u32; 2], Option<[[i64; 3]; 2]>) {
-        // Directions agree to a thousandth.
-        let rounded = self
-            .directions
-            .map(|two| two.map(|v| v.map(|c| (c * 1000.0).round() as i64)));
-        (
-            &self.series_uid,
-            &self.series_number,
-            &self.echo,
-            [self.columns, self.rows],
-            rounded,
-        )
+    pub fn series_key(&self) -> SeriesKey<'_> {
+        SeriesKey {
+            texts: [&self.series_uid, &self.series_number, &self.echo],
+            size: [self.columns, self.rows],
+            // Directions agree to a thousandth.
+            directions: self
+                .directions
+                .map(|two| two.map(|v| v.map(|c| (c * 1000.0).round() as i64))),
+        }
     }
+}
+
+/// What slices of one series have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SeriesKey<'a> {
+    texts: [&'a str; 3],
+    size: [u32; 2],
+    directions: Option<[[i64; 3]; 2]>,
 }
 
 /// The data set after the file's meta information, unpacked if it is deflated.

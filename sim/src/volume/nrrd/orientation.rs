@@ -16,9 +16,12 @@ pub(super) enum Directions {
     Space([[f64; 3]; 3]),
 }
 
+/// Spacing, directions if any are stated, and notes for the user.
+type Stated = ([f64; 3], Option<Directions>, Vec<String>);
+
 /// The distance between voxels along the file's three axes (1 if the header states none; it may still be no length),
 /// the axes' directions, and notes for the user.
-pub(super) fn read(header: &Header) -> Result<([f64; 3], Option<Directions>, Vec<String>), Problem> {
+pub(super) fn read(header: &Header) -> Result<Stated, Problem> {
     let stated = header.get("spacings").map(spacings).transpose()?;
     let Some(text) = header.get("space directions") else {
         return Ok(match stated {
@@ -83,7 +86,7 @@ fn vectors(text: &str) -> Option<[[f64; 3]; 3]> {
 mod tests {
     use super::*;
 
-    fn read_lines(lines: &str) -> Result<([f64; 3], Option<Directions>, Vec<String>), Problem> {
+    fn read_lines(lines: &str) -> Result<Stated, Problem> {
         let text = format!("NRRD0005\n{lines}\n");
         read(&Header::read(&mut text.as_bytes()).unwrap())
     }

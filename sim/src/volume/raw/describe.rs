@@ -274,4 +274,30 @@ mod tests {
             assert!(!message.contains('\n'), "{message}");
         }
     }
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig {
+            cases: 1000,
+            failure_persistence: None,
+            rng_seed: proptest::test_runner::RngSeed::Fixed(0x51CE_CA57),
+            ..proptest::prelude::ProptestConfig::default()
+        })]
+
+        /// Whatever a description says, reading it ends with one or an error of one line.
+        #[test]
+        fn mutated_descriptions_never_panic(edits in proptest::collection::vec((0_usize..200, 0_u8..128), 0..6)) {
+            let words = "4x5x6,uint16,big,spacing=0.5x0.5x1,skip=16,offset=-1024,axes=RAS";
+            let toml = "size = [4, 5, 6]\ntype = 'uint16'\nendian = 'big'\naxes = 'RAS'\n";
+            for (text, read) in [(words, from_words as fn(&str) -> _), (toml, from_toml)] {
+                let mut bytes = text.as_bytes().to_vec();
+                for &(at, byte) in &edits {
+                    let at = at % bytes.len();
+                    bytes[at] = byte;
+                }
+                if let Err(problem) = read(&String::from_utf8(bytes).unwrap()) {
+                    proptest::prop_assert!(!problem.to_string().contains('\n'));
+                }
+            }
+        }
+    }
 }
