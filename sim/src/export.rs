@@ -118,7 +118,8 @@ pub struct Losses {
     pub underflows: usize,
     /// Visible entries whose opacity is off by more than the share asked about, underflows included.
     pub coarse: usize,
-    /// The greatest relative error of an opacity, 1 for an underflow.
+    /// The greatest relative error of an opacity, 1 for an underflow; more where an entry makes up for its neighbours'
+    /// underflow.
     pub worst: f64,
     /// The data value where it is.
     pub worst_value: f64,
@@ -212,7 +213,12 @@ mod tests {
     fn underflow_and_coarse_steps_are_counted() {
         // (1/255 / 2)^2 is the least opacity that an 8-bit root shows.
         let (_, lost) = compiled(3e-6, AlphaCodeName::Sqrt8);
-        assert_eq!((lost.visible, lost.underflows, lost.worst), (3072, 3072, 1.0));
+        // Errors are passed on from entry to entry: some show the least opacity in the others' place.
+        assert_eq!(lost.visible, 3072);
+        assert!(
+            lost.underflows > 1500 && lost.coarse == 3072 && lost.worst >= 1.0,
+            "{lost:?}"
+        );
         let (_, kept) = compiled(3e-6, AlphaCodeName::Sqrt16);
         assert_eq!((kept.underflows, kept.coarse), (0, 0));
         let (_, fine) = compiled(0.5, AlphaCodeName::Sqrt8);
