@@ -346,7 +346,15 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
                 Blend::BackToFront => before.back_to_front(colour, opacity),
                 _ => before.front_to_back(colour, opacity),
             };
-            let given = if telescopes::<P>() && self.blend != Blend::BackToFront {
+            // Transparency below the pixel's floor is 0 by definition. What the sample itself took is then unknown, and
+            // the light that it gives is measured against the product.
+            let (floor, one) = (P::Pixel::FLOOR, <P::Pixel as Recurrence>::Channel::ONE);
+            let settled = floor > <P::Pixel as Recurrence>::Channel::LEAST
+                && self.blend != Blend::BackToFront
+                && after.transparency == 0.0
+                && exact.transparency < f64::from(floor.bits()) / f64::from(one.bits());
+            let left = if settled { 0.0 } else { exact.transparency };
+            let given = if telescopes::<P>() && self.blend != Blend::BackToFront && !settled {
                 // The light that the sample has really taken, rounding included.
                 let taken = before.transparency - after.transparency;
                 [0, 1, 2].map(|c| before.colour[c] + colour[c] * taken)
@@ -355,11 +363,7 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
             };
             let model = self.pixels[index];
             let carried = after.transparency - model.transparency;
-            self.add(
-                Stage::Transparency,
-                after.transparency - exact.transparency,
-                Some(carried),
-            );
+            self.add(Stage::Transparency, after.transparency - left, Some(carried));
             self.add3(Stage::Compositing, after.colour, given, Some(model.colour));
         }
     }

@@ -1,0 +1,189 @@
+//! A frame stated in integers, and its way through the pipeline.
+
+use std::sync::Arc;
+
+use slicecast::classify::{ENTRIES, entry};
+use slicecast::format::{Direction, Intensity, Step};
+use slicecast::plan::{Plan, Sampling, Spacing};
+use slicecast::slice::Slice;
+use slicecast::view::View;
+use slicecast::warp::Warp;
+use slicecast_sim::camera::{CameraError, Material, Picture, Setup};
+use slicecast_sim::engine::Prepared;
+use slicecast_sim::oriented::with_slices;
+use slicecast_sim::scene::{self, AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
+use slicecast_sim::table::Table;
+use slicecast_sim::volume::Volume;
+
+/// Everything that decides a frame's bits.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The voxels.
+    pub volume: Arc<Volume>,
+    /// Viewing direction in voxel units, any scale; each component within +-2^30.
+    pub direction: [i64; 3],
+    /// Spacing factors along x, y, z, 1.15.
+    pub factors: [u16; 3],
+    /// Planes a voxel.
+    pub planes_per_voxel: u32,
+    /// Rays a voxel along a side.
+    pub rays_per_voxel: u32,
+    /// Colour and square root of the opacity (0.16) of each code.
+    pub table: Arc<[([u8; 3], u16); ENTRIES]>,
+    /// Lights in the slice frame; `None` is unlit.
+    pub material: Option<Material>,
+    /// How samples combine.
+    pub blend: Blend,
+    /// Number formats.
+    pub precision: PrecisionName,
+    /// Table coding; `None` takes the precision's own.
+    pub code: Option<AlphaCodeName>,
+    /// Table look-up; `None` takes the precision's own.
+    pub lookup: Option<LookupName>,
+    /// Threshold of early termination.
+    pub early_termination: Option<u32>,
+}
+
+impl Frame {
+    /// An unlit frame of this volume, straight along +z, one sample a voxel.
+    pub fn new(volume: Arc<Volume>, table: Arc<[([u8; 3], u16); ENTRIES]>) -> Self {
+        Self {
+            volume,
+            direction: [0, 0, 1],
+            factors: [32768; 3],
+            planes_per_voxel: 1,
+            rays_per_voxel: 1,
+            table,
+            material: None,
+            blend: Blend::FrontToBack,
+            precision: PrecisionName::Compact,
+            code: None,
+            lookup: None,
+            early_termination: None,
+        }
+    }
+
+    /// The frame in another precision.
+    pub fn in_precision(&self, precision: PrecisionName) -> Self {
+        Self {
+            precision,
+            ..self.clone()
+        }
+    }
+
+    /// The frame's scene: of it the engine reads blend, precision and early termination; the rest is decided already.
+    pub fn scene(&self) -> Scene {
+        Scene {
+            view: scene::View::default(),
+            image: scene::Image::default(),
+            sampling: scene::Sampling::default(),
+            transfer: scene::TransferFunction {
+                unit_distance: 1.0,
+                points: Vec::new(),
+            },
+            lighting: None,
+            blend: self.blend,
+            precision: self.precision,
+            table: self.code,
+            lookup: self.lookup,
+            early_termination: self.early_termination,
+        }
+    }
+
+    /// The frame's plan.
+    ///
+    /// # Errors
+    /// [`CameraError`] if core refuses the view or the sampling.
+    pub fn plan(&self) -> Result<Plan, CameraError> {
+        let view = View::new(self.direction.map(|c| Direction::from_bits(c << 28)))?;
+        let dims = self.volume.dims.map(|side| side as u32);
+        let spacing = Spacing(self.factors.map(Intensity::from_bits));
+        let sampling = Sampling {
+            planes_per_voxel: self.planes_per_voxel,
+            rays_per_voxel: self.rays_per_voxel,
+        };
+        Ok(Plan::new(view, dims, spacing, sampling)?)
+    }
+
+    /// The table as the engine has it.
+    pub fn compiled(&self) -> Table {
+        let code = self.code.unwrap_or(self.precision.table());
+        let mut table = Table {
+            entries: Box::new([0; ENTRIES]),
+            plane: Box::new([0; ENTRIES]),
+            code,
+            lookup: self.lookup.unwrap_or(self.precision.lookup()),
+            underflows: 0,
+        };
+        let slots = table.entries.iter_mut().zip(table.plane.iter_mut());
+        for ((slot, low), (colour, root)) in slots.zip(self.table.iter()) {
+            let [low_byte, high] = root.to_le_bytes();
+            *slot = entry(*colour, high);
+            if code == AlphaCodeName::Sqrt16 {
+                *low = low_byte;
+            }
+        }
+        table
+    }
+
+    /// Gives the prepared frame and its slices to `run`.
+    ///
+    /// # Panics
+    /// If core refuses the frame: tests state frames that it takes.
+    pub fn with_prepared<R>(&self, run: impl FnOnce(&Prepared<'_>, &[Slice<'_>]) -> R) -> R {
+        let plan = self.plan().expect("a frame that has a plan");
+        let scene = self.scene();
+        let prepared = Prepared {
+            scene: &scene,
+            volume: &self.volume,
+            setup: Setup {
+                picture: picture(&plan),
+                material: self.material.clone(),
+                step_length: 1.0,
+                plan,
+            },
+            table: self.compiled(),
+        };
+        with_slices(&self.volume, plan.view(), |slices| run(&prepared, slices)).expect("12-bit voxels")
+    }
+}
+
+/// A picture of 48 x 40 pixels that turns and shrinks the base plane a little, so that the warp has work to do.
+fn picture(plan: &Plan) -> Picture {
+    let rays = i64::from(plan.sampling().rays_per_voxel);
+    let [w, h] = plan.base().map(|side| (i64::from(side) * rays) << 32);
+    let step = Step::from_bits;
+    Picture {
+        size: [48, 40],
+        warp: Warp {
+            origin: [step(-w / 16), step(h / 23)],
+            right: [step(w / 47), step(-h / 390)],
+            down: [step(w / 410), step(h / 39)],
+        },
+        affine: [[0.0; 2]; 3],
+    }
+}
+
+/// A table from points `(code, colour, root)`, linear in integers between them, constant outside.
+///
+/// # Panics
+/// Without a point.
+pub fn table_of(points: &[(u16, [u8; 3], u16)]) -> Arc<[([u8; 3], u16); ENTRIES]> {
+    let mut table = [([0; 3], 0); ENTRIES];
+    for (code, slot) in table.iter_mut().enumerate() {
+        let passed = points.iter().take_while(|p| usize::from(p.0) <= code).count();
+        let a = points[passed.saturating_sub(1)];
+        let b = points[passed.min(points.len() - 1)];
+        let (from, span) = (i64::from(a.0), i64::from(b.0) - i64::from(a.0));
+        let mix = |a: i64, b: i64| {
+            if span == 0 {
+                a
+            } else {
+                a + (b - a) * (code as i64 - from) / span
+            }
+        };
+        let channel = |c: usize| mix(i64::from(a.1[c]), i64::from(b.1[c])) as u8;
+        *slot = ([0, 1, 2].map(channel), mix(i64::from(a.2), i64::from(b.2)) as u16);
+    }
+    Arc::new(table)
+}

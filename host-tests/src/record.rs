@@ -1,0 +1,285 @@
+//! A tap that keeps every value at every stage boundary, and the first place where two runs part.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use slicecast::composite::{Channel, PixelRow};
+use slicecast::locate::Plane;
+use slicecast::plan::{Phase, Plan};
+use slicecast::plane::Pipeline;
+use slicecast::slice::Slice;
+use slicecast::tap::{Beam, Tap};
+use slicecast_sim::engine::{BaseImage, Layer, base_image, fold_tiles, new_image, stream_tapped};
+use slicecast_sim::pipelines::Job;
+
+use crate::frame::Frame;
+
+/// A stage boundary, in the order in which a sample passes them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Positions of a plane: x, y, z.
+    Location,
+    /// Samples.
+    Interpolation,
+    /// Opacities.
+    Opacity,
+    /// Colours.
+    Colour,
+    /// Gradients after the spacing factors.
+    Gradient,
+    /// Block-normalised components and reciprocal length.
+    Normal,
+    /// Shaded colours.
+    Shading,
+    /// Pixels before a sample: R, G, B, T.
+    Before,
+    /// Pixels after it.
+    After,
+}
+
+impl Stage {
+    /// All of them, in order.
+    pub const ALL: [Self; 9] = [
+        Self::Location,
+        Self::Interpolation,
+        Self::Opacity,
+        Self::Colour,
+        Self::Gradient,
+        Self::Normal,
+        Self::Shading,
+        Self::Before,
+        Self::After,
+    ];
+
+    /// The name that manifests and messages use.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Location => "location",
+            Self::Interpolation => "interpolation",
+            Self::Opacity => "opacity",
+            Self::Colour => "colour",
+            Self::Gradient => "gradient",
+            Self::Normal => "normal",
+            Self::Shading => "shading",
+            Self::Before => "before",
+            Self::After => "compositing",
+        }
+    }
+}
+
+/// Where a value was seen. Ordered as the data flow: what comes first may have caused what comes later.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    /// Number of the plane in the order of folding.
+    pub step: u32,
+    /// Number of the phase.
+    pub phase: u32,
+    /// Boundary.
+    pub stage: Stage,
+    /// Row of the phase's image.
+    pub row: u32,
+    /// Column of it.
+    pub column: u32,
+}
+
+/// Raw bits; a stage with fewer values leaves the rest 0.
+pub type Bits = [u32; 4];
+
+/// What was seen where.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Recording {
+    /// Values by place.
+    pub values: BTreeMap<Place, Bits>,
+}
+
+/// The first place where a run departs from what was expected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Divergence {
+    /// Where.
+    pub place: Place,
+    /// What should have been there; `None`: nothing.
+    pub expected: Option<Bits>,
+    /// What was; `None`: nothing.
+    pub found: Option<Bits>,
+}
+
+impl fmt::Display for Divergence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Place {
+            step,
+            phase,
+            stage,
+            row,
+            column,
+        } = self.place;
+        write!(
+            f,
+            "first divergence at stage {}, plane {step} of the fold, phase {phase}, row {row}, column {column}: ",
+            stage.name()
+        )?;
+        let mut side = |name: &str, bits: Option<Bits>| match bits {
+            Some(b) => write!(f, "{name} {b:08x?} {:?}", b.map(|c| c as i32)),
+            None => write!(f, "{name} nothing"),
+        };
+        side("expected", self.expected)?;
+        side(", found", self.found)
+    }
+}
+
+impl Recording {
+    /// Notes a value.
+    pub fn note(&mut self, place: Place, bits: Bits) {
+        self.values.insert(place, bits);
+    }
+
+    /// Where `other` first differs from this run of the pipeline, value for value.
+    pub fn first_difference(&self, other: &Self) -> Option<Divergence> {
+        let places = self.values.keys().chain(other.values.keys());
+        let differing = places.filter(|p| self.values.get(p) != other.values.get(p)).min()?;
+        Some(Divergence {
+            place: *differing,
+            expected: self.values.get(differing).copied(),
+            found: other.values.get(differing).copied(),
+        })
+    }
+}
+
+/// The tap.
+#[derive(Clone, Debug)]
+pub struct Recorder {
+    back_to_front: bool,
+    planes: u32,
+    rays: u32,
+    /// What has been seen.
+    pub recording: Recording,
+}
+
+impl Recorder {
+    /// An empty recording of a pipeline's run.
+    pub fn new<L: Pipeline>(plan: &Plan) -> Self {
+        Self {
+            back_to_front: L::BACK_TO_FRONT,
+            planes: plan.planes(),
+            rays: plan.sampling().rays_per_voxel,
+            recording: Recording::default(),
+        }
+    }
+
+    fn place(&self, plane: &Plane, stage: Stage, row: u32, column: u32) -> Place {
+        let Phase { u, v } = plane.phase;
+        Place {
+            step: if self.back_to_front {
+                self.planes - 1 - plane.index
+            } else {
+                plane.index
+            },
+            phase: u + v * self.rays,
+            stage,
+            row,
+            column,
+        }
+    }
+
+    fn row(&mut self, at: Beam<'_>, stage: Stage, len: usize, bits: impl Fn(usize) -> Bits) {
+        for offset in 0..len {
+            let place = self.place(at.plane, stage, at.row, at.column + offset as u32);
+            self.recording.note(place, bits(offset));
+        }
+    }
+
+    fn pixels<C: Channel>(&mut self, at: Beam<'_>, stage: Stage, pixels: &PixelRow<'_, C>) {
+        let [r, g, b] = &pixels.colour;
+        let t = &pixels.transparency;
+        self.row(at, stage, t.len(), |n| [r[n], g[n], b[n], t[n]].map(Channel::bits));
+    }
+}
+
+fn bits3([a, b, c]: [&[i32]; 3], n: usize) -> Bits {
+    [a[n] as u32, b[n] as u32, c[n] as u32, 0]
+}
+
+impl Tap for Recorder {
+    fn plane(&mut self, plane: &Plane) {
+        let place = self.place(plane, Stage::Location, 0, 0);
+        let [x, y, z] = [plane.x, plane.y, plane.z].map(|p| p.to_bits() as u32);
+        self.recording.note(place, [x, y, z, 0]);
+    }
+
+    fn samples(&mut self, at: Beam<'_>, samples: &[i32]) {
+        self.row(at, Stage::Interpolation, samples.len(), |n| {
+            [samples[n] as u32, 0, 0, 0]
+        });
+    }
+
+    fn opacities(&mut self, at: Beam<'_>, opacities: &[i32]) {
+        self.row(at, Stage::Opacity, opacities.len(), |n| [opacities[n] as u32, 0, 0, 0]);
+    }
+
+    fn colours(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
+        self.row(at, Stage::Colour, colours[0].len(), |n| bits3(colours, n));
+    }
+
+    fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
+        self.row(at, Stage::Gradient, gradients[0].len(), |n| bits3(gradients, n));
+    }
+
+    fn normals(&mut self, at: Beam<'_>, g: [&[i32]; 3], r: &[i32]) {
+        self.row(at, Stage::Normal, r.len(), |n| {
+            let [x, y, z, _] = bits3(g, n);
+            [x, y, z, r[n] as u32]
+        });
+    }
+
+    fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
+        self.row(at, Stage::Shading, colours[0].len(), |n| bits3(colours, n));
+    }
+
+    fn before<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
+        self.pixels(at, Stage::Before, pixels);
+    }
+
+    fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
+        self.pixels(at, Stage::After, pixels);
+    }
+}
+
+/// Runs a frame through a layer, recording everything.
+pub fn recorded(frame: &Frame, layer: Layer) -> (BaseImage, Recording) {
+    struct Record<'a> {
+        plan: &'a Plan,
+        slices: &'a [Slice<'a>],
+        layer: Layer,
+    }
+    impl Job for Record<'_> {
+        type Output = (BaseImage, Recording);
+
+        fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+            let Self { plan, slices, layer } = self;
+            let mut image = new_image::<L>(plan).expect("a small image");
+            let recorder = || Recorder::new::<L>(plan);
+            let recording = match layer {
+                Layer::Tiles(rows) => {
+                    let quiet = |_, _| ();
+                    let taps = fold_tiles(plan, pipeline, slices, &mut image, rows, &quiet, |_| recorder());
+                    let values = taps.into_iter().flat_map(|t| t.recording.values).collect();
+                    Recording { values }
+                }
+                Layer::Stream => {
+                    let mut tap = recorder();
+                    stream_tapped(plan, pipeline, slices, &mut image, &|_, _| (), &mut tap).expect("good slices");
+                    tap.recording
+                }
+            };
+            (base_image(plan, pipeline, &image), recording)
+        }
+    }
+    frame.with_prepared(|prepared, slices| {
+        prepared
+            .dispatch(Record {
+                plan: &prepared.setup.plan,
+                slices,
+                layer,
+            })
+            .expect("a material that core takes")
+    })
+}

@@ -1,0 +1,191 @@
+//! The tolerance table: how far each stage may be from f64 on its own inputs, in units of the last place of its own
+//! format (`slicecast_sim::compare::stages`: opacity counts in 2^-16, colour in 2^-8), and why.
+//!
+//! An allowance is the bound that the stage's contract proves, where the test scenes come near it, or else the worst
+//! that they were measured to do. A stage that exceeds its line fails, and so does a line of which a stage needs less than
+//! [`STALE`]: bounds are to be tightened when the pipeline gets better.
+
+use slicecast_sim::compare::stages::Stage;
+use slicecast_sim::scene::PrecisionName;
+
+/// The share of its allowance that a stage must use.
+pub const STALE: f64 = 0.6;
+
+/// A line of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Allowance {
+    /// Whose output.
+    pub stage: Stage,
+    /// In what precision.
+    pub precision: PrecisionName,
+    /// Units of the last place of the stage's format.
+    pub ulp: f64,
+    /// Why as much as that.
+    pub reason: &'static str,
+}
+
+/// The table.
+pub const TABLE: [Allowance; 27] = [
+    Allowance {
+        stage: Stage::Location,
+        precision: PrecisionName::Paper,
+        ulp: 0.502,
+        reason: "one rounding: a half; the step's own 32 bits add 2^-17 a plane, and there are up to 186 planes",
+    },
+    Allowance {
+        stage: Stage::Location,
+        precision: PrecisionName::Compact,
+        ulp: 0.502,
+        reason: "one rounding: a half; the step's own 32 bits add 2^-17 a plane, and there are up to 186 planes",
+    },
+    Allowance {
+        stage: Stage::Location,
+        precision: PrecisionName::Wide,
+        ulp: 0.502,
+        reason: "one rounding: a half; the step's own 32 bits add 2^-17 a plane, and there are up to 186 planes",
+    },
+    Allowance {
+        stage: Stage::Interpolation,
+        precision: PrecisionName::Paper,
+        ulp: 5300.0,
+        reason: "weights cut to 12 bits: 15/65536 of a step of up to 4095 along three axes; measured in noise",
+    },
+    Allowance {
+        stage: Stage::Interpolation,
+        precision: PrecisionName::Compact,
+        ulp: 0.53125,
+        reason: "0.5 of 12.12, and 1/32 for y in 16 fraction bits: proved",
+    },
+    Allowance {
+        stage: Stage::Interpolation,
+        precision: PrecisionName::Wide,
+        ulp: 0.75,
+        reason: "0.5 of 12.15, and 1/4 for y in 16 fraction bits: proved",
+    },
+    Allowance {
+        stage: Stage::Opacity,
+        precision: PrecisionName::Paper,
+        ulp: 520.0,
+        reason: "half an entry on the head's steepest slope; a code of the 8-bit root is up to 514 units wide; measured",
+    },
+    Allowance {
+        stage: Stage::Opacity,
+        precision: PrecisionName::Compact,
+        ulp: 1.75,
+        reason: "a code of the 16-bit root is 2 sqrt(a) units wide: half of one, and what the last entry hands on; measured",
+    },
+    Allowance {
+        stage: Stage::Opacity,
+        precision: PrecisionName::Wide,
+        ulp: 1.75,
+        reason: "a code of the 16-bit root is 2 sqrt(a) units wide: half of one, and what the last entry hands on; measured",
+    },
+    Allowance {
+        stage: Stage::Colour,
+        precision: PrecisionName::Paper,
+        ulp: 0.71,
+        reason: "half a code, and half an entry of a colour that changes by 160 codes in 400 entries",
+    },
+    Allowance {
+        stage: Stage::Colour,
+        precision: PrecisionName::Compact,
+        ulp: 0.51,
+        reason: "half a code of 8 bits, 0.502 units of 2^-8, and half a unit of 1.15: proved for colours linear between entries",
+    },
+    Allowance {
+        stage: Stage::Colour,
+        precision: PrecisionName::Wide,
+        ulp: 0.503,
+        reason: "half a code of 8 bits, 0.502 units of 2^-8, as colours have 31 bits: proved",
+    },
+    Allowance {
+        stage: Stage::Gradient,
+        precision: PrecisionName::Paper,
+        ulp: 17300.0,
+        reason: "as interpolation, twice, on differences that are twice as steep; measured in noise",
+    },
+    Allowance {
+        stage: Stage::Gradient,
+        precision: PrecisionName::Compact,
+        ulp: 1.5625,
+        reason: "two samples of 0.53 each, and 0.5 for a spacing factor: proved",
+    },
+    Allowance {
+        stage: Stage::Gradient,
+        precision: PrecisionName::Wide,
+        ulp: 2.0,
+        reason: "two samples of 0.75 each, and 0.5 for a spacing factor: proved",
+    },
+    Allowance {
+        stage: Stage::Normal,
+        precision: PrecisionName::Paper,
+        ulp: 1.23,
+        reason: "truncated to 1.12: below 1, and 1.79 / 8 from the 15 bits before: proved",
+    },
+    Allowance {
+        stage: Stage::Normal,
+        precision: PrecisionName::Compact,
+        ulp: 1.79,
+        reason: "three halves across 16384, sqrt(3) of a unit; the reciprocal length's last bit adds 0.054: proved",
+    },
+    Allowance {
+        stage: Stage::Normal,
+        precision: PrecisionName::Wide,
+        ulp: 1.79,
+        reason: "three halves across 16384, sqrt(3) of a unit; the reciprocal length's last bit adds 0.054: proved",
+    },
+    Allowance {
+        stage: Stage::Shading,
+        precision: PrecisionName::Paper,
+        ulp: 100.0,
+        reason: "truncated cosines lose 3 units of 1.16, and an exponent of 256 makes that 256 times as much; measured",
+    },
+    Allowance {
+        stage: Stage::Shading,
+        precision: PrecisionName::Compact,
+        ulp: 1.0,
+        reason: "cosines to 1.16 and one rounding; the stage's contract",
+    },
+    Allowance {
+        stage: Stage::Shading,
+        precision: PrecisionName::Wide,
+        ulp: 40.0,
+        reason: "half of a cosine's last bit and 8 roundings of the power, doubled by each squaring, times 0.4; measured",
+    },
+    Allowance {
+        stage: Stage::Transparency,
+        precision: PrecisionName::Paper,
+        ulp: 1.5,
+        reason: "opacity cut to 1.16 and its complement to 1.15 (-0.5 to 0.5), product truncated: proved",
+    },
+    Allowance {
+        stage: Stage::Transparency,
+        precision: PrecisionName::Compact,
+        ulp: 1.0,
+        reason: "dither: below 1: proved",
+    },
+    Allowance {
+        stage: Stage::Transparency,
+        precision: PrecisionName::Wide,
+        ulp: 1.0,
+        reason: "truncated once: proved",
+    },
+    Allowance {
+        stage: Stage::Compositing,
+        precision: PrecisionName::Paper,
+        ulp: 3.0,
+        reason: "three truncations in a row: proved",
+    },
+    Allowance {
+        stage: Stage::Compositing,
+        precision: PrecisionName::Compact,
+        ulp: 1.0,
+        reason: "dither: below 1 given the light taken: proved",
+    },
+    Allowance {
+        stage: Stage::Compositing,
+        precision: PrecisionName::Wide,
+        ulp: 2.0,
+        reason: "truncated once given the light taken; where the floor hides it, truncated twice: proved",
+    },
+];

@@ -1,0 +1,159 @@
+//! Random frames, with everything odd about them that a volume, a view or a table can have.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+use slicecast::format::{Coefficient, Vector};
+use slicecast::shade::{Highlight, Light};
+use slicecast_host_tests::frame::{Frame, table_of};
+use slicecast_host_tests::random::{Filling, Random, volume};
+use slicecast_sim::camera::Material;
+use slicecast_sim::scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
+
+/// Vectors of length 1 in s1.15 (to 1e-5), and their opposites.
+const UNITS: [[i32; 3]; 6] = [
+    [0, 0, -32768],
+    [19661, 0, -26214],
+    [0, -26214, -19661],
+    [-18919, 18919, -18918],
+    [32768, 0, 0],
+    [10923, 21845, 21845],
+];
+
+/// Lights by number: up to three of [`UNITS`], each a colour of its own. Low bits are filled, for precisions that keep
+/// them.
+pub fn light(exponent_log2: u32, seed: u64) -> Material {
+    let mut random = Random::new(seed);
+    let mut unit = || {
+        let low = random.below(9000) as i32;
+        UNITS[random.below(6) as usize].map(|c| Vector::from_bits((c << 15) - low * c.signum()))
+    };
+    let viewer = unit();
+    let count = 1 + seed % 3;
+    let lights: Vec<Light> = (0..count)
+        .map(|n| Light {
+            direction: unit(),
+            half: unit(),
+            diffuse: [9000, 7000 - 900 * n as u32, 5000].map(coefficient),
+            specular: [2000, 3000, 4000 + 100 * n as u32].map(coefficient),
+        })
+        .collect();
+    let highlight = if seed & 4 == 0 {
+        Highlight::Reflection
+    } else {
+        Highlight::HalfVector
+    };
+    Material {
+        ambient: [1000, 2000, 3000].map(coefficient),
+        lights,
+        viewer,
+        highlight,
+        exponent_log2,
+    }
+}
+
+/// A coefficient of this many 1.15 units and some more bits.
+fn coefficient(units: u32) -> Coefficient {
+    Coefficient::from_bits((units << 16) + 12_345)
+}
+
+fn dims() -> impl Strategy<Value = [usize; 3]> {
+    let side = || prop_oneof![1 => Just(1usize), 1 => Just(2), 4 => 1usize..=7];
+    [side(), side(), side()]
+}
+
+fn filling() -> impl Strategy<Value = Filling> {
+    prop_oneof![
+        1 => (0u16..=4095).prop_map(Filling::Constant),
+        3 => Just(Filling::Noise),
+        2 => Just(Filling::Extremes),
+        3 => Just(Filling::Sparse),
+        1 => Just(Filling::Linear),
+        1 => Just(Filling::Ball),
+        1 => Just(Filling::Ripples),
+    ]
+}
+
+/// Directions: small whole numbers (axes, 45 degrees, whole-voxel shears) or anything.
+fn direction() -> impl Strategy<Value = [i64; 3]> {
+    let small = prop::array::uniform3(-3i64..=3);
+    let any = prop::array::uniform3(-(1i64 << 30)..=1 << 30);
+    prop_oneof![small, any].prop_filter("a direction", |d| *d != [0; 3])
+}
+
+/// Tables: nothing visible, everything, a band of codes, ramps, or every entry on its own.
+fn points() -> impl Strategy<Value = Vec<(u16, [u8; 3], u16)>> {
+    let colour = || any::<[u8; 3]>();
+    let root = || prop_oneof![0u16..=65535, 0u16..=600, Just(65535u16)];
+    let ramp = prop::collection::vec((0u16..=4095, colour(), root()), 1..6);
+    let band = (0u16..=4095, 1u16..=300, colour(), root()).prop_map(|(low, width, c, r)| {
+        let high = (low + width).min(4095);
+        vec![(low, c, 0), (low, c, r), (high, c, r), (high, c, 0)]
+    });
+    prop_oneof![
+        1 => Just(vec![(0, [255; 3], 0)]),
+        1 => root().prop_map(|r| vec![(0, [255; 3], r)]),
+        4 => band,
+        4 => ramp.prop_map(|mut points| {
+            points.sort_by_key(|p| p.0);
+            points
+        }),
+    ]
+}
+
+fn material() -> impl Strategy<Value = Option<Material>> {
+    prop_oneof![
+        1 => Just(None),
+        2 => (0u32..=8, any::<u64>()).prop_map(|(exponent, seed)| Some(light(exponent, seed))),
+    ]
+}
+
+fn factor() -> impl Strategy<Value = u16> {
+    prop_oneof![2 => Just(32768u16), 1 => 1u16..=32768]
+}
+
+fn blend() -> impl Strategy<Value = Blend> {
+    prop_oneof![
+        4 => Just(Blend::FrontToBack),
+        2 => Just(Blend::BackToFront),
+        1 => Just(Blend::Maximum),
+        1 => Just(Blend::Minimum),
+    ]
+}
+
+/// Any small frame, in `Compact`: the tests go through the precisions themselves.
+pub fn frame() -> impl Strategy<Value = Frame> {
+    let shape = (
+        dims(),
+        filling(),
+        any::<u64>(),
+        direction(),
+        prop::array::uniform3(factor()),
+    );
+    let rates = (
+        prop_oneof![2 => Just(1u32), 2 => 1u32..=4, 1 => 5u32..=16],
+        prop_oneof![2 => Just(1u32), 1 => 2u32..=3],
+    );
+    let code = prop::option::of(prop_oneof![Just(AlphaCodeName::Sqrt8), Just(AlphaCodeName::Sqrt16)]);
+    let lookup = prop::option::of(prop_oneof![Just(LookupName::Nearest), Just(LookupName::Linear)]);
+    let look = (points(), material(), blend(), code, lookup, prop::option::of(1u32..=20));
+    (shape, rates, look).prop_map(|(shape, rates, look)| {
+        let (dims, filling, seed, direction, factors) = shape;
+        let (planes_per_voxel, rays_per_voxel) = rates;
+        let (points, material, blend, code, lookup, early_termination) = look;
+        Frame {
+            volume: Arc::new(volume(dims, filling, seed)),
+            direction,
+            factors,
+            planes_per_voxel,
+            rays_per_voxel,
+            table: table_of(&points),
+            material,
+            blend,
+            precision: PrecisionName::Compact,
+            code,
+            lookup,
+            early_termination,
+        }
+    })
+}

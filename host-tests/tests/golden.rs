@@ -1,0 +1,303 @@
+//! The golden manifest: named frames in three precisions, a checksum for every stage boundary, the base-plane image and
+//! the picture, as `golden/manifest.txt` has them.
+//!
+//! Frames are stated in integers (no sine, no logarithm), so the numbers are the same on every machine, in debug and in
+//! release. A line that no frame uses and a checksum that has no line are both errors.
+//!
+//! When a change is meant to change bits, write the manifest anew, look at the difference and say in the change log which
+//! bits changed and why:
+//!
+//! ```text
+//! SLICECAST_BLESS=1 cargo test -p slicecast-host-tests --test golden
+//! ```
+//!
+//! That run still fails, so that it cannot pass for a check; a continuous-integration run (`CI` set) refuses it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use slicecast::format::{Coefficient, Vector};
+use slicecast::shade::{Highlight, Light};
+use slicecast_host_tests::checksum::of_frame;
+use slicecast_host_tests::frame::{Frame, table_of};
+use slicecast_host_tests::random::{Filling, volume};
+use slicecast_sim::camera::Material;
+use slicecast_sim::scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
+use slicecast_sim::volume::Volume;
+use slicecast_sim::volume::mapping::Window;
+use slicecast_sim::volume::open::load;
+
+const HEAD: &str = "\
+# Checksums of the frames in tests/golden.rs: frame/precision/boundary: 64 bits, hexadecimal.
+# Stages: order-free sums over the visible samples (src/checksum.rs); image and picture: FNV-1a.
+# Written by SLICECAST_BLESS=1 cargo test -p slicecast-host-tests --test golden; never by hand.
+";
+
+fn manifest_path() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("golden/manifest.txt")
+}
+
+/// The skull opaque, the skin a faint shell: the built-in scene with 16-bit roots in whole numbers. Codes are
+/// Hounsfield units + 1024.
+fn head_table() -> Frame {
+    let head: Volume = load(None, Window::Auto).unwrap().volume;
+    Frame::new(
+        Arc::new(head),
+        table_of(&[
+            (274, [230, 176, 140], 0),
+            (524, [230, 176, 140], 16_000),
+            (774, [230, 176, 140], 0),
+            (1124, [242, 232, 208], 0),
+            (1324, [242, 232, 208], 46_000),
+        ]),
+    )
+}
+
+/// A unit vector from s1.15.
+fn vector(v: [i32; 3]) -> [Vector; 3] {
+    v.map(|c| Vector::from_bits(c << 15))
+}
+
+/// A coefficient of this many 1.15 units; the low bits are there for precisions that keep them.
+fn coefficient(units: u32) -> Coefficient {
+    Coefficient::from_bits((units << 16) + 9_876)
+}
+
+/// A white key light and a coloured fill light; unit vectors in s1.15.
+fn two_lights(highlight: Highlight, exponent_log2: u32) -> Option<Material> {
+    let lights = [
+        Light {
+            direction: vector([-16_384, -16_384, -23_170]),
+            half: vector([-8_867, -8_867, -30_273]),
+            diffuse: [coefficient(20_000); 3],
+            specular: [coefficient(6_000); 3],
+        },
+        Light {
+            direction: vector([26_214, 0, -19_661]),
+            half: vector([14_654, 0, -29_309]),
+            diffuse: [2_000, 3_000, 4_000].map(coefficient),
+            specular: [500, 1_000, 1_500].map(coefficient),
+        },
+    ];
+    Some(Material {
+        ambient: [coefficient(5_000); 3],
+        lights: lights.to_vec(),
+        viewer: vector([0, 0, -32_768]),
+        highlight,
+        exponent_log2,
+    })
+}
+
+/// The named frames, in `Compact`.
+fn frames() -> Vec<(&'static str, Frame)> {
+    let head = head_table();
+    let lit = |direction: [i64; 3]| Frame {
+        direction,
+        material: two_lights(Highlight::Reflection, 5),
+        ..head.clone()
+    };
+    let made = |dims, filling| Arc::new(volume(dims, filling, 77));
+    let ripples = Frame {
+        material: two_lights(Highlight::HalfVector, 8),
+        direction: [300, -200, 1000],
+        ..Frame::new(
+            made([40, 37, 41], Filling::Ripples),
+            table_of(&[
+                (1500, [255, 80, 0], 0),
+                (1900, [255, 240, 20], 52_000),
+                (4095, [20, 60, 255], 65_535),
+            ]),
+        )
+    };
+    let fog = Frame::new(
+        made([9, 8, 130], Filling::Constant(2000)),
+        table_of(&[(0, [255, 128, 1], 2_896)]),
+    );
+    let noise = Frame::new(
+        made([31, 33, 29], Filling::Noise),
+        table_of(&[
+            (0, [0, 255, 9], 0),
+            (2900, [200, 3, 90], 9_000),
+            (3400, [2, 30, 255], 60_000),
+        ]),
+    );
+    vec![
+        ("head-lit", lit([500, 866, -174])),
+        (
+            "head-unlit",
+            Frame {
+                direction: [500, 866, -174],
+                ..head.clone()
+            },
+        ),
+        ("head-lit-from-the-side", lit([-1000, 350, -280])),
+        ("head-lit-from-above", lit([0, 0, -1])),
+        ("head-lit-from-behind-45", lit([1, -1, 0])),
+        (
+            "head-mip",
+            Frame {
+                direction: [-866, 500, 100],
+                blend: Blend::Maximum,
+                ..head.clone()
+            },
+        ),
+        (
+            "head-minip",
+            Frame {
+                direction: [100, 200, 900],
+                blend: Blend::Minimum,
+                ..head.clone()
+            },
+        ),
+        (
+            "head-back-to-front",
+            Frame {
+                blend: Blend::BackToFront,
+                ..lit([500, 866, -174])
+            },
+        ),
+        (
+            "head-phases",
+            Frame {
+                rays_per_voxel: 2,
+                ..lit([300, 500, 1000])
+            },
+        ),
+        (
+            "head-fine-planes",
+            Frame {
+                planes_per_voxel: 4,
+                ..lit([-20, 1000, 310])
+            },
+        ),
+        (
+            "head-flat-voxels",
+            Frame {
+                factors: [32_768, 21_845, 10_923],
+                ..lit([500, 866, -174])
+            },
+        ),
+        (
+            "head-early-termination",
+            Frame {
+                early_termination: Some(7),
+                ..lit([500, 866, -174])
+            },
+        ),
+        ("ripples-half-vector", ripples.clone()),
+        (
+            "ripples-other-table",
+            Frame {
+                code: Some(AlphaCodeName::Sqrt8),
+                lookup: Some(LookupName::Linear),
+                ..ripples
+            },
+        ),
+        ("fog", fog.clone()),
+        (
+            "fog-16-planes",
+            Frame {
+                planes_per_voxel: 16,
+                ..fog
+            },
+        ),
+        (
+            "noise-tie",
+            Frame {
+                direction: [-1, 1, -1],
+                rays_per_voxel: 3,
+                ..noise.clone()
+            },
+        ),
+        (
+            "noise-lit",
+            Frame {
+                direction: [7, 3, -5],
+                material: two_lights(Highlight::Reflection, 0),
+                ..noise
+            },
+        ),
+    ]
+}
+
+fn measured() -> BTreeMap<String, u64> {
+    let mut lines = BTreeMap::new();
+    for (name, frame) in frames() {
+        for precision in PrecisionName::ALL {
+            for (boundary, checksum) in of_frame(&frame.in_precision(precision)) {
+                let line = format!("{name}/{}/{boundary}", precision.name());
+                assert_eq!(lines.insert(line.clone(), checksum), None, "two frames called {line}");
+            }
+        }
+    }
+    lines
+}
+
+fn write(lines: &BTreeMap<String, u64>) -> String {
+    let mut text = HEAD.to_owned();
+    for (name, checksum) in lines {
+        writeln!(text, "{name}: {checksum:016x}").unwrap();
+    }
+    text
+}
+
+fn read(text: &str) -> BTreeMap<String, u64> {
+    let mut lines = BTreeMap::new();
+    for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {
+        let (name, checksum) = line
+            .split_once(": ")
+            .unwrap_or_else(|| panic!("no checksum in {line:?}"));
+        let checksum = u64::from_str_radix(checksum, 16).unwrap_or_else(|e| panic!("{line:?}: {e}"));
+        assert_eq!(lines.insert(name.to_owned(), checksum), None, "{name} is listed twice");
+    }
+    lines
+}
+
+#[test]
+fn every_checksum_is_the_manifests() {
+    let found = measured();
+    if std::env::var_os("SLICECAST_BLESS").is_some_and(|v| v == "1") {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "a manifest is not written in continuous integration"
+        );
+        std::fs::write(manifest_path(), write(&found)).unwrap();
+        panic!(
+            "wrote {} lines to {}; now run without SLICECAST_BLESS",
+            found.len(),
+            manifest_path().display()
+        );
+    }
+    let text = std::fs::read_to_string(manifest_path()).unwrap();
+    let listed = read(&text);
+    let mut faults = String::new();
+    for (name, checksum) in &found {
+        match listed.get(name) {
+            None => writeln!(faults, "{name}: {checksum:016x} is not listed").unwrap(),
+            Some(golden) if golden != checksum => {
+                writeln!(faults, "{name}: {checksum:016x}, golden {golden:016x}").unwrap();
+            }
+            Some(_) => {}
+        }
+    }
+    for name in listed.keys().filter(|name| !found.contains_key(*name)) {
+        writeln!(faults, "{name} is listed, and no frame makes it").unwrap();
+    }
+    assert!(faults.is_empty(), "{}:\n{faults}", manifest_path().display());
+    assert_eq!(text, write(&listed), "the manifest's own form");
+}
+
+/// Every frame in every precision is an image of its own: two that were alike would test the same thing twice.
+#[test]
+fn checksums_tell_frames_apart() {
+    let listed = read(&std::fs::read_to_string(manifest_path()).unwrap());
+    let images: Vec<_> = listed.iter().filter(|(name, _)| name.ends_with("/image")).collect();
+    assert_eq!(images.len(), 3 * frames().len());
+    for (n, (name, checksum)) in images.iter().enumerate() {
+        for (other, same) in &images[n + 1..] {
+            assert_ne!(checksum, same, "{name} and {other}");
+        }
+    }
+}

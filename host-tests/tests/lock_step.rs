@@ -1,0 +1,213 @@
+//! One answer, whichever way the slices go: by the scalar definitions, in tiles of any height, on any number of threads,
+//! or streamed through the ring.
+//!
+//! Frames are random and small, with everything odd about them that a volume can have. Seeds are fixed. When two runs
+//! differ, the test says where first: stage, plane, phase, row, column and both bit patterns.
+
+mod frames;
+
+use frames::{frame, light};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
+use slicecast_host_tests::frame::{Frame, table_of};
+use slicecast_host_tests::random::{Filling, volume};
+use slicecast_host_tests::record::recorded;
+use slicecast_host_tests::reference::render;
+use slicecast_sim::engine::{BaseImage, Layer, on_threads};
+use slicecast_sim::scene::{Blend, PrecisionName};
+use std::sync::Arc;
+
+/// One tile for the whole base plane.
+const WHOLE: usize = 1 << 20;
+
+fn config(cases: u32, seed: u64) -> Config {
+    Config {
+        cases,
+        rng_seed: RngSeed::Fixed(seed),
+        failure_persistence: None,
+        ..Config::default()
+    }
+}
+
+/// First pixel in which two images differ.
+fn image_difference(expected: &BaseImage, found: &BaseImage) -> Option<String> {
+    if (expected.size, expected.format, expected.one) != (found.size, found.format, found.one) {
+        return Some(format!("sizes {:?} and {:?}", expected.size, found.size));
+    }
+    for (channel, (a, b)) in expected.planes.iter().zip(&found.planes).enumerate() {
+        if let Some(at) = a.iter().zip(b).position(|(a, b)| a != b) {
+            let (u, v) = (at % expected.size[0], at / expected.size[0]);
+            let (a, b) = (a[at], b[at]);
+            return Some(format!(
+                "image channel {channel}, u {u}, v {v}: expected {a:08x}, found {b:08x}"
+            ));
+        }
+    }
+    None
+}
+
+/// Holds every layer against the definitions.
+fn hold_together(frame: &Frame) -> Result<(), String> {
+    let expected = render(frame);
+    let (image, whole) = recorded(frame, Layer::Tiles(WHOLE));
+    if let Some(divergence) = expected.first_divergence(&whole) {
+        return Err(format!("plane layer against the definitions: {divergence}"));
+    }
+    if let Some(difference) = image_difference(&expected.image, &image) {
+        return Err(format!("plane layer against the definitions: {difference}"));
+    }
+    let (streamed, stream) = recorded(frame, Layer::Stream);
+    if let Some(divergence) = whole.first_difference(&stream) {
+        return Err(format!("stream layer against plane layer: {divergence}"));
+    }
+    if let Some(difference) = image_difference(&image, &streamed) {
+        return Err(format!("stream layer against plane layer: {difference}"));
+    }
+    for rows in [1, 2, 7, 32] {
+        let (tiled, tiles) = recorded(frame, Layer::Tiles(rows));
+        if let Some(divergence) = whole.first_difference(&tiles) {
+            return Err(format!("tiles of {rows} rows against one tile: {divergence}"));
+        }
+        if let Some(difference) = image_difference(&image, &tiled) {
+            return Err(format!("tiles of {rows} rows against one tile: {difference}"));
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(config(2000, 2026))]
+
+    #[test]
+    fn every_layer_follows_the_definitions(frame in frame()) {
+        for precision in PrecisionName::ALL {
+            if let Err(difference) = hold_together(&frame.in_precision(precision)) {
+                prop_assert!(false, "{}: {difference}", precision.name());
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(60, 11))]
+
+    #[test]
+    fn any_number_of_threads_makes_the_same_frame(frame in frame()) {
+        let all = [1, 2, 3, 7].map(|threads| {
+            frame.with_prepared(|prepared, _| {
+                on_threads(Some(threads), || prepared.render(Layer::Tiles(3), &|_, _| ())).unwrap().unwrap()
+            })
+        });
+        let streamed = frame.with_prepared(|prepared, _| prepared.render(Layer::Stream, &|_, _| ()).unwrap());
+        for (threads, made) in [1, 2, 3, 7].iter().zip(&all) {
+            prop_assert_eq!(image_difference(&streamed.base, &made.base), None, "{} threads", threads);
+            prop_assert!(streamed.picture == made.picture, "the picture of {} threads", threads);
+        }
+    }
+}
+
+/// Shapes, views and blends that random frames might meet too rarely, all combinations.
+#[test]
+fn thin_volumes_from_every_side() {
+    let table = table_of(&[
+        (0, [10, 200, 30], 0),
+        (600, [250, 10, 90], 40000),
+        (4095, [255, 255, 255], 9000),
+    ]);
+    let mut frames = 0;
+    for (index, dims) in [
+        [1, 1, 1],
+        [1, 5, 4],
+        [4, 1, 5],
+        [5, 4, 1],
+        [1, 1, 6],
+        [6, 1, 1],
+        [2, 2, 2],
+        [3, 1, 2],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let volume = Arc::new(volume(dims, Filling::Extremes, index as u64));
+        for direction in [
+            [0, 0, 1],
+            [0, 0, -1],
+            [0, 1, 0],
+            [0, -1, 0],
+            [1, 0, 0],
+            [-1, 0, 0],
+            [1, 1, 1],
+            [-1, 1, -1],
+            [1, -1, 0],
+            [0, 1, -1],
+            [3, -2, 1],
+        ] {
+            for blend in [Blend::FrontToBack, Blend::BackToFront, Blend::Maximum, Blend::Minimum] {
+                let frame = Frame {
+                    direction,
+                    blend,
+                    planes_per_voxel: 2,
+                    material: Some(light(3, 1)),
+                    precision: PrecisionName::ALL[frames % 3],
+                    ..Frame::new(volume.clone(), table.clone())
+                };
+                if let Err(difference) = hold_together(&frame) {
+                    panic!("{dims:?} {direction:?} {blend:?} {:?}: {difference}", frame.precision);
+                }
+                frames += 1;
+            }
+        }
+    }
+    assert_eq!(frames, 8 * 11 * 4);
+}
+
+/// A volume so long that a step's last bits matter, 16 planes a voxel, from both ends.
+#[test]
+fn long_volumes_keep_their_positions() {
+    let table = table_of(&[(0, [90, 20, 200], 300), (4095, [255, 255, 255], 3000)]);
+    let long = Arc::new(volume([3, 2, 120], Filling::Noise, 4));
+    for (direction, precision) in [
+        ([7, 0, 30], PrecisionName::Wide),
+        ([-5, 1, -1_000], PrecisionName::Compact),
+    ] {
+        let frame = Frame {
+            direction,
+            planes_per_voxel: 16,
+            material: Some(light(5, 2)),
+            precision,
+            ..Frame::new(long.clone(), table.clone())
+        };
+        if let Err(difference) = hold_together(&frame) {
+            panic!("{direction:?} {precision:?}: {difference}");
+        }
+    }
+}
+
+/// The first divergence is found and named: a recording with one value changed.
+#[test]
+fn a_changed_value_is_reported_with_its_place_and_bits() {
+    let table = table_of(&[(0, [255; 3], 20000)]);
+    let frame = Frame {
+        material: Some(light(2, 0)),
+        ..Frame::new(Arc::new(volume([4, 3, 3], Filling::Noise, 5)), table)
+    };
+    let expected = render(&frame);
+    let (_, mut run) = recorded(&frame, Layer::Tiles(WHOLE));
+    assert_eq!(expected.first_divergence(&run), None);
+    let place = *run.values.keys().rev().nth(40).unwrap();
+    run.values.get_mut(&place).unwrap()[0] ^= 1;
+    let divergence = expected.first_divergence(&run).unwrap();
+    assert_eq!(divergence.place, place);
+    let text = divergence.to_string();
+    for part in [
+        place.stage.name(),
+        &format!("row {}", place.row),
+        "expected [",
+        "found [",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+    // And a visible value left out.
+    run.values.remove(&place);
+    assert_eq!(expected.first_divergence(&run).unwrap().found, None);
+}
