@@ -13,7 +13,8 @@
 //!
 //! Index: the nearest entry, `(s + 2^(F-1)) >> F`, taken from the stored sample only ([`Nearest`]); or linear between
 //! the two neighbours, opacity and colour alike, rounded to nearest ([`Linear`]). Neither can leave the table.
-//! Error: nearest half an entry; linear none for a transfer function whose corners are table entries. The code:
+//! Error: nearest half an entry; linear none for colours whose corners are table entries, and for opacities what the
+//! step correction curves between two entries. The code:
 //! opacity to 2^-16 relative to its square root; an opaque entry leaves 2^-15 of the light. State: none.
 
 use core::marker::PhantomData;
@@ -225,7 +226,7 @@ fn nearest<P: Precision>(bits: i32) -> usize {
     ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS).max(0) as usize
 }
 
-/// `a + (b - a) f / 2^bits` to nearest in 32 bits: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 16.
+/// `a + (b - a) f / 2^bits` to nearest in 32 bits: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 15.
 #[inline(always)]
 fn mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
     let d = b.wrapping_sub(a) as i32;

@@ -13,7 +13,8 @@
 //! An opacity of 0 leaves a pixel as it is, and so does any sample where T is 0: skipping what is empty, stopping a
 //! finished ray and going on are the same bits. T that falls below a pixel format's floor becomes 0. A higher floor is
 //! early ray termination: stopping at T < 2^-t changes an 8-bit value by at most 255 * 2^-t.
-//! Error a step: less than 1 ulp in T, less than 1 ulp in C given the light taken. Overflow: none. State: the pixel.
+//! Error a step: less than 1 ulp in T and, given the light taken, in C; [`Truncating15`] 1.5 and 3; where the floor takes
+//! the rest of T, that much. Overflow: none. State: the pixel.
 
 use core::fmt::Debug;
 use core::marker::PhantomData;
@@ -166,7 +167,8 @@ pub fn settle<C: Channel>(transparency: C, floor: C) -> C {
 ///
 /// Over: `w = floor(T a / 2^31); T -= w; C += floor(c w / 2^31)`.
 /// Under: `C = C - floor(C a / 2^31) + floor(c a / 2^31)`.
-/// Below 2^-20 floor steps no longer move T, hence the floor there: 0.0003 of an 8-bit step.
+/// Close to 0 floor steps no longer move T (below 2^-20 those of an opacity under 2^-11), hence the floor there: 0.0003
+/// of an 8-bit step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Telescoping31;
 

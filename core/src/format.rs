@@ -6,11 +6,11 @@
 //! | type | format | range | unit | made by | read by |
 //! |---|---|---|---|---|---|
 //! | `u16` voxel | 12.0 | 0 to 4095 | data code | caller | interpolation, gradient |
-//! | [`Direction`] | s5.58 | at most 1 in length | voxels | caller | view |
+//! | [`Direction`] | s5.58 | -1 to 1 | any scale | caller | view |
 //! | [`Step`] | s31.32 | at most 1 (step), at most 2^15 (start) | voxels | plan | location |
 //! | [`Position`] | s15.16 | below 2^15 | voxels | location | interpolation |
 //! | [`Weight`] | 0.16 | 0 to 65535 | fraction of a voxel | location | interpolation |
-//! | [`Blend16`] | s14.16 | ghosts reach -4095 to 8190 | data code | z and y interpolation | x interpolation |
+//! | [`Blend16`] | s15.16 | -4095 to 8190 beyond a face; -16380 to 20475 beyond an edge, read with weight 0 only | data code | z and y interpolation | x interpolation |
 //! | [`Sample12`], [`Sample15`] | 12.12, 12.15 | 0 to 4095 | data code | interpolation | classification, gradient |
 //! | gradient | s13.12, s13.15 | -8190 to 8190 | data code over two voxels | gradient | normalisation |
 //! | [`Vector`] | s1.30 | -1 to 1 | | caller | shading |
@@ -31,7 +31,7 @@
 use fixed::types::extra::{U12, U15, U16, U30, U31, U32, U58};
 use fixed::{FixedI32, FixedI64, FixedU16, FixedU32};
 
-/// A component of a viewing direction in voxel units, s5.58; the vector's length may be at most 1.
+/// A component of a viewing direction in voxel units, s5.58, -1 to 1; the vector's length does not matter.
 pub type Direction = FixedI64<U58>;
 /// A ray's start or its step from plane to plane, voxels, s31.32. Made by `plan`.
 pub type Step = FixedI64<U32>;
@@ -39,7 +39,7 @@ pub type Step = FixedI64<U32>;
 pub type Position = FixedI32<U16>;
 /// An interpolation weight, 0.16: the fraction of a [`Position`].
 pub type Weight = FixedU32<U16>;
-/// A partly interpolated value, s14.16. Lives inside `interpolate`.
+/// A partly interpolated value, s15.16. Lives inside `interpolate`.
 pub type Blend16 = FixedI32<U16>;
 /// A sample of the `Paper` and `Compact` precisions, 12.12.
 pub type Sample12 = FixedI32<U12>;

@@ -12,8 +12,8 @@
 //! | r = floor(2^35 / sqrt(S)) | u32 | 605414 to 2^21; 0 for S = 0 |
 //!
 //! Rounding of g: to nearest on magnitudes (negating G negates g), saturated at 32767. r is a mathematical
-//! definition, the largest r with r^2 S <= 2^70; any implementation can meet it with one residual test. Error: 2.6
-//! millidegrees of angle (measured), 2^-19.2 of length. Overflow: none. State: none.
+//! definition, the largest r with r^2 S <= 2^70; any implementation can meet it with one residual test. Error: 3
+//! millidegrees of angle, 2^-19.2 of length. Overflow: none. State: none.
 
 use crate::format::{ReciprocalNorm, Unit};
 

@@ -451,6 +451,10 @@ where
         scratch: &mut [i32],
         tap: &mut T,
     ) {
+        let [slice_width, _, _] = plan.dims();
+        if scratch.len() < scratch_len::<Self>(slice_width) {
+            return;
+        }
         tap.plane(plane);
         if S::LIT {
             self.fold_plane::<T, true>(plan, plane, window, rows, scratch, tap);
@@ -596,6 +600,10 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         mut scratch: &mut [i32],
         tap: &mut T,
     ) {
+        let [slice_width, _, _] = plan.dims();
+        if scratch.len() < scratch_len::<Self>(slice_width) {
+            return;
+        }
         tap.plane(plane);
         let meeting = Meeting::of(plan, plane);
         let n = meeting.columns.len();
@@ -603,7 +611,6 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             return;
         }
         let [base_width, _] = plan.base().map(|side| side as usize);
-        let [slice_width, _, _] = plan.dims();
         let mut sampler = Sampler::<P, false>::new(&mut scratch, row_len(slice_width));
         each_row(&meeting, rows, base_width, |row, data, voxel_row| {
             sampler.make(&meeting, window, voxel_row);

@@ -8,7 +8,7 @@
 //! | weight | 1.12, truncated | 0.16 | 0.16 |
 //! | sample | 12.12, truncated at each lerp | 12.12, rounded once | 12.15, rounded once |
 //! | normal | 1.12, truncated | 15-bit block, length divided out last | as `Compact` |
-//! | shading | 16.16, truncated | 1.31 dots and powers, 16-bit coefficients | 1.31, one rounding |
+//! | shading | 16.16, truncated | 1.31 dots and powers, 16-bit coefficients | 1.31 |
 //! | colour | 1.15 | 1.15 | 1.31 |
 //! | pixel | 1.15 truncated, 64 bits | 16 bits, 65535 is 1, telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
 
@@ -19,7 +19,7 @@ use crate::format::{Rounding, Sample12, Sample15};
 
 /// The formats and roundings of a pipeline.
 pub trait Precision: Copy + Default + Send + Sync + 'static {
-    /// Sample format: 32 bits with at most 15 fraction bits (more would overflow the gradient).
+    /// Sample format: 32 bits with at most 15 fraction bits (more would overflow the mixing of table entries).
     type Sample: Fixed<Bits = i32>;
     /// The pixel: its channel format and the arithmetic that folds a sample into it.
     type Pixel: Recurrence;
@@ -58,7 +58,7 @@ pub enum Shading {
     Truncated16,
     /// Dots and powers in 1.31, then rounded to 1.16; vectors and coefficients 1.15; products with them fit 32 bits.
     Rounded16,
-    /// All in 1.31, vectors 1.30; one rounding at the end.
+    /// All in 1.31, vectors 1.30; products with coefficients truncated.
     Rounded31,
 }
 

@@ -149,8 +149,8 @@ pub const TABLE: [Allowance; 27] = [
     Allowance {
         stage: Stage::Shading,
         precision: PrecisionName::Wide,
-        ulp: 160.0,
-        reason: "a cosine's last bit and 8 roundings of the power, doubled by each squaring: 1.5 2^8 units times 0.4; measured",
+        ulp: 40.0,
+        reason: "half of a cosine's last bit and 8 roundings of the power, doubled by each squaring, times 0.4; measured",
     },
     Allowance {
         stage: Stage::Transparency,

@@ -55,9 +55,9 @@ fn head_table() -> Frame {
     )
 }
 
-/// A unit vector from s1.15.
+/// A unit vector from s1.15; the low bits are there for precisions that keep them.
 fn vector(v: [i32; 3]) -> [Vector; 3] {
-    v.map(|c| Vector::from_bits(c << 15))
+    v.map(|c| Vector::from_bits((c << 15) - 4_321 * c.signum()))
 }
 
 /// A coefficient of this many 1.15 units; the low bits are there for precisions that keep them.

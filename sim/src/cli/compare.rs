@@ -110,8 +110,8 @@ impl Args {
                 path.display()
             )));
         }
-        let scene = self.scene.load()?;
         let loaded = self.volume.load()?;
+        let scene = self.scene.load_for(&self.volume, &loaded)?;
         let prepared = Prepared::new(&scene, &loaded.volume)?;
         let mut folder = match &self.npy {
             Some(path) => {

@@ -4,11 +4,17 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::ValueEnum;
+use slicecast_sim::presets;
+use slicecast_sim::scene::View;
+use slicecast_sim::scene::import::{self, Shading};
 use slicecast_sim::scene::{self, AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
+use slicecast_sim::volume::dicom::Choice;
 use slicecast_sim::volume::mapping::Window;
-use slicecast_sim::volume::open::{Loaded, load, prepare};
-use slicecast_sim::volume::raw::{self, RawShape};
-use slicecast_sim::volume::values::{Endian, ValueType};
+use slicecast_sim::volume::open::{self, Loaded, Options, prepare};
+use slicecast_sim::volume::raw::RawShape;
+use slicecast_sim::volume::raw::describe::{self, Description};
+use slicecast_sim::volume::statistics::Statistics;
+use slicecast_sim::volume::values::{Decoded, Endian, Orientation, ValueType};
 
 use super::Failure;
 
@@ -41,13 +47,25 @@ pub fn spacing(text: &str) -> Result<[f64; 3], String> {
 }
 
 fn window(text: &str) -> Result<Window, String> {
+    match text {
+        "auto" => return Ok(Window::Auto),
+        "file" => return Ok(Window::Stated),
+        _ => {}
+    }
+    if let Some(percent) = text.strip_suffix('%') {
+        let [low, high] = numbers(percent, ',', "0.5,99.5%")?;
+        return Ok(Window::Percentile { low, high });
+    }
     let [low, high] = numbers(text, ',', "-1000,2000")?;
     Ok(Window::Range { low, high })
 }
 
+fn raw_words(text: &str) -> Result<Description, String> {
+    describe::from_words(text).map_err(|problem| problem.to_string())
+}
+
 fn value_type(text: &str) -> Result<ValueType, String> {
-    ValueType::from_name(text)
-        .ok_or_else(|| "expected int8, uint8, int16, uint16, int32, uint32, float or double".into())
+    ValueType::from_name(text).ok_or_else(|| format!("expected {}", ValueType::NAMES))
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -59,11 +77,18 @@ enum ByteOrder {
 /// The volume.
 #[derive(clap::Args)]
 pub struct VolumeArgs {
-    /// The volume file (NRRD); without one, the built-in CT head.
+    /// The volume: NIfTI, NRRD, MetaImage, TIFF, a DICOM file or folder, or raw; without one, the built-in CT head.
     volume: Option<PathBuf>,
-    /// Values mapped to codes 0 to 4095; without it, the data's own range, without loss where 12 bits hold it.
-    #[arg(long, value_name = "LOW,HIGH", value_parser = window, allow_hyphen_values = true)]
+    /// Values mapped to codes 0 to 4095: LOW,HIGH, or LOW,HIGH% of the voxels, or `file` for the file's own window;
+    /// without it, the data's whole range, without loss where 12 bits hold it.
+    #[arg(long, value_name = "WINDOW", value_parser = window, allow_hyphen_values = true)]
     window: Option<Window>,
+    /// Number or UID of the DICOM series wanted; without it, the one with the most slices.
+    #[arg(long, value_name = "SERIES", requires = "volume")]
+    series: Option<String>,
+    /// The file is raw voxels, in one line: 256x256x128,uint16,big,spacing=1x1x2,skip=16,offset=-1024,axes=LPS.
+    #[arg(long, value_name = "SHAPE", value_parser = raw_words, requires = "volume", conflicts_with = "raw_dims")]
+    raw: Option<Description>,
     /// The file is raw voxels of this shape, x fastest.
     #[arg(long, value_name = "WxHxD", value_parser = dims, requires = "volume")]
     raw_dims: Option<[u64; 3]>,
@@ -82,25 +107,51 @@ pub struct VolumeArgs {
 }
 
 impl VolumeArgs {
+    /// Whether a volume was named.
+    pub fn is_named(&self) -> bool {
+        self.volume.is_some()
+    }
+
+    /// What the command line says about the file.
+    fn options(&self) -> Options {
+        let described = self.raw_dims.map(|dims| Description {
+            shape: RawShape {
+                dims,
+                spacing: self.raw_spacing,
+                value_type: self.raw_type,
+                endian: match self.raw_endian {
+                    ByteOrder::Little => Endian::Little,
+                    ByteOrder::Big => Endian::Big,
+                },
+                skip: self.raw_skip,
+            },
+            scale: 1.0,
+            offset: 0.0,
+            modality: None,
+            directions: None,
+        });
+        Options {
+            series: self.series.clone().map_or(Choice::Largest, Choice::Named),
+            raw: self.raw.or(described),
+        }
+    }
+
+    /// Reads the file without mapping its values.
+    pub fn decode(&self) -> Result<Decoded, Failure> {
+        match &self.volume {
+            Some(path) => open::read_with(path, &self.options()).map_err(Failure::input),
+            None => open::read_built_in().map_err(Failure::input),
+        }
+    }
+
+    /// Maps values as asked.
+    pub fn map(&self, decoded: &Decoded) -> Result<Loaded, Failure> {
+        Ok(prepare(decoded, self.window.unwrap_or(Window::Auto))?)
+    }
+
     /// Loads it, and says on standard error how its values were mapped.
     pub fn load(&self) -> Result<Loaded, Failure> {
-        let window = self.window.unwrap_or(Window::Auto);
-        let loaded = match (self.raw_dims, &self.volume) {
-            (Some(dims), Some(path)) => {
-                let shape = RawShape {
-                    dims,
-                    spacing: self.raw_spacing,
-                    value_type: self.raw_type,
-                    endian: match self.raw_endian {
-                        ByteOrder::Little => Endian::Little,
-                        ByteOrder::Big => Endian::Big,
-                    },
-                    skip: self.raw_skip,
-                };
-                prepare(&raw::read(path, &shape).map_err(Failure::input)?, window)?
-            }
-            (_, path) => load(path.as_deref(), window)?,
-        };
+        let loaded = self.map(&self.decode()?)?;
         let [nx, ny, nz] = loaded.volume.dims;
         eprintln!("{}: {nx} x {ny} x {nz} voxels; {}", loaded.volume.name, loaded.report);
         for note in &loaded.notes {
@@ -141,9 +192,16 @@ enum BlendArg {
 /// The scene.
 #[derive(clap::Args)]
 pub struct SceneArgs {
-    /// A scene file (TOML), or the name of a built-in scene: headsq, ct-bone, ct-fog, ct-fog8.
-    #[arg(long, default_value = scene::file::DEFAULT)]
-    scene: PathBuf,
+    /// A scene file (TOML), or a name: headsq, ct-bone, ct-soft-tissue, ct-vessels, ct-fog, ct-fog8, or, fitted to the
+    /// volume's histogram, mr, labels, fog. Without it, the one that fits the volume.
+    #[arg(long)]
+    scene: Option<PathBuf>,
+    /// The transfer function of another program in place of the scene's: 3D Slicer (.vp, .vp.json), ParaView (.json).
+    #[arg(long, value_name = "FILE")]
+    transfer: Option<PathBuf>,
+    /// The side of the patient on which the viewer stands; without it, the scene's view.
+    #[arg(long, value_name = "SIDE", value_parser = ["anterior", "posterior", "left", "right", "superior", "inferior"])]
+    view: Option<String>,
     /// Number formats; without it, the scene's.
     #[arg(long)]
     precision: Option<PrecisionArg>,
@@ -171,16 +229,63 @@ pub struct SceneArgs {
 }
 
 impl SceneArgs {
-    /// Reads the scene and applies the overrides.
+    /// Reads the scene and applies the overrides, without a volume.
     pub fn load(&self) -> Result<Scene, Failure> {
-        let name = self.scene.to_str().unwrap_or("");
-        let built_in = scene::file::BUILT_IN.iter().any(|(known, _)| *known == name);
-        let read = if built_in && !self.scene.exists() {
-            scene::file::built_in(name)
+        self.finish(self.read(scene::file::DEFAULT, None)?)
+    }
+
+    /// As [`SceneArgs::load`]; without a scene named, the one that fits the volume, which is told.
+    pub fn load_for(&self, volume: &VolumeArgs, loaded: &Loaded) -> Result<Scene, Failure> {
+        let statistics = Statistics::of(&loaded.volume);
+        let (fitting, reason) = presets::suggest(loaded, &statistics);
+        let default = if volume.is_named() {
+            fitting
         } else {
-            scene::file::read(&self.scene)
+            scene::file::DEFAULT
         };
-        let mut scene = read.map_err(Failure::input)?;
+        if self.scene.is_none() && volume.is_named() {
+            eprintln!("scene: {default}, since {reason}");
+        }
+        if self.view.is_some() && !matches!(loaded.orientation, Orientation::Patient { .. }) {
+            eprintln!("note: the file does not say how the patient lies: --view follows the file's axes");
+        }
+        self.finish(self.read(default, Some((loaded, &statistics)))?)
+    }
+
+    /// The scene as named, before overrides.
+    fn read(&self, default: &str, fitted: Option<(&Loaded, &Statistics)>) -> Result<Scene, Failure> {
+        let path = self.scene.clone().unwrap_or_else(|| default.into());
+        let name = path.to_str().unwrap_or("");
+        let built_in = scene::file::BUILT_IN.iter().any(|(known, _)| *known == name);
+        let read = match fitted {
+            _ if path.exists() && self.scene.is_some() => scene::file::read(&path),
+            Some((loaded, statistics)) if presets::NAMES.contains(&name) && (self.scene.is_none() || !built_in) => {
+                presets::scene(name, &loaded.volume, statistics)
+            }
+            _ if built_in => scene::file::built_in(name),
+            _ => scene::file::read(&path),
+        };
+        read.map_err(Failure::input)
+    }
+
+    /// Applies the overrides.
+    fn finish(&self, mut scene: Scene) -> Result<Scene, Failure> {
+        if let Some(path) = &self.transfer {
+            let imported = import::read(path).map_err(Failure::input)?;
+            imported
+                .notes
+                .iter()
+                .for_each(|note| eprintln!("note: {}: {note}", path.display()));
+            scene.transfer = imported.transfer;
+            match imported.shading {
+                Some(Shading::On(lighting)) => scene.lighting = Some(lighting),
+                Some(Shading::Off) => scene.lighting = None,
+                None => {}
+            }
+        }
+        if let Some(view) = self.view.as_deref().and_then(View::named) {
+            scene.view = view;
+        }
         if let Some(precision) = self.precision {
             scene.precision = match precision {
                 PrecisionArg::Paper => PrecisionName::Paper,

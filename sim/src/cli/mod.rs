@@ -3,11 +3,14 @@
 mod compare;
 mod default;
 mod inputs;
+mod inspect;
 mod output;
 mod plan;
 mod progress;
 mod render;
+mod table;
 mod tables;
+mod turntable;
 
 use clap::{Parser, Subcommand};
 use slicecast_sim::engine::RenderError;
@@ -82,6 +85,9 @@ enum Command {
     Render(render::Args),
     Compare(compare::Args),
     Plan(plan::Args),
+    Inspect(inspect::Args),
+    Table(table::Args),
+    Turntable(turntable::Args),
 }
 
 impl Cli {
@@ -92,6 +98,9 @@ impl Cli {
             Some(Command::Render(args)) => args.run(),
             Some(Command::Compare(args)) => args.run(),
             Some(Command::Plan(args)) => args.run(),
+            Some(Command::Inspect(args)) => args.run(),
+            Some(Command::Table(args)) => args.run(),
+            Some(Command::Turntable(args)) => args.run(),
         }
     }
 }

@@ -5,6 +5,7 @@ use slicecast::plane::Pipeline;
 use slicecast::stream::Needs;
 use slicecast_sim::camera::{Material, plan};
 use slicecast_sim::pipelines::{Job, compile, dispatch};
+use slicecast_sim::scene::Blend;
 use slicecast_sim::volume::Mapping;
 
 use super::Failure;
@@ -54,7 +55,11 @@ impl Args {
         let [slices, ranges, scratch, image] = needs.bytes();
         let [width, height, depth] = plan.dims();
         let [base_width, base_height] = plan.base();
-        let lit = if lights.is_some() { "lit" } else { "unlit" };
+        let lit = match (scene.blend, &lights) {
+            (Blend::Maximum | Blend::Minimum, _) => "projection",
+            (_, Some(_)) => "lit",
+            (_, None) => "unlit",
+        };
         println!("precision          {}, {lit}", scene.precision.name());
         println!(
             "slices             {depth} of {width} x {height} voxels along {:?}",

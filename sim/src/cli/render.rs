@@ -45,11 +45,11 @@ impl Args {
                 self.output.display()
             )));
         }
-        let mut scene = self.scene.load()?;
+        let loaded = self.volume.load()?;
+        let mut scene = self.scene.load_for(&self.volume, &loaded)?;
         if let Some(size) = self.size {
             scene.image.size = Some(size);
         }
-        let loaded = self.volume.load()?;
         let prepared = Prepared::new(&scene, &loaded.volume)?;
         let layer = if self.stream {
             Layer::Stream

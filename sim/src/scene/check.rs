@@ -101,7 +101,7 @@ fn sampling(sampling: Sampling) -> Result<(), FieldError> {
     Ok(())
 }
 
-fn transfer(transfer: &TransferFunction) -> Result<(), FieldError> {
+pub(super) fn transfer(transfer: &TransferFunction) -> Result<(), FieldError> {
     number("transfer.unit_distance", transfer.unit_distance, UNIT_DISTANCE)?;
     count("transfer.points", transfer.points.len(), POINTS)?;
     for (i, point) in transfer.points.iter().enumerate() {
@@ -133,7 +133,7 @@ fn transfer(transfer: &TransferFunction) -> Result<(), FieldError> {
     Ok(())
 }
 
-fn lighting(lighting: &Lighting) -> Result<(), FieldError> {
+pub(super) fn lighting(lighting: &Lighting) -> Result<(), FieldError> {
     number("lighting.ambient", lighting.ambient, FRACTION)?;
     number("lighting.diffuse", lighting.diffuse, FRACTION)?;
     number("lighting.specular", lighting.specular, FRACTION)?;

@@ -19,9 +19,11 @@ use super::check::FieldError;
 pub const MAX_LEN: u64 = 1 << 20;
 
 /// The scenes that come with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 4] = [
+pub const BUILT_IN: [(&str, &str); 6] = [
     ("headsq", include_str!("../../scenes/headsq.toml")),
     ("ct-bone", include_str!("../../scenes/ct-bone.toml")),
+    ("ct-soft-tissue", include_str!("../../scenes/ct-soft-tissue.toml")),
+    ("ct-vessels", include_str!("../../scenes/ct-vessels.toml")),
     ("ct-fog", include_str!("../../scenes/ct-fog.toml")),
     ("ct-fog8", include_str!("../../scenes/ct-fog8.toml")),
 ];
@@ -57,6 +59,9 @@ pub enum SceneFault {
     /// Not TOML, an unknown or missing field, or one of the wrong type. The message shows the line.
     #[error("{0}")]
     Syntax(String),
+    /// A transfer function of another program that cannot be read.
+    #[error("{0}")]
+    Import(String),
     /// A field out of range.
     #[error(transparent)]
     Field(#[from] FieldError),
@@ -114,7 +119,7 @@ pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
 }
 
 /// The text of a regular file of at most [`MAX_LEN`] bytes.
-fn read_text(path: &Path) -> Result<String, SceneFault> {
+pub(super) fn read_text(path: &Path) -> Result<String, SceneFault> {
     if !fs::metadata(path)?.is_file() {
         return Err(SceneFault::NotAFile);
     }

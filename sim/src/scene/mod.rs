@@ -8,6 +8,7 @@
 pub mod check;
 mod colour;
 pub mod file;
+pub mod import;
 pub mod transfer;
 
 use serde::{Deserialize, Serialize};
@@ -75,6 +76,27 @@ impl Default for View {
 }
 
 impl View {
+    /// The view from a side of the patient, for volumes whose x, y, z run to the patient's left, back and head.
+    ///
+    /// `anterior` (or `front`), `posterior` (`back`), `left`, `right`, `superior` (`top`), `inferior` (`bottom`): where
+    /// the viewer stands. From above and from below the patient's front is at the top of the picture.
+    pub fn named(name: &str) -> Option<Self> {
+        let [azimuth, elevation] = match name {
+            "anterior" | "front" => [0.0, 0.0],
+            "posterior" | "back" => [180.0, 0.0],
+            "left" => [90.0, 0.0],
+            "right" => [-90.0, 0.0],
+            "superior" | "top" => [180.0, 90.0],
+            "inferior" | "bottom" => [0.0, -90.0],
+            _ => return None,
+        };
+        Some(Self {
+            azimuth,
+            elevation,
+            roll: 0.0,
+        })
+    }
+
     /// The camera's axes. Components smaller than 1e-15 are exactly zero, so that axis-aligned views are exact.
     pub fn axes(&self) -> CameraAxes {
         let (sa, ca) = sin_cos_degrees(self.azimuth);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::axes::AxesError;
 use super::values::{MAX_AXIS, MAX_VOXELS};
 
 /// A volume that could not be read: which file, and why.
@@ -49,7 +50,7 @@ pub enum Problem {
     Empty,
     /// Neither the first bytes nor the name tell a format.
     #[error(
-        "is of no known format: it begins with {first_bytes}, expected NRRD (`NRRD0001` to `NRRD0005`); raw data need \
+        "is of no known format: it begins with {first_bytes}, expected NRRD, NIfTI, MetaImage, DICOM or TIFF; raw data need \
          their shape stated"
     )]
     UnknownFormat {
@@ -113,6 +114,46 @@ pub enum Problem {
     /// Attached data are missing altogether.
     #[error("header ends without an empty line and names no `data file`, expected one of the two")]
     NoData,
+    /// A file that its format does not allow; the fault names the place and the numbers.
+    #[error("{format}: {fault}")]
+    Format {
+        /// The format as which it was read.
+        format: &'static str,
+        /// What was found and what was expected.
+        fault: String,
+    },
+    /// A folder without slices.
+    #[error("has no DICOM image, expected the slices of a series")]
+    NoImages,
+    /// A sound file of a kind that is not read.
+    #[error("{format}: {found} is not read, expected {expected}")]
+    Unsupported {
+        /// The format as which it was read.
+        format: &'static str,
+        /// What the file has.
+        found: String,
+        /// What can be read.
+        expected: &'static str,
+    },
+    /// More memory than this program asks for.
+    #[error("would take {bytes} bytes of memory for {what}, expected at most {limit}")]
+    TooLarge {
+        /// Bytes that it would take.
+        bytes: u64,
+        /// For what.
+        what: &'static str,
+        /// Bytes allowed.
+        limit: u64,
+    },
+    /// A companion file outside the folder.
+    #[error("names the data file `{name}`, expected a file in its own folder or below it")]
+    Outside {
+        /// The name, shortened.
+        name: String,
+    },
+    /// Directions that are no axes.
+    #[error(transparent)]
+    Axes(#[from] AxesError),
     /// A shape that is not usable.
     #[error(transparent)]
     Shape(#[from] ShapeError),
@@ -137,8 +178,10 @@ pub enum Problem {
         shape: String,
     },
     /// A compressed stream is damaged.
-    #[error("gzip data are damaged after {unpacked} unpacked bytes of {expected}: {message}")]
-    Gzip {
+    #[error("{packing} data are damaged after {unpacked} unpacked bytes of {expected}: {message}")]
+    Damaged {
+        /// How the data are packed.
+        packing: &'static str,
         /// Bytes unpacked before the damage.
         unpacked: u64,
         /// Bytes that the shape needs.
@@ -163,6 +206,14 @@ pub enum Problem {
 }
 
 impl Problem {
+    /// A file that its format does not allow.
+    pub(super) fn format(format: &'static str, fault: impl Into<String>) -> Self {
+        Self::Format {
+            format,
+            fault: fault.into(),
+        }
+    }
+
     /// Wraps a system error with what was tried.
     pub(super) fn io(action: &'static str) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::Io { action, source }

@@ -11,16 +11,21 @@
 //! | integers in 0 … 4095     | 0         | 1              | nothing |
 //! | integers in -1024 … 3071 | -1024     | 1              | nothing |
 //! | integers, range <= 4095  | minimum   | 1              | nothing |
+//! | CT in Hounsfield units, integers, range > 4095 | -1024 HU | 1 | what is below -1024 or above 3071 HU |
 //! | other integers, floats   | minimum   | 4095 / range   | reported |
 //!
-//! [`Window::Range`] maps `low` to 0 and `high` to 4095 and clips what lies outside.
+//! [`Window::Range`] maps `low` to 0 and `high` to 4095 and clips what lies outside; [`Window::Percentile`] and
+//! [`Window::Stated`] are ranges that come from the data and from the file. Where the file scales its values
+//! (`value = stored * scale + offset`), the codes are chosen on the stored values and reported in the data's unit.
 
 mod report;
+
+use std::cmp::Ordering;
 
 use thiserror::Error;
 
 pub use self::report::MappingReport;
-use super::values::{Decoded, Values};
+use super::values::{Decoded, Modality, Values};
 use super::{Mapping, Volume};
 
 /// The largest code.
@@ -38,6 +43,61 @@ pub enum Window {
         /// Data value of code 4095.
         high: f64,
     },
+    /// From the value below which `low` percent of the voxels lie to the one below which `high` percent lie.
+    Percentile {
+        /// Percent, 0 to 100.
+        low: f64,
+        /// Percent, 0 to 100.
+        high: f64,
+    },
+    /// As the file asks for; [`Window::Auto`] if it does not.
+    Stated,
+}
+
+impl Window {
+    /// A percentile or stated window as the range that it means for this volume.
+    fn resolve(self, decoded: &Decoded) -> Result<Self, MappingError> {
+        match self {
+            Self::Auto | Self::Range { .. } => Ok(self),
+            Self::Stated => Ok(match decoded.stated_window() {
+                Some([low, high]) => Self::Range { low, high },
+                None => Self::Auto,
+            }),
+            Self::Percentile { low, high } => {
+                if !(0.0 <= low && low < high && high <= 100.0) {
+                    return Err(MappingError::Percentile { low, high });
+                }
+                let data = |stored: f64| stored * decoded.value_scale() + decoded.value_offset();
+                let [first, last] = percentiles(decoded.values(), [low, high]).map(data);
+                // All voxels between the two have one value: nothing can be stretched.
+                let range = Self::Range { low: first, high: last };
+                Ok(if first < last { range } else { Self::Auto })
+            }
+        }
+    }
+}
+
+/// The stored values of two ranks, in percent of the voxels.
+fn percentiles(values: &Values, percent: [f64; 2]) -> [f64; 2] {
+    fn ranks<T: Copy>(values: &[T], percent: [f64; 2], order: impl Fn(&T, &T) -> Ordering) -> Option<[T; 2]> {
+        let mut copy = values.to_vec();
+        let last = copy.len().checked_sub(1)?;
+        Some(percent.map(|p| {
+            let rank = (p / 100.0 * last as f64).round() as usize;
+            *copy.select_nth_unstable_by(rank.min(last), &order).1
+        }))
+    }
+    let found = match values {
+        Values::I8(v) => ranks(v, percent, i8::cmp).map(|r| r.map(f64::from)),
+        Values::U8(v) => ranks(v, percent, u8::cmp).map(|r| r.map(f64::from)),
+        Values::I16(v) => ranks(v, percent, i16::cmp).map(|r| r.map(f64::from)),
+        Values::U16(v) => ranks(v, percent, u16::cmp).map(|r| r.map(f64::from)),
+        Values::I32(v) => ranks(v, percent, i32::cmp).map(|r| r.map(f64::from)),
+        Values::U32(v) => ranks(v, percent, u32::cmp).map(|r| r.map(f64::from)),
+        Values::F32(v) => ranks(v, percent, f32::total_cmp).map(|r| r.map(f64::from)),
+        Values::F64(v) => ranks(v, percent, f64::total_cmp),
+    };
+    found.unwrap_or([0.0; 2])
 }
 
 /// Why values cannot be mapped.
@@ -49,6 +109,14 @@ pub enum MappingError {
         /// Data value of code 0 as asked.
         low: f64,
         /// Data value of code 4095 as asked.
+        high: f64,
+    },
+    /// Percentiles that are none.
+    #[error("percentiles are {low} and {high}, expected two numbers from 0 to 100, the lower one first")]
+    Percentile {
+        /// The lower one as asked.
+        low: f64,
+        /// The higher one as asked.
         high: f64,
     },
     /// A range so wide or so narrow that f64 cannot divide it into codes.
@@ -66,6 +134,7 @@ pub enum MappingError {
 /// # Errors
 /// [`MappingError`] if the window asked for is not one, or floating-point data span a range that f64 cannot divide.
 pub fn map(decoded: &Decoded, window: Window) -> Result<(Volume, MappingReport), MappingError> {
+    let window = window.resolve(decoded)?;
     match decoded.values() {
         Values::I8(v) => map_values(decoded, v, window, Kind::Bytes { first: -128.0 }),
         Values::U8(v) => map_values(decoded, v, window, Kind::Bytes { first: 0.0 }),
@@ -97,11 +166,13 @@ fn map_values<T: Copy + Into<f64>>(
     kind: Kind,
 ) -> Result<(Volume, MappingReport), MappingError> {
     let range = range(stored);
-    let shift = decoded.value_offset();
-    let coding = Coding::choose(window, range, shift, kind)?;
+    let (scale, shift) = (decoded.value_scale(), decoded.value_offset());
+    let hounsfield = decoded.modality() == Some(Modality::Ct) && scale == 1.0;
+    let coding = Coding::choose(window, range, [scale, shift], kind, hounsfield)?;
+    let data = |stored: f64| stored * scale + shift;
     let mapping = Mapping {
-        scale: coding.unit,
-        offset: coding.low + shift,
+        scale: coding.unit * scale,
+        offset: data(coding.low),
     };
     let mut clipped_low = 0;
     let mut clipped_high = 0;
@@ -125,9 +196,9 @@ fn map_values<T: Copy + Into<f64>>(
     let voxels: Vec<u16> = stored.iter().map(code_of).collect();
     let clipped = clipped_low + clipped_high > 0;
     let report = MappingReport {
-        range: range.map(|v| v + shift),
-        window: [coding.low + shift, coding.high + shift],
-        codes_per_unit: coding.codes_per_unit,
+        range: range.map(data),
+        window: [data(coding.low), data(coding.high)],
+        codes_per_unit: coding.codes_per_unit / scale,
         clipped_low,
         clipped_high,
         lossless: !clipped
@@ -137,7 +208,7 @@ fn map_values<T: Copy + Into<f64>>(
                 max_rounding_error < 0.5
             },
         bits_lost: (kind != Kind::Floats).then(|| bits_lost(range, coding)),
-        max_rounding_error,
+        max_rounding_error: max_rounding_error * scale,
     };
     let volume = Volume {
         name: decoded.name().to_owned(),
@@ -183,26 +254,35 @@ struct Coding {
 }
 
 impl Coding {
-    /// The map for a window, the range of the stored values and the offset of the data's unit.
-    fn choose(window: Window, [min, max]: [f64; 2], shift: f64, kind: Kind) -> Result<Self, MappingError> {
+    /// The map for a window, the range of the stored values, the scale and offset of the data's unit, and whether that
+    /// unit is known to be Hounsfield's.
+    fn choose(
+        window: Window,
+        [min, max]: [f64; 2],
+        [scale, shift]: [f64; 2],
+        kind: Kind,
+        hounsfield: bool,
+    ) -> Result<Self, MappingError> {
         match (window, kind) {
             (Window::Range { low, high }, _) => {
                 let error = MappingError::Window { low, high };
                 if !(low.is_finite() && high.is_finite() && low < high) {
                     return Err(error);
                 }
-                Self::between(low - shift, high - shift).ok_or(error)
+                Self::between((low - shift) / scale, (high - shift) / scale).ok_or(error)
             }
             (Window::Auto, Kind::Bytes { first }) => Ok(Self::exact(first, 16.0)),
             (Window::Auto, Kind::Integers) if min >= 0.0 && max <= MAX_CODE => Ok(Self::exact(0.0, 1.0)),
             (Window::Auto, Kind::Integers) if min >= -1024.0 && max <= 3071.0 => Ok(Self::exact(-1024.0, 1.0)),
             (Window::Auto, Kind::Integers) if max - min <= MAX_CODE => Ok(Self::exact(min, 1.0)),
+            // Padding below air or metal above bone must not cost the unit: those are clipped instead.
+            (Window::Auto, Kind::Integers) if hounsfield => Ok(Self::exact(-1024.0 - shift, 1.0)),
             // All values are the same: code 0.
-            (Window::Auto, _) if min == max => Ok(Self::exact(min, 1.0)),
-            (Window::Auto, _) => {
+            (_, _) if min == max => Ok(Self::exact(min, 1.0)),
+            (_, _) => {
                 let error = MappingError::Range {
-                    low: min + shift,
-                    high: max + shift,
+                    low: min * scale + shift,
+                    high: max * scale + shift,
                 };
                 Self::between(min, max).ok_or(error)
             }

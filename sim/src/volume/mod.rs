@@ -1,15 +1,25 @@
 //! A volume in memory, as the machine sees it: 12-bit voxels with their shape, spacing and unit.
 //!
-//! [`open`] finds the reader for a file ([`nrrd`]; [`raw`] is asked for by name), which yields the values as the file
-//! states them ([`values`]); [`mapping`] turns those into codes and says what that cost. A further format is one more file
-//! beside `nrrd.rs` and a line in `open.rs`.
+//! [`open`] finds the reader for a file or folder ([`nrrd`], [`nifti`], [`metaimage`], [`dicom`], [`tiff`], [`raw`]), which
+//! yields the values as the file states them ([`values`]), in the patient's axes where the file tells them ([`axes`]);
+//! [`mapping`] turns those into codes and says what that cost. A further format is one more file beside `nrrd.rs` and a
+//! line in `open.rs`.
 
+pub mod axes;
+mod companion;
+mod decoded;
+pub mod dicom;
 pub mod error;
 pub mod mapping;
+pub mod metaimage;
+pub mod nifti;
 pub mod nrrd;
 pub mod open;
 mod payload;
 pub mod raw;
+pub mod statistics;
+mod text;
+pub mod tiff;
 pub mod values;
 
 /// How 12-bit codes map back to the data's own unit: `value = code * scale + offset`.

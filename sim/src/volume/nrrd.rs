@@ -1,29 +1,35 @@
 //! NRRD volumes (`.nrrd`, and `.nhdr` with a data file beside it).
 //!
-//! Read: versions 1 to 5; integers of 8, 16 and 32 bits, `float`, `double`; either byte order; encodings `raw` and `gzip`;
-//! exactly three dimensions. Spacing comes from `spacings`, or from the lengths of `space directions`, or is 1.
-//! The volume keeps the file's own axes: a direction's sign and the name of the space turn nothing, and directions that
-//! are not along the axes are refused. A key `hounsfield_offset:=N` makes the data's unit the stored value plus N.
+//! Read: versions 1 to 5; integers of 8 to 64 bits, `float`, `double`; either byte order; encodings `raw`, `gzip`,
+//! `bzip2` and `ascii`; exactly three dimensions. Spacing comes from `spacings`, or from the lengths of
+//! `space directions`, or is 1. With `space directions` the voxels are reordered and reversed so that they run along the
+//! axes of the space: the patient's (LPS) if `space` is one of the three patient spaces. Two keys of our own:
+//! `hounsfield_offset:=N` makes the data's unit the stored value plus N, `modality:=CT` tells what made the values.
 
 mod header;
 mod orientation;
 
 use std::io::{BufRead, Cursor};
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
-use self::header::{Header, shorten};
+use self::header::Header;
+use self::orientation::Directions;
+use super::companion;
 use super::error::{Problem, ReadError};
 use super::open::open_regular;
 use super::payload::{ByteSkip, Encoding, Layout, read_values};
-use super::values::{Decoded, Endian, ValueType, check_spacing};
+use super::text::shorten;
+use super::values::{Decoded, Endian, Modality, ValueType, check_spacing};
 
 /// What a header says about its volume, interpreted.
 #[derive(Debug)]
 struct Description {
     layout: Layout,
     spacing: [f64; 3],
+    directions: Option<Directions>,
     value_offset: i32,
-    data_file: Option<PathBuf>,
+    modality: Option<Modality>,
+    data_file: Option<String>,
     notes: Vec<String>,
 }
 
@@ -39,7 +45,7 @@ pub fn read(path: &Path) -> Result<Decoded, ReadError> {
     let Some(data_file) = &description.data_file else {
         return attached(&header, description, &mut source, len, name).map_err(at_header);
     };
-    let data_path = path.parent().unwrap_or(Path::new("")).join(data_file);
+    let data_path = companion::data_file(path, data_file)?;
     let (mut data, data_len) = open_regular(&data_path)?;
     finish(description, &mut data, data_len, name).map_err(|problem| ReadError::new(&data_path, problem))
 }
@@ -93,9 +99,15 @@ fn finish(
     let values = read_values(&description.layout, source, source_len)?;
     let dims = description.layout.dims.map(|d| d as usize);
     let decoded = Decoded::new(name, dims, description.spacing, values)?;
-    Ok(decoded
+    let decoded = decoded
         .with_value_offset(description.value_offset)
-        .with_notes(description.notes))
+        .with_modality(description.modality)
+        .with_notes(description.notes);
+    match description.directions {
+        None => Ok(decoded),
+        Some(Directions::Patient(directions)) => decoded.in_patient(directions),
+        Some(Directions::Space(directions)) => decoded.in_space(directions),
+    }
 }
 
 /// Makes sense of a header's fields.
@@ -104,20 +116,20 @@ fn interpret(header: &Header) -> Result<Description, Problem> {
     if dimension != "3" {
         return Err(refuse("dimension", dimension, "3: a volume of one value a voxel"));
     }
-    let types = "int8, uint8, int16, uint16, int32, uint32, float or double, in one of NRRD's spellings";
+    let types = ValueType::NAMES;
     let name = header.require("type", types)?;
     let value_type = ValueType::from_name(name).ok_or_else(|| refuse("type", name, types))?;
     let sizes = header.require("sizes", "three whole numbers")?;
     let dims = three(sizes, |word| word.parse::<u64>().ok());
     let dims = dims.ok_or_else(|| refuse("sizes", sizes, "three whole numbers"))?;
     check_kinds(header)?;
-    let (spacing, notes) = orientation::spacing(header)?;
+    let (spacing, directions, notes) = orientation::read(header)?;
     check_spacing(spacing)?;
     let encoding = encoding(header)?;
     let layout = Layout {
         dims,
         value_type,
-        endian: endian(header, value_type)?,
+        endian: endian(header, value_type, encoding)?,
         encoding,
         line_skip: line_skip(header)?,
         byte_skip: byte_skip(header, encoding)?,
@@ -126,7 +138,9 @@ fn interpret(header: &Header) -> Result<Description, Problem> {
     Ok(Description {
         layout,
         spacing,
+        directions,
         value_offset,
+        modality: header.keys.get("modality").and_then(|code| Modality::from_code(code)),
         data_file: data_file(header)?,
         notes,
     })
@@ -145,20 +159,22 @@ fn check_kinds(header: &Header) -> Result<(), Problem> {
 }
 
 fn encoding(header: &Header) -> Result<Encoding, Problem> {
-    let expected = "`raw` or `gzip`";
+    let expected = "`raw`, `gzip`, `bzip2` or `ascii`";
     let name = header.require("encoding", expected)?;
     match name.to_ascii_lowercase().as_str() {
         "raw" => Ok(Encoding::Raw),
         "gzip" | "gz" => Ok(Encoding::Gzip),
+        "bzip2" | "bz2" => Ok(Encoding::Bzip2),
+        "ascii" | "text" | "txt" => Ok(Encoding::Text),
         _ => Err(refuse("encoding", name, expected)),
     }
 }
 
-fn endian(header: &Header, value_type: ValueType) -> Result<Endian, Problem> {
+fn endian(header: &Header, value_type: ValueType, encoding: Encoding) -> Result<Endian, Problem> {
     let expected = "`little` or `big`";
     match header.get("endian") {
-        // Single bytes have no order.
-        None if value_type.byte_len() == 1 => Ok(Endian::Little),
+        // Single bytes and written numbers have no order.
+        None if value_type.byte_len() == 1 || encoding == Encoding::Text => Ok(Endian::Little),
         None => Err(Problem::MissingField {
             field: "endian",
             expected,
@@ -181,7 +197,7 @@ fn byte_skip(header: &Header, encoding: Encoding) -> Result<ByteSkip, Problem> {
     let text = header.get("byte skip").unwrap_or("0");
     match (text, encoding) {
         ("-1", Encoding::Raw) => Ok(ByteSkip::FromEnd),
-        ("-1", Encoding::Gzip) => Err(refuse("byte skip", text, "0 or more, since -1 needs encoding `raw`")),
+        ("-1", _) => Err(refuse("byte skip", text, "0 or more, since -1 needs encoding `raw`")),
         _ => match text.parse() {
             Ok(bytes) => Ok(ByteSkip::Bytes(bytes)),
             Err(_) => Err(refuse("byte skip", text, "a whole number, 0 or more, or -1")),
@@ -199,25 +215,17 @@ fn value_offset(header: &Header) -> Result<i32, Problem> {
         .map_err(|_| refuse("hounsfield_offset", text, "a whole number of at most 32 bits"))
 }
 
-/// The data file's path below the header's folder.
-fn data_file(header: &Header) -> Result<Option<PathBuf>, Problem> {
+/// The data file's name.
+fn data_file(header: &Header) -> Result<Option<String>, Problem> {
     let Some(text) = header.get("data file") else {
         return Ok(None);
     };
-    let refuse = |expected| Err(refuse("data file", text, expected));
     let words: Vec<&str> = text.split_ascii_whitespace().collect();
     let numbered = text.contains('%') && words.len() >= 4;
     if words.first() == Some(&"LIST") || numbered {
-        return refuse("one file: data in many files are not read yet");
+        return Err(refuse("data file", text, "one file: data in many files are not read"));
     }
-    let path = Path::new(text);
-    let inside = path
-        .components()
-        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    if !inside || path.file_name().is_none() {
-        return refuse("a file in the header's folder or below it");
-    }
-    Ok(Some(path.to_path_buf()))
+    Ok(Some(text.to_owned()))
 }
 
 /// Exactly three words, each read by `parse`.

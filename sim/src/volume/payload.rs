@@ -4,11 +4,14 @@
 //! Compressed data cannot be measured beforehand: their buffer grows as they unpack and stops at the shape's size.
 
 use std::io::{self, BufRead, Read};
+use std::str::FromStr;
 
-use flate2::bufread::MultiGzDecoder;
+use bzip2::bufread::MultiBzDecoder;
+use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use super::error::Problem;
-use super::values::{Endian, ValueType, Values, voxel_count};
+use super::text::shorten_bytes;
+use super::values::{Endian, MAX_BYTES, ValueType, Values, voxel_count};
 
 /// Bytes read at a time; a multiple of every value's length.
 const CHUNK_LEN: usize = 1 << 16;
@@ -20,6 +23,25 @@ pub(super) enum Encoding {
     Raw,
     /// One or more gzip members.
     Gzip,
+    /// One zlib stream.
+    Zlib,
+    /// One or more bzip2 streams.
+    Bzip2,
+    /// Decimal numbers, separated by space or commas.
+    Text,
+}
+
+impl Encoding {
+    /// Its name in messages.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Raw => "plain",
+            Self::Gzip => "gzip",
+            Self::Zlib => "zlib",
+            Self::Bzip2 => "bzip2",
+            Self::Text => "text",
+        }
+    }
 }
 
 /// How many bytes precede the values.
@@ -87,30 +109,64 @@ pub(super) fn read_values<R: BufRead>(layout: &Layout, source: &mut R, source_le
             read.map_err(Problem::io("read the file"))?;
             complete(layout, expected, values)
         }
-        Encoding::Gzip => {
-            let mut unpacked = MultiGzDecoder::new(source);
-            let damaged = |done: u64| {
-                move |error: io::Error| Problem::Gzip {
-                    unpacked: done,
-                    expected,
-                    message: error.to_string(),
-                }
-            };
+        Encoding::Gzip => unpack(layout, MultiGzDecoder::new(source), voxels, expected),
+        Encoding::Zlib => unpack(layout, ZlibDecoder::new(source), voxels, expected),
+        Encoding::Bzip2 => unpack(layout, MultiBzDecoder::new(source), voxels, expected),
+        Encoding::Text => {
+            check_memory(expected)?;
             if let ByteSkip::Bytes(n) = layout.byte_skip {
-                skip_bytes(&mut unpacked, n, damaged(0))?;
+                skip_bytes(source, n, Problem::io("read the file"))?;
             }
-            let (values, read) = decode(layout, &mut unpacked, voxels, 0)?;
-            read.map_err(damaged(values.len() as u64 * layout.value_type.byte_len()))?;
-            let values = complete(layout, expected, values)?;
-            match read_full(&mut unpacked, &mut [0]) {
-                (0, Ok(())) => Ok(values),
-                (0, Err(error)) => Err(damaged(expected)(error)),
-                _ => Err(Problem::UnpacksTooLong {
-                    expected,
-                    shape: layout.describe(),
-                }),
-            }
+            let values = text_values(layout, source, voxels)?;
+            complete(layout, expected, values)
         }
+    }
+}
+
+/// Refuses volumes that a small packed file could claim without end.
+fn check_memory(bytes: u64) -> Result<(), Problem> {
+    if bytes <= MAX_BYTES {
+        return Ok(());
+    }
+    Err(Problem::TooLarge {
+        bytes,
+        what: "the unpacked values",
+        limit: MAX_BYTES,
+    })
+}
+
+/// Reads values from an unpacker, which is asked for one byte more than they need.
+fn unpack<R: Read>(layout: &Layout, mut unpacked: R, voxels: u64, expected: u64) -> Result<Values, Problem> {
+    check_memory(expected)?;
+    let packing = layout.encoding.name();
+    let damaged = |done: u64| {
+        move |error: io::Error| Problem::Damaged {
+            packing,
+            unpacked: done,
+            expected,
+            message: error.to_string(),
+        }
+    };
+    if let ByteSkip::Bytes(n) = layout.byte_skip {
+        // A skip longer than any volume would unpack a small file for ever.
+        if n > MAX_BYTES {
+            return Err(Problem::Skip {
+                field: "byte skip",
+                asked: n,
+            });
+        }
+        skip_bytes(&mut unpacked, n, damaged(0))?;
+    }
+    let (values, read) = decode(layout, &mut unpacked, voxels, 0)?;
+    read.map_err(damaged(values.len() as u64 * layout.value_type.byte_len()))?;
+    let values = complete(layout, expected, values)?;
+    match read_full(&mut unpacked, &mut [0]) {
+        (0, Ok(())) => Ok(values),
+        (0, Err(error)) => Err(damaged(expected)(error)),
+        _ => Err(Problem::UnpacksTooLong {
+            expected,
+            shape: layout.describe(),
+        }),
     }
 }
 
@@ -166,7 +222,7 @@ fn decode<R: Read>(
     reserve: u64,
 ) -> Result<(Values, io::Result<()>), Problem> {
     use Endian::{Big, Little};
-    use ValueType::{F32, F64, I8, I16, I32, U8, U16, U32};
+    use ValueType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
     let mut end = Ok(());
     let values = match (layout.value_type, layout.endian) {
         (I8, _) => Values::I8(collect(source, count, reserve, &mut end, i8::from_ne_bytes)?),
@@ -179,6 +235,10 @@ fn decode<R: Read>(
         (I32, Big) => Values::I32(collect(source, count, reserve, &mut end, i32::from_be_bytes)?),
         (U32, Little) => Values::U32(collect(source, count, reserve, &mut end, u32::from_le_bytes)?),
         (U32, Big) => Values::U32(collect(source, count, reserve, &mut end, u32::from_be_bytes)?),
+        (I64, Little) => narrow(&collect(source, count, reserve, &mut end, i64::from_le_bytes)?)?,
+        (I64, Big) => narrow(&collect(source, count, reserve, &mut end, i64::from_be_bytes)?)?,
+        (U64, Little) => narrow(&collect(source, count, reserve, &mut end, u64::from_le_bytes)?)?,
+        (U64, Big) => narrow(&collect(source, count, reserve, &mut end, u64::from_be_bytes)?)?,
         (F32, Little) => Values::F32(collect(source, count, reserve, &mut end, f32::from_le_bytes)?),
         (F32, Big) => Values::F32(collect(source, count, reserve, &mut end, f32::from_be_bytes)?),
         (F64, Little) => Values::F64(collect(source, count, reserve, &mut end, f64::from_le_bytes)?),
@@ -220,6 +280,96 @@ fn collect<const N: usize, T>(
         }
     }
     Ok(values)
+}
+
+/// 64-bit integers as 32-bit ones where all of them fit, otherwise as doubles (nearest, which twelve bits do not see).
+fn narrow<T: Copy + TryInto<i32> + TryInto<u32> + Into<i128>>(wide: &[T]) -> Result<Values, Problem> {
+    fn all<T: Copy, U>(wide: &[T], convert: impl Fn(T) -> Option<U>) -> Result<Option<Vec<U>>, Problem> {
+        let mut out = Vec::new();
+        out.try_reserve_exact(wide.len()).map_err(|_| Problem::Memory {
+            bytes: (wide.len() * size_of::<U>()) as u64,
+        })?;
+        for &value in wide {
+            match convert(value) {
+                Some(narrow) => out.push(narrow),
+                None => return Ok(None),
+            }
+        }
+        Ok(Some(out))
+    }
+    if let Some(v) = all(wide, |x| TryInto::<i32>::try_into(x).ok())? {
+        return Ok(Values::I32(v));
+    }
+    if let Some(v) = all(wide, |x| TryInto::<u32>::try_into(x).ok())? {
+        return Ok(Values::U32(v));
+    }
+    let doubles = all(wide, |x| Some(Into::<i128>::into(x) as f64))?;
+    Ok(Values::F64(doubles.unwrap_or_default()))
+}
+
+/// Characters that one number of a text may have.
+const WORD_MAX: usize = 64;
+
+/// Up to one number more than `count` from text, in the layout's type.
+fn text_values<R: BufRead>(layout: &Layout, source: &mut R, count: u64) -> Result<Values, Problem> {
+    use ValueType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
+    Ok(match layout.value_type {
+        I8 => Values::I8(words(layout, source, count)?),
+        U8 => Values::U8(words(layout, source, count)?),
+        I16 => Values::I16(words(layout, source, count)?),
+        U16 => Values::U16(words(layout, source, count)?),
+        I32 => Values::I32(words(layout, source, count)?),
+        U32 => Values::U32(words(layout, source, count)?),
+        I64 => narrow(&words::<i64, R>(layout, source, count)?)?,
+        U64 => narrow(&words::<u64, R>(layout, source, count)?)?,
+        F32 => Values::F32(words(layout, source, count)?),
+        F64 => Values::F64(words(layout, source, count)?),
+    })
+}
+
+/// Numbers of a text; more than `count` of them, or a word that is none, are refused.
+fn words<T: FromStr, R: BufRead>(layout: &Layout, source: &mut R, count: u64) -> Result<Vec<T>, Problem> {
+    let mut values = Vec::new();
+    let mut word = Vec::new();
+    let mut take = |word: &mut Vec<u8>| -> Result<(), Problem> {
+        if word.is_empty() {
+            return Ok(());
+        }
+        let number = str::from_utf8(word).ok().and_then(|text| text.parse::<T>().ok());
+        let Some(number) = number else {
+            let place = format!("value {} of the text is `{}`", values.len(), shorten_bytes(word));
+            let expected = format!("{place}, expected a number of type {}", layout.value_type.name());
+            return Err(Problem::format("text data", expected));
+        };
+        if values.len() as u64 == count {
+            return Err(Problem::format(
+                "text data",
+                format!("has more than the {count} numbers expected"),
+            ));
+        }
+        values.push(number);
+        word.clear();
+        Ok(())
+    };
+    loop {
+        let part = source.fill_buf().map_err(Problem::io("read the file"))?;
+        let len = part.len();
+        if len == 0 {
+            take(&mut word)?;
+            return Ok(values);
+        }
+        for &byte in part {
+            match byte {
+                b' ' | b'\t' | b'\r' | b'\n' | b',' | 0x0b | 0x0c => take(&mut word)?,
+                _ if word.len() < WORD_MAX => word.push(byte),
+                _ => {
+                    let shown = shorten_bytes(&word);
+                    return Err(Problem::format("text data", format!("`{shown}` is no number")));
+                }
+            }
+        }
+        source.consume(len);
+    }
 }
 
 /// Fills `buffer` as far as the source goes: the bytes read, and the error that stopped it if one did.

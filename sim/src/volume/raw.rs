@@ -1,11 +1,22 @@
-//! Raw volumes: values without a header, in a shape that the user states.
+//! Raw volumes: values without a header, in a shape that the user states ([`describe`]).
 
+pub mod describe;
+
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
-use super::error::ReadError;
+use self::describe::Description;
+use super::error::{Problem, ReadError};
 use super::open::open_regular;
 use super::payload::{ByteSkip, Encoding, Layout, read_values};
 use super::values::{Decoded, Endian, ValueType, check_spacing};
+
+/// The format's name in messages.
+const NAME: &str = "raw";
+
+/// Bytes that a sidecar may have.
+const SIDECAR_MAX: u64 = 1 << 16;
 
 /// What a raw file holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,10 +55,57 @@ pub fn read(path: &Path, shape: &RawShape) -> Result<Decoded, ReadError> {
     Decoded::new(path.display().to_string(), dims, shape.spacing, values).map_err(|error| ReadError::new(path, error))
 }
 
+/// Reads a raw file as described.
+///
+/// # Errors
+/// As [`read`]; and if the scale or the axes are not usable.
+pub fn read_described(path: &Path, description: &Description) -> Result<Decoded, ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    let decoded = read(path, &description.shape)?.with_modality(description.modality);
+    let decoded = decoded
+        .with_rescale(NAME, description.scale, description.offset)
+        .map_err(fail)?;
+    match description.directions {
+        Some(directions) => decoded.in_patient(directions).map_err(fail),
+        None => Ok(decoded),
+    }
+}
+
+/// Reads a raw file by the sidecar beside it, else by its name; `None` if neither tells a shape.
+///
+/// # Errors
+/// As [`read_described`]; a sidecar that cannot be read is the file at fault.
+pub fn read_by_sidecar(path: &Path) -> Option<Result<Decoded, ReadError>> {
+    let sidecar = describe::sidecar_path(path);
+    if sidecar.exists() {
+        return Some(sidecar_text(&sidecar).and_then(|text| {
+            let description = describe::from_toml(&text).map_err(|problem| ReadError::new(&sidecar, problem))?;
+            read_described(path, &description)
+        }));
+    }
+    let description = describe::from_name(path)?;
+    let note = "shape and type come from the file's name; little endian and spacing 1 are assumed";
+    Some(read_described(path, &description).map(|decoded| decoded.with_notes(vec![note.into()])))
+}
+
+/// A sidecar's text.
+fn sidecar_text(path: &Path) -> Result<String, ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    let (_, len) = open_regular(path)?;
+    if len > SIDECAR_MAX {
+        let limit = SIDECAR_MAX;
+        return Err(fail(Problem::HeaderTooLong { limit }));
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(Problem::io("open the file")).map_err(fail)?;
+    let read = file.take(SIDECAR_MAX).read_to_end(&mut bytes);
+    read.map_err(Problem::io("read the file")).map_err(fail)?;
+    String::from_utf8(bytes).map_err(|_| fail(Problem::format(NAME, "sidecar is not UTF-8 text")))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::error::Problem;
     use crate::volume::values::Values;
 
     const SHAPE: RawShape = RawShape {

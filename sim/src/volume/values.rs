@@ -3,13 +3,17 @@
 //! Every reader ends in [`Decoded::new`], which checks once what the rest of the program relies on: no side is empty or
 //! over [`MAX_AXIS`], the spacing is a length, there is one value a voxel, and every value is finite.
 
-use super::error::ShapeError;
+pub use super::decoded::{Decoded, Modality, Orientation};
+use super::error::{Problem, ShapeError};
 
 /// Voxels that a volume may have along one axis.
 pub const MAX_AXIS: usize = 8192;
 
 /// Voxels that a volume may have in all (2^31, which is 4 GiB of 12-bit voxels).
 pub const MAX_VOXELS: u64 = 1 << 31;
+
+/// Bytes that the stored values of a packed or decoded volume may take (4 GiB). Plain data may take what their file has.
+pub const MAX_BYTES: u64 = 1 << 32;
 
 /// The number types that volume files hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,6 +30,10 @@ pub enum ValueType {
     I32,
     /// Unsigned 32-bit integer.
     U32,
+    /// Signed 64-bit integer.
+    I64,
+    /// Unsigned 64-bit integer.
+    U64,
     /// IEEE single precision.
     F32,
     /// IEEE double precision.
@@ -34,7 +42,7 @@ pub enum ValueType {
 
 impl ValueType {
     /// Names accepted by [`ValueType::from_name`], the short one of each type.
-    pub const NAMES: &'static str = "int8, uint8, int16, uint16, int32, uint32, float or double";
+    pub const NAMES: &'static str = "int8, uint8, int16, uint16, int32, uint32, int64, uint64, float or double";
 
     /// Bytes of one value.
     pub const fn byte_len(self) -> u64 {
@@ -42,7 +50,7 @@ impl ValueType {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 
@@ -56,6 +64,14 @@ impl ValueType {
             "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Some(Self::U16),
             "int" | "signed int" | "int32" | "int32_t" => Some(Self::I32),
             "uint" | "unsigned int" | "uint32" | "uint32_t" => Some(Self::U32),
+            "longlong"
+            | "long long"
+            | "long long int"
+            | "signed long long"
+            | "signed long long int"
+            | "int64"
+            | "int64_t" => Some(Self::I64),
+            "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => Some(Self::U64),
             "float" => Some(Self::F32),
             "double" => Some(Self::F64),
             _ => None,
@@ -71,6 +87,8 @@ impl ValueType {
             Self::U16 => "uint16",
             Self::I32 => "int32",
             Self::U32 => "uint32",
+            Self::I64 => "int64",
+            Self::U64 => "uint64",
             Self::F32 => "float",
             Self::F64 => "double",
         }
@@ -127,7 +145,7 @@ impl Values {
         self.len() == 0
     }
 
-    /// Their number type.
+    /// Their number type; 64-bit integers are kept as 32-bit ones or as doubles.
     pub const fn value_type(&self) -> ValueType {
         match self {
             Self::I8(_) => ValueType::I8,
@@ -141,8 +159,44 @@ impl Values {
         }
     }
 
+    /// The values times `scale` plus `offset`, as single precision if their type has at most 16 bits.
+    pub(super) fn rescaled(&self, scale: f64, offset: f64) -> Result<Self, Problem> {
+        Ok(match self {
+            Self::I8(v) => Self::F32(converted(v, |x| (f64::from(x) * scale + offset) as f32)?),
+            Self::U8(v) => Self::F32(converted(v, |x| (f64::from(x) * scale + offset) as f32)?),
+            Self::I16(v) => Self::F32(converted(v, |x| (f64::from(x) * scale + offset) as f32)?),
+            Self::U16(v) => Self::F32(converted(v, |x| (f64::from(x) * scale + offset) as f32)?),
+            Self::I32(v) => Self::F64(converted(v, |x| f64::from(x) * scale + offset)?),
+            Self::U32(v) => Self::F64(converted(v, |x| f64::from(x) * scale + offset)?),
+            Self::F32(v) => Self::F64(converted(v, |x| f64::from(x) * scale + offset)?),
+            Self::F64(v) => Self::F64(converted(v, |x| x * scale + offset)?),
+        })
+    }
+
+    /// CRC-32 (as zlib's) of the values as little-endian bytes, for comparison with other readers.
+    pub fn crc32(&self) -> u32 {
+        fn sum<T: Copy, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; N]) -> u32 {
+            let mut crc = flate2::Crc::new();
+            for part in values.chunks(1 << 14) {
+                let packed: Vec<u8> = part.iter().flat_map(|&v| bytes(v)).collect();
+                crc.update(&packed);
+            }
+            crc.sum()
+        }
+        match self {
+            Self::I8(v) => sum(v, i8::to_le_bytes),
+            Self::U8(v) => sum(v, u8::to_le_bytes),
+            Self::I16(v) => sum(v, i16::to_le_bytes),
+            Self::U16(v) => sum(v, u16::to_le_bytes),
+            Self::I32(v) => sum(v, i32::to_le_bytes),
+            Self::U32(v) => sum(v, u32::to_le_bytes),
+            Self::F32(v) => sum(v, f32::to_le_bytes),
+            Self::F64(v) => sum(v, f64::to_le_bytes),
+        }
+    }
+
     /// Index and value of the first NaN or infinity.
-    fn first_not_finite(&self) -> Option<(usize, f64)> {
+    pub(super) fn first_not_finite(&self) -> Option<(usize, f64)> {
         let find = |found: Option<(usize, f64)>| found.filter(|(_, value)| !value.is_finite());
         match self {
             Self::F32(v) => find(v.iter().position(|x| !x.is_finite()).map(|i| (i, f64::from(v[i])))),
@@ -152,93 +206,14 @@ impl Values {
     }
 }
 
-/// A volume as its file states it. Its fields are checked by [`Decoded::new`], so they are read-only.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Decoded {
-    name: String,
-    dims: [usize; 3],
-    spacing: [f64; 3],
-    values: Values,
-    value_offset: f64,
-    notes: Vec<String>,
-}
-
-impl Decoded {
-    /// Checks and joins the parts of a volume.
-    ///
-    /// `dims` are voxels along x, y, z; `spacing` is the distance between voxels; `values` are x fastest.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if a side or the whole is empty or too large, a spacing is not a finite number above 0, the values
-    /// are not one a voxel, or one of them is not finite.
-    pub fn new(name: String, dims: [usize; 3], spacing: [f64; 3], values: Values) -> Result<Self, ShapeError> {
-        let voxels = voxel_count(dims.map(|d| d as u64))?;
-        check_spacing(spacing)?;
-        if values.len() as u64 != voxels {
-            return Err(ShapeError::Values {
-                expected: voxels,
-                found: values.len() as u64,
-            });
-        }
-        if let Some((index, value)) = values.first_not_finite() {
-            let voxel = [index % dims[0], index / dims[0] % dims[1], index / dims[0] / dims[1]];
-            return Err(ShapeError::NotFinite { voxel, value });
-        }
-        Ok(Self {
-            name,
-            dims,
-            spacing,
-            values,
-            value_offset: 0.0,
-            notes: Vec::new(),
-        })
-    }
-
-    /// States that the data's unit is the stored value plus `offset` (for CT: Hounsfield units).
-    ///
-    /// `offset` comes from a file as an integer; every value plus it is exact in f64.
-    #[must_use]
-    pub fn with_value_offset(mut self, offset: i32) -> Self {
-        self.value_offset = f64::from(offset);
-        self
-    }
-
-    /// Adds something that the user should know about how the file was read.
-    #[must_use]
-    pub fn with_notes(mut self, notes: Vec<String>) -> Self {
-        self.notes.extend(notes);
-        self
-    }
-
-    /// Where it came from, for messages.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Voxels along x, y and z, each 1 to [`MAX_AXIS`].
-    pub const fn dims(&self) -> [usize; 3] {
-        self.dims
-    }
-
-    /// Distance between voxels along x, y and z, in the file's unit; finite and above 0.
-    pub const fn spacing(&self) -> [f64; 3] {
-        self.spacing
-    }
-
-    /// The stored values, x fastest, all finite.
-    pub const fn values(&self) -> &Values {
-        &self.values
-    }
-
-    /// What to add to a stored value to get the data's unit.
-    pub const fn value_offset(&self) -> f64 {
-        self.value_offset
-    }
-
-    /// What the user should know about how the file was read, a sentence each.
-    pub fn notes(&self) -> &[String] {
-        &self.notes
-    }
+/// Every value through `convert`, in memory that was asked for first.
+fn converted<T: Copy, U>(values: &[T], convert: impl Fn(T) -> U) -> Result<Vec<U>, Problem> {
+    let mut out = Vec::new();
+    out.try_reserve_exact(values.len()).map_err(|_| Problem::Memory {
+        bytes: (values.len() * size_of::<U>()) as u64,
+    })?;
+    out.extend(values.iter().map(|&v| convert(v)));
+    Ok(out)
 }
 
 /// The number of voxels of a shape, checked.
@@ -274,7 +249,9 @@ mod tests {
 
     #[test]
     fn names_of_types_come_back() {
-        for name in ["int8", "uint8", "int16", "uint16", "int32", "uint32", "float", "double"] {
+        for name in [
+            "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float", "double",
+        ] {
             assert_eq!(ValueType::from_name(name).unwrap().name(), name);
         }
         assert_eq!(ValueType::from_name("Signed  Short INT"), Some(ValueType::I16));

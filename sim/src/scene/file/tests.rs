@@ -46,7 +46,7 @@ fn the_scenes_that_ship_are_sound() {
     let text = built_in("fog").unwrap_err().to_string();
     assert_eq!(
         text,
-        "fog: is no built-in scene, expected one of headsq, ct-bone, ct-fog, ct-fog8"
+        "fog: is no built-in scene, expected one of headsq, ct-bone, ct-soft-tissue, ct-vessels, ct-fog, ct-fog8"
     );
 }
 

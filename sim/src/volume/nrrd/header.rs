@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use std::io::{BufRead, Read};
 
 use crate::volume::error::Problem;
+use crate::volume::text::shorten;
 
 /// Bytes that a header may have.
 pub(super) const MAX_LEN: u64 = 1 << 20;
@@ -157,16 +158,6 @@ fn check_magic(line: &[u8]) -> Result<(), Problem> {
         other => Err(Problem::Magic {
             found: shorten(&other.escape_ascii().to_string()),
         }),
-    }
-}
-
-/// A piece of a file for a message: at most 60 characters, and no control characters.
-pub(super) fn shorten(text: &str) -> String {
-    let shown: String = text.chars().take(60).flat_map(char::escape_debug).collect();
-    if text.chars().nth(60).is_some() {
-        shown + "…"
-    } else {
-        shown
     }
 }
 

@@ -134,6 +134,55 @@ fn packed_members_follow_each_other() {
 }
 
 #[test]
+fn text_and_bzip2_and_long_integers_are_read() {
+    let expected = Values::U8(vec![1, 2, 3, 4, 5, 255]);
+    assert_eq!(
+        read_file(&[("encoding", "ascii")], b"1 2 3\n4 5 255\n")
+            .unwrap()
+            .values(),
+        &expected
+    );
+    let mut encoder = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::fast());
+    encoder.write_all(&[1, 2, 3, 4, 5, 255]).unwrap();
+    let packed = encoder.finish().unwrap();
+    assert_eq!(
+        read_file(&[("encoding", "bzip2")], &packed).unwrap().values(),
+        &expected
+    );
+    assert!(message(&[("encoding", "bzip2")], &packed[..20]).contains("bzip2 data are damaged"));
+    assert!(message(&[("encoding", "ascii")], b"1 2 3 4 5 256").contains("value 5 of the text is `256`"));
+    assert!(message(&[("encoding", "ascii")], b"1 2 3 4 5").contains("has 5 bytes of data that can be read"));
+    let long = |values: [i64; 6]| {
+        let fields = [("type", "long long int"), ("endian", "big")];
+        read_file(&fields, &values.map(i64::to_be_bytes).concat())
+            .unwrap()
+            .values()
+            .clone()
+    };
+    assert_eq!(long([0, 1, -2, 3, 4, 5]), Values::I32(vec![0, 1, -2, 3, 4, 5]));
+    assert_eq!(
+        long([0, 1, 2, 3, 4, 4_000_000_000]),
+        Values::U32(vec![0, 1, 2, 3, 4, 4_000_000_000])
+    );
+    assert_eq!(
+        long([0, 0, 0, 0, 0, 1 << 50]),
+        Values::F64(vec![0.0, 0.0, 0.0, 0.0, 0.0, (1_i64 << 50) as f64])
+    );
+}
+
+#[test]
+fn directions_turn_the_voxels() {
+    let fields = [
+        ("space", "right-anterior-superior"),
+        ("space directions", "(2,0,0) (0,0,1) (0,3,0)"),
+        ("spacings", ""),
+    ];
+    let volume = read_file(&fields, &[1, 2, 3, 4, 5, 6]).unwrap();
+    assert_eq!((volume.dims(), volume.spacing()), ([3, 1, 2], [2.0, 3.0, 1.0]));
+    assert_eq!(volume.values(), &Values::U8(vec![3, 2, 1, 6, 5, 4]));
+}
+
+#[test]
 fn keys_and_comments_are_read() {
     let text =
         b"NRRD0005\r\n# c\r\ntype: uchar\r\ndimension: 3\r\nsizes: 1 1 1\r\nencoding: raw\r\nspacings: 1 1 1\r\n\
@@ -175,12 +224,12 @@ fn wrong_fields_are_refused_by_name() {
         (
             "space directions",
             "(1,1,0) (0,1,0) (0,0,1)",
-            "field `space directions`",
+            "field `spacings` is `1 1 2`, expected the lengths",
         ),
         (
             "encoding",
-            "bzip2",
-            "field `encoding` is `bzip2`, expected `raw` or `gzip`",
+            "hex",
+            "field `encoding` is `hex`, expected `raw`, `gzip`, `bzip2` or `ascii`",
         ),
         ("encoding", "", "no field `encoding`"),
         ("endian", "middle", "field `endian` is `middle`"),
@@ -200,9 +249,9 @@ fn wrong_fields_are_refused_by_name() {
             "a.raw",
             "field `data file` is `a.raw`, expected no such field",
         ),
-        ("data file", "/etc/passwd", "in the header's folder"),
-        ("data file", "../a.raw", "in the header's folder"),
-        ("data file", "a/../../b.raw", "in the header's folder"),
+        ("data file", "/etc/passwd", "expected no such field"),
+        ("data file", "../a.raw", "expected no such field"),
+        ("data file", "a/../../b.raw", "expected no such field"),
         ("data file", "LIST", "many files"),
         ("data file", "s%03d.raw 0 9 1", "many files"),
     ] {
@@ -212,6 +261,12 @@ fn wrong_fields_are_refused_by_name() {
             "{field}: {value}: {text}"
         );
     }
+}
+
+#[test]
+fn axes_not_at_right_angles_are_refused() {
+    let fields = [("spacings", ""), ("space directions", "(1,1,0) (0,1,0) (0,0,1)")];
+    assert!(message(&fields, &[0; 6]).contains("has axes x and y at 45.00 degrees"));
 }
 
 #[test]
@@ -258,6 +313,11 @@ fn data_files_are_looked_for_beside_the_header() {
     let folder = tempfile::tempdir().unwrap();
     let header = folder.path().join("h.nhdr");
     let with = |data_file| fs::write(&header, file(&[("data file", data_file)], &[])).unwrap();
+    for outside in ["/etc/passwd", "../a.raw", "a/../../b.raw"] {
+        with(outside);
+        let text = read(&header).unwrap_err().to_string();
+        assert!(text.contains("in its own folder or below it"), "{text}");
+    }
     with("none.raw");
     let text = read(&header).unwrap_err().to_string();
     assert!(text.contains("none.raw: cannot find the file: "), "{text}");

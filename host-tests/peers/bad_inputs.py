@@ -1,0 +1,129 @@
+"""Feeds malformed files to the program: each must end with exit code 2, one line that names file and fault, no picture,
+within 10 seconds and 512 MiB.
+
+    python bad_inputs.py PATH/TO/slicecast        (numpy not needed; standard library only, Linux)
+"""
+import gzip, os, pathlib, resource, struct, subprocess, sys, tempfile, time, zlib
+
+NRRD = "NRRD0004\ntype: {type}\ndimension: 3\nsizes: {sizes}\nspacings: {spacings}\nendian: little\nencoding: {encoding}\n"
+META = "NDims = 3\nDimSize = {sizes}\nElementSpacing = {spacings}\nElementType = {type}\n{more}ElementDataFile = {file}\n"
+
+
+def nrrd(data, type="uint8", sizes="4 4 4", spacings="1 1 1", encoding="raw", more=""):
+    return (NRRD.format(type=type, sizes=sizes, spacings=spacings, encoding=encoding) + more + "\n").encode() + data
+
+
+def meta(data=b"", type="MET_UCHAR", sizes="4 4 4", spacings="1 1 1", more="", file="LOCAL"):
+    return META.format(type=type, sizes=sizes, spacings=spacings, more=more, file=file).encode() + data
+
+
+def nifti(dim=(3, 4, 4, 4, 1, 1, 1, 1), kind=2, offset=352.0, size=348, data=bytes(64)):
+    h = bytearray(352)
+    struct.pack_into("<i", h, 0, size)
+    struct.pack_into("<8h", h, 40, *dim)
+    struct.pack_into("<2h", h, 70, kind, 8)
+    struct.pack_into("<8f", h, 76, 1, 1, 1, 1, 1, 1, 1, 1)
+    struct.pack_into("<f", h, 108, offset)
+    h[344:348] = b"n+1\0"
+    return bytes(h) + data
+
+
+def dicom(*elements, syntax=b"1.2.840.10008.1.2.1"):
+    head = struct.pack("<2H2sH", 2, 16, b"UI", len(syntax)) + syntax
+    return bytes(128) + b"DICM" + head + b"".join(elements)
+
+
+def element(group, number, kind, value):
+    if kind in (b"OW", b"SQ", b"UN"):
+        return struct.pack("<2H2sHI", group, number, kind, 0, len(value)) + value
+    return struct.pack("<2H2sH", group, number, kind, len(value)) + value
+
+
+def slice_of(z, pixels=bytes(32)):
+    us = lambda n, v: element(0x28, n, b"US", struct.pack("<H", v))
+    return dicom(element(0x20, 0x32, b"DS", b"0\\0\\%4.1f" % z), element(0x20, 0x37, b"DS", b"1\\0\\0\\0\\1\\0 "), us(2, 1),
+                 us(0x10, 4), us(0x11, 4), us(0x100, 16), us(0x101, 12), us(0x102, 11), us(0x103, 0), element(0x7FE0, 0x10, b"OW", pixels))
+
+
+def folder(path, files):
+    path.mkdir()
+    for name, data in files.items():
+        (path / name).write_bytes(data)
+
+
+def cases(root):
+    """Name, file name, and bytes, or a function that makes the file at a path."""
+    nan = struct.pack("<64f", *[0.0] * 9, float("nan"), *[0.0] * 54)
+    nested = b"".join(struct.pack("<2H2sHI2HI", 8, 0x1110, b"SQ", 0, 0xFFFFFFFF, 0xFFFE, 0xE000, 0xFFFFFFFF) for _ in range(50000))
+    yield "empty file", "a.nrrd", b""
+    yield "no known format", "a.bin", b"hello world"
+    yield "folder without images", "a", lambda p: folder(p, {"x.txt": b"x"})
+    yield "pipe", "a.nii", os.mkfifo
+    yield "device", "zero", lambda p: p.symlink_to("/dev/zero")
+    yield "missing file", "none.nii", lambda p: None
+    yield "NRRD truncated", "a.nrrd", nrrd(bytes(63))
+    yield "NRRD too long", "a.nrrd", nrrd(bytes(65))
+    yield "NRRD huge size", "a.nrrd", nrrd(bytes(64), sizes="8192 8192 32")
+    yield "NRRD huge side", "a.nrrd", nrrd(bytes(64), sizes="99999999999 4 4")
+    yield "NRRD size 0", "a.nrrd", nrrd(b"", sizes="4 0 4")
+    yield "NRRD NaN voxel", "a.nrrd", nrrd(nan, type="float")
+    yield "NRRD zero spacing", "a.nrrd", nrrd(bytes(64), spacings="1 0 1")
+    yield "NRRD negative spacing", "a.nrrd", nrrd(bytes(64), spacings="1 1 -2")
+    yield "NRRD header not UTF-8", "a.nrrd", b"NRRD0004\ncontent: \xff\xfe\n\n"
+    yield "NRRD endless header", "a.nrrd", b"NRRD0004\n#" + b"x" * (1 << 21)
+    yield "NRRD gzip bomb", "a.nrrd", nrrd(gzip.compress(bytes(1 << 27)), encoding="gzip")
+    yield "NRRD gzip damaged", "a.nrrd", nrrd(gzip.compress(bytes(64))[:-4], encoding="gzip")
+    yield "NRRD claims 16 GiB packed", "a.nrrd", nrrd(gzip.compress(bytes(64)), type="double", sizes="8192 8192 32", encoding="gzip")
+    yield "NRRD data file elsewhere", "a.nhdr", nrrd(b"", more="data file: ../../etc/passwd\n")
+    yield "NRRD data file is a folder", "a.nhdr", lambda p: ((p.parent / "sub").mkdir(), p.write_bytes(nrrd(b"", more="data file: sub\n")))
+    yield "NRRD sheared axes", "a.nrrd", nrrd(bytes(64)).replace(b"spacings: 1 1 1", b"space directions: (1,0,0) (0.5,1,0) (0,0,1)")
+    yield "NIfTI truncated", "a.nii", nifti()[:-1]
+    yield "NIfTI wrong header size", "a.nii", nifti(size=1543569408 + 1)
+    yield "NIfTI lying dimensions", "a.nii", nifti(dim=(3, 4000, 4000, 100, 1, 1, 1, 1))
+    yield "NIfTI negative dimension", "a.nii", nifti(dim=(3, 4, -4, 4, 1, 1, 1, 1))
+    yield "NIfTI several volumes", "a.nii", nifti(dim=(4, 4, 4, 4, 9, 1, 1, 1))
+    yield "NIfTI colour", "a.nii", nifti(kind=128)
+    yield "NIfTI NaN offset", "a.nii", nifti(offset=float("nan"))
+    yield "MetaImage wrong count", "a.mha", meta(bytes(63))
+    yield "MetaImage link out", "a.mhd", lambda p: ((p.parent / "l.raw").symlink_to("/etc/passwd"), p.write_bytes(meta(file="l.raw")))
+    yield "MetaImage zlib bomb", "a.mha", meta(zlib.compress(bytes(1 << 27)), more="CompressedData = True\n")
+    yield "MetaImage without data", "a.mhd", b"NDims = 3\n"
+    yield "DICOM truncated", "a.dcm", slice_of(0)[:-7]
+    yield "DICOM lying length", "a.dcm", dicom(struct.pack("<2H2sHI", 9, 1, b"UN", 0, 0xFFFFFFF0))
+    yield "DICOM endless nesting", "a.dcm", dicom(nested)
+    yield "DICOM JPEG", "a.dcm", dicom(syntax=b"1.2.840.10008.1.2.4.70")
+    yield "DICOM missing slice", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(2.0 * i) for i in (0, 1, 2, 4, 5)})
+    yield "DICOM uneven slices", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(z) for i, z in enumerate((0, 2, 4.7, 6.7))})
+    yield "DICOM doubled slices", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(i // 2) for i in range(4)})
+    yield "DICOM short pixels", "d", lambda p: folder(p, {"0.dcm": slice_of(0), "1.dcm": slice_of(1, bytes(30))})
+    yield "TIFF damaged", "a.tif", b"II*\0\x08\0\0\0\xff\xff" + bytes(40)
+    yield "raw without shape", "a.raw", bytes(64)
+    yield "raw sidecar lies", "a.raw", lambda p: (p.write_bytes(bytes(64)), pathlib.Path(f"{p}.toml").write_text("size = [4, 4, 5]\ntype = 'uint8'"))
+
+
+def main(binary):
+    bad = 0
+    print("| input | message | s | MiB |\n|---|---|---|---|")
+    for name, file, make in cases(None):
+        with tempfile.TemporaryDirectory() as root:
+            root = pathlib.Path(root)
+            path, picture = root / file, root / "out.png"
+            make(path) if callable(make) else path.write_bytes(make)
+            before = time.monotonic()
+            limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+            run = subprocess.Popen([binary, "render", str(path), "-o", str(picture)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=limit)
+            text = run.stderr.read()
+            _, status, usage = os.wait4(run.pid, 0)
+            run.returncode = os.waitstatus_to_exitcode(status)
+            seconds, memory = time.monotonic() - before, usage.ru_maxrss / 1024
+            shown = text.strip().replace(str(root) + "/", "")
+            good = run.returncode == 2 and len(text.strip().splitlines()) == 1 and not picture.exists() and seconds < 10 and memory < 512
+            bad += not good
+            flag = "" if good else f" **code {run.returncode}**"
+            print(f"| {name} | `{shown}`{flag} | {seconds:.2f} | {memory:.0f} |")
+    print(f"\n{'all as expected' if not bad else f'{bad} not as expected'}")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

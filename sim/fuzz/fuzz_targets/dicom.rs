@@ -1,0 +1,28 @@
+#![no_main]
+//! A series of up to eight files, separated by `<next>`: a volume or an error of one line.
+
+use libfuzzer_sys::fuzz_target;
+use slicecast_sim::volume::dicom::{self, Choice};
+use slicecast_sim::volume::mapping::Window;
+use slicecast_sim::volume::open;
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut files = Vec::new();
+    let mut rest = bytes;
+    while files.len() < 8 {
+        let end = rest.windows(6).position(|window| window == b"<next>");
+        let (file, after) = end.map_or((rest, &[][..]), |end| (&rest[..end], &rest[end + 6..]));
+        files.push((format!("{}.dcm", files.len()), file.to_vec()));
+        rest = after;
+        if rest.is_empty() {
+            break;
+        }
+    }
+    match dicom::read_bytes(&files, "fuzz", &Choice::Largest) {
+        Ok(decoded) => {
+            assert_eq!(decoded.values().len(), decoded.dims().iter().product::<usize>());
+            let _ = open::prepare(&decoded, Window::Stated);
+        }
+        Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+    }
+});

@@ -1,0 +1,16 @@
+#![no_main]
+//! Whatever a file says, reading ends with a volume or an error of one line.
+
+use libfuzzer_sys::fuzz_target;
+use slicecast_sim::volume::mapping::Window;
+use slicecast_sim::volume::{metaimage, open};
+
+fuzz_target!(|bytes: &[u8]| {
+    match metaimage::read_bytes(bytes, "fuzz") {
+        Ok(decoded) => {
+            assert_eq!(decoded.values().len(), decoded.dims().iter().product::<usize>());
+            let _ = open::prepare(&decoded, Window::Auto);
+        }
+        Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+    }
+});

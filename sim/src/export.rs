@@ -1,0 +1,227 @@
+//! Compiled tables for other programs: Rust, C, and Verilog's `$readmemh`; and what compiling lost.
+
+use std::fmt::Write;
+
+use crate::scene::{AlphaCodeName, TransferFunction};
+use crate::table::{Correction, Table};
+use crate::volume::Mapping;
+
+/// The languages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// `pub static` arrays.
+    Rust,
+    /// `const` arrays for a header.
+    C,
+    /// One word a line, in hexadecimal, for `$readmemh`.
+    Readmemh,
+}
+
+/// The text of a table. `name` becomes the array's name; characters that no identifier has are replaced by `_`.
+///
+/// Rust and C get 4096 words of 32 bits, `0xAARRGGBB` as [`slicecast::classify::entry`] packs them (AA is the square
+/// root of the opacity or its high byte), and, for 16-bit roots, 4096 low bytes. A line of `$readmemh` is such a word,
+/// for 16-bit roots followed by two digits of the low byte (40 bits).
+pub fn table(table: &Table, name: &str, language: Language) -> String {
+    let name = identifier(name);
+    let wide = table.code == AlphaCodeName::Sqrt16;
+    let what = format!(
+        "{} entries: opacity (square root, {} bits), and colour of 3 x 8 bits.",
+        table.entries.len(),
+        if wide { 16 } else { 8 }
+    );
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = match language {
+        Language::Rust => rust(&mut out, table, &name.to_ascii_uppercase(), &what, wide),
+        Language::C => c(&mut out, table, &name.to_ascii_lowercase(), &what, wide),
+        Language::Readmemh => readmemh(&mut out, table, &what, wide),
+    };
+    out
+}
+
+fn rust(out: &mut String, table: &Table, name: &str, what: &str, wide: bool) -> std::fmt::Result {
+    writeln!(out, "/// {what}\npub static {name}: [u32; {}] = [", table.entries.len())?;
+    words(out, &table.entries[..])?;
+    writeln!(out, "];")?;
+    if wide {
+        writeln!(
+            out,
+            "\n/// Low bytes of the square roots.\npub static {name}_LOW: [u8; {}] = [",
+            table.plane.len()
+        )?;
+        bytes(out, &table.plane[..])?;
+        writeln!(out, "];")?;
+    }
+    Ok(())
+}
+
+fn c(out: &mut String, table: &Table, name: &str, what: &str, wide: bool) -> std::fmt::Result {
+    writeln!(out, "/* {what} */\n#include <stdint.h>\n")?;
+    writeln!(out, "static const uint32_t {name}[{}] = {{", table.entries.len())?;
+    words(out, &table.entries[..])?;
+    writeln!(out, "}};")?;
+    if wide {
+        writeln!(out, "\n/* Low bytes of the square roots. */")?;
+        writeln!(out, "static const uint8_t {name}_low[{}] = {{", table.plane.len())?;
+        bytes(out, &table.plane[..])?;
+        writeln!(out, "}};")?;
+    }
+    Ok(())
+}
+
+fn readmemh(out: &mut String, table: &Table, what: &str, wide: bool) -> std::fmt::Result {
+    writeln!(out, "// {what}")?;
+    for (entry, low) in table.entries.iter().zip(table.plane.iter()) {
+        if wide {
+            writeln!(out, "{entry:08x}{low:02x}")?;
+        } else {
+            writeln!(out, "{entry:08x}")?;
+        }
+    }
+    Ok(())
+}
+
+fn words(out: &mut String, words: &[u32]) -> std::fmt::Result {
+    for line in words.chunks(8) {
+        let text: Vec<String> = line.iter().map(|word| format!("0x{word:08x},")).collect();
+        writeln!(out, "    {}", text.join(" "))?;
+    }
+    Ok(())
+}
+
+fn bytes(out: &mut String, bytes: &[u8]) -> std::fmt::Result {
+    for line in bytes.chunks(16) {
+        let text: Vec<String> = line.iter().map(|byte| format!("0x{byte:02x},")).collect();
+        writeln!(out, "    {}", text.join(" "))?;
+    }
+    Ok(())
+}
+
+/// Letters, digits and `_`, not beginning with a digit.
+fn identifier(name: &str) -> String {
+    let keep = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let kept: String = name.chars().map(keep).collect();
+    match kept.chars().next() {
+        None => "table".into(),
+        Some(first) if first.is_ascii_digit() => format!("t{kept}"),
+        Some(_) => kept,
+    }
+}
+
+/// What compiling a transfer function to a table lost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Losses {
+    /// Entries with an opacity above 0.
+    pub visible: usize,
+    /// Visible entries that the table makes invisible.
+    pub underflows: usize,
+    /// Visible entries whose opacity is off by more than the share asked about, underflows included.
+    pub coarse: usize,
+    /// The greatest relative error of an opacity, 1 for an underflow; more where an entry makes up for its neighbours'
+    /// underflow.
+    pub worst: f64,
+    /// The data value where it is.
+    pub worst_value: f64,
+}
+
+/// Compares a table with the function that it was compiled from; `share` is the relative error of an opacity from which
+/// on an entry counts as coarse.
+pub fn losses(
+    table: &Table,
+    transfer: &TransferFunction,
+    mapping: &Mapping,
+    correction: Correction,
+    share: f64,
+) -> Losses {
+    let mut losses = Losses::default();
+    for index in 0..table.entries.len() {
+        let value = mapping.value(index as f64);
+        let exact = correction.apply(transfer.evaluate(value).1, transfer.unit_distance);
+        if exact <= 0.0 {
+            continue;
+        }
+        losses.visible += 1;
+        let decoded = f64::from(table.opacity(index).to_bits()) / f64::from(1_u32 << 31);
+        let error = (decoded - exact).abs() / exact;
+        losses.underflows += usize::from(decoded == 0.0);
+        losses.coarse += usize::from(error > share);
+        if error > losses.worst {
+            (losses.worst, losses.worst_value) = (error, value);
+        }
+    }
+    losses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{LookupName, Point};
+
+    const MAPPING: Mapping = Mapping {
+        scale: 1.0,
+        offset: -1024.0,
+    };
+
+    fn fog(opacity: f64) -> TransferFunction {
+        let point = |value, opacity| Point {
+            value,
+            colour: [1.0, 0.5, 0.0],
+            opacity,
+        };
+        TransferFunction {
+            unit_distance: 1.0,
+            points: vec![point(0.0, 0.0), point(0.0, opacity)],
+        }
+    }
+
+    fn compiled(opacity: f64, code: AlphaCodeName) -> (Table, Losses) {
+        let table = Table::compile(&fog(opacity), &MAPPING, Correction::None, code, LookupName::Nearest);
+        let losses = losses(&table, &fog(opacity), &MAPPING, Correction::None, 0.05);
+        (table, losses)
+    }
+
+    #[test]
+    fn exports_hold_the_tables_own_numbers() {
+        let (eight, _) = compiled(0.25, AlphaCodeName::Sqrt8);
+        let (sixteen, _) = compiled(0.25, AlphaCodeName::Sqrt16);
+        let lines: Vec<String> = table(&eight, "x", Language::Readmemh)
+            .lines()
+            .map(str::to_owned)
+            .collect();
+        assert_eq!(lines.len(), 4097);
+        for (line, entry) in lines[1..].iter().zip(eight.entries.iter()) {
+            assert_eq!(u32::from_str_radix(line, 16).unwrap(), *entry);
+        }
+        let text = table(&sixteen, "x", Language::Readmemh);
+        let last = text.lines().last().unwrap();
+        let expected = u64::from(sixteen.entries[4095]) << 8 | u64::from(sixteen.plane[4095]);
+        assert_eq!(u64::from_str_radix(last, 16).unwrap(), expected);
+        for (language, head) in [
+            (Language::Rust, "pub static BONE_1: [u32; 4096]"),
+            (Language::C, "uint32_t bone_1[4096]"),
+        ] {
+            let text = table(&sixteen, "bone-1", language);
+            assert!(text.contains(head), "{}", &text[..200]);
+            let numbers = text.matches("0x").count();
+            assert_eq!(numbers, 2 * 4096);
+        }
+        assert_eq!(["", "1", "a b"].map(identifier), ["table", "t1", "a_b"]);
+    }
+
+    #[test]
+    fn underflow_and_coarse_steps_are_counted() {
+        // (1/255 / 2)^2 is the least opacity that an 8-bit root shows.
+        let (_, lost) = compiled(3e-6, AlphaCodeName::Sqrt8);
+        // Errors are passed on from entry to entry: some show the least opacity in the others' place.
+        assert_eq!(lost.visible, 3072);
+        assert!(
+            lost.underflows > 1500 && lost.coarse == 3072 && lost.worst >= 1.0,
+            "{lost:?}"
+        );
+        let (_, kept) = compiled(3e-6, AlphaCodeName::Sqrt16);
+        assert_eq!((kept.underflows, kept.coarse), (0, 0));
+        let (_, fine) = compiled(0.5, AlphaCodeName::Sqrt8);
+        assert!(fine.worst < 0.01 && fine.coarse == 0, "{fine:?}");
+    }
+}

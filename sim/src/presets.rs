@@ -1,0 +1,295 @@
+//! Scenes that fit a volume: for CT in Hounsfield units, for everything else by the data's own histogram.
+//!
+//! | preset         | for                              | shows                                    |
+//! |----------------|----------------------------------|------------------------------------------|
+//! | headsq         | CT                               | skin as a faint shell, bone              |
+//! | ct-bone        | CT                               | bone alone                               |
+//! | ct-soft-tissue | CT                               | skin and muscle, opaque                  |
+//! | ct-vessels     | CT with contrast                 | vessels and bone                         |
+//! | mr             | anything without a unit          | two surfaces where the histogram splits  |
+//! | labels         | few whole numbers                | every label in a colour of its own       |
+//! | fog            | anything                         | everything, thin                         |
+
+use crate::scene::file::{self, SceneError};
+use crate::scene::{Blend, check};
+use crate::scene::{Image, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
+use crate::volume::Volume;
+use crate::volume::open::Loaded;
+use crate::volume::statistics::Statistics;
+use crate::volume::values::Modality;
+
+/// The names of the presets, those for CT first.
+pub const NAMES: [&str; 7] = [
+    "headsq",
+    "ct-bone",
+    "ct-soft-tissue",
+    "ct-vessels",
+    "mr",
+    "labels",
+    "fog",
+];
+
+/// Labels that a label map may have; more values are a measurement.
+const LABELS_MAX: usize = 64;
+
+/// The most voxels that are sampled by two rays and planes a voxel by default.
+const SMALL: usize = 1 << 24;
+
+/// The preset that fits a volume, and why.
+pub fn suggest(loaded: &Loaded, statistics: &Statistics) -> (&'static str, String) {
+    let [low, high] = loaded.report.range;
+    match loaded.modality {
+        Some(Modality::Ct) => ("headsq", "the file says CT".into()),
+        Some(Modality::Mr) => ("mr", "the file says MR".into()),
+        _ if looks_hounsfield(loaded) => ("headsq", format!("values {low} to {high} look like Hounsfield units")),
+        _ if looks_labelled(loaded, statistics) => (
+            "labels",
+            format!("{} whole values look like labels", statistics.distinct()),
+        ),
+        _ => (
+            "mr",
+            "values have no known unit: surfaces where the histogram splits".into(),
+        ),
+    }
+}
+
+/// Presets that can be used on a volume, the fitting one first.
+pub fn fitting(loaded: &Loaded, statistics: &Statistics) -> Vec<&'static str> {
+    let (first, _) = suggest(loaded, statistics);
+    let hounsfield = first == "headsq";
+    let fits = |name: &&str| match *name {
+        "mr" | "fog" => true,
+        "labels" => looks_labelled(loaded, statistics),
+        _ => hounsfield,
+    };
+    let others = NAMES.into_iter().filter(|name| *name != first).filter(fits);
+    std::iter::once(first).chain(others).collect()
+}
+
+/// Air, water and bone of CT.
+fn looks_hounsfield(loaded: &Loaded) -> bool {
+    let [low, high] = loaded.report.range;
+    loaded.integers && (-4096.0..=-500.0).contains(&low) && (300.0..=40000.0).contains(&high)
+}
+
+/// Few whole values, most of the volume in one of them.
+fn looks_labelled(loaded: &Loaded, statistics: &Statistics) -> bool {
+    let [first, _] = statistics.range();
+    loaded.integers
+        && loaded.report.lossless
+        && loaded.volume.mapping.value(first as f64) == 0.0
+        && (2..=LABELS_MAX).contains(&statistics.distinct())
+        && loaded.report.range[1] <= 4095.0
+        && statistics.share(first) > 0.3
+}
+
+/// A preset, or another built-in scene, for a volume.
+///
+/// # Errors
+/// [`SceneError`] if there is none of that name, or the volume's values are beyond what scenes may state.
+pub fn scene(name: &str, volume: &Volume, statistics: &Statistics) -> Result<Scene, SceneError> {
+    let transfer = match name {
+        "mr" => two_surfaces(volume, statistics),
+        "labels" => labels(volume, statistics),
+        "fog" => fog(volume, statistics),
+        _ => return Ok(thrifty(file::built_in(name)?, volume)),
+    };
+    let lit = name != "fog";
+    let scene = Scene {
+        view: View {
+            azimuth: 30.0,
+            elevation: if is_slab(volume) { 40.0 } else { 10.0 },
+            roll: 0.0,
+        },
+        image: Image::default(),
+        sampling: Sampling {
+            planes_per_voxel: 2,
+            rays_per_voxel: 2,
+        },
+        transfer,
+        lighting: lit.then(Lighting::default),
+        blend: Blend::FrontToBack,
+        precision: PrecisionName::Compact,
+        table: None,
+        lookup: None,
+        early_termination: None,
+    };
+    scene.check().map_err(|error| SceneError {
+        name: name.to_owned(),
+        fault: error.into(),
+    })?;
+    Ok(thrifty(scene, volume))
+}
+
+/// Whether a volume is much lower than wide: from the front it would show its edge.
+fn is_slab(volume: &Volume) -> bool {
+    let side = |axis: usize| volume.dims[axis] as f64 * volume.spacing[axis];
+    side(2) < 0.6 * side(0).min(side(1))
+}
+
+/// One ray a voxel where a volume is large enough to give a picture of a good size.
+fn thrifty(mut scene: Scene, volume: &Volume) -> Scene {
+    let voxels: usize = volume.dims.iter().product();
+    if voxels > SMALL / 8 {
+        scene.sampling.rays_per_voxel = 1;
+    }
+    if voxels > SMALL {
+        scene.sampling.planes_per_voxel = 1;
+    }
+    scene
+}
+
+/// The length of a voxel's side, for opacities that are meant a voxel.
+fn voxel_length(volume: &Volume) -> f64 {
+    let [x, y, z] = volume.spacing;
+    let (low, high) = check::UNIT_DISTANCE.into_inner();
+    (x * y * z).cbrt().clamp(low, high)
+}
+
+/// Points from (code, colour, opacity), in ascending order, of each code the last.
+fn points(volume: &Volume, listed: &[(f64, [u8; 3], f64)]) -> TransferFunction {
+    let mut points: Vec<Point> = Vec::new();
+    let mut before = f64::NEG_INFINITY;
+    for &(code, colour, opacity) in listed {
+        let code = code.max(before);
+        let point = Point {
+            value: volume.mapping.value(code),
+            colour: colour.map(|c| f64::from(c) / 255.0),
+            opacity,
+        };
+        if code == before {
+            points.pop();
+        }
+        points.push(point);
+        before = code;
+    }
+    TransferFunction {
+        unit_distance: voxel_length(volume),
+        points,
+    }
+}
+
+/// A thin shell where the volume parts from its background, and an opaque core where what is left parts again.
+fn two_surfaces(volume: &Volume, statistics: &Statistics) -> TransferFunction {
+    let [first, last] = statistics.range().map(|code| code as f64);
+    let outer = statistics.split(0);
+    let inner = statistics.split(outer) as f64;
+    let outer = outer as f64;
+    let top = (statistics.percentile(0.999) as f64).max(inner);
+    let (tan, ivory) = ([214, 158, 128], [242, 232, 208]);
+    // From a little below the threshold, where surfaces lie, to the second one.
+    let foot = outer - 0.25 * (outer - first);
+    points(
+        volume,
+        &[
+            (first, tan, 0.0),
+            (foot, tan, 0.0),
+            (outer, tan, 0.06),
+            (outer + 0.7 * (inner - outer), tan, 0.06),
+            (inner, ivory, 0.35),
+            (top.min(last), ivory, 0.8),
+        ],
+    )
+}
+
+/// A colour a label. Between two labels the colours of those between them show in a thin line, since voxels are
+/// interpolated.
+fn labels(volume: &Volume, statistics: &Statistics) -> TransferFunction {
+    let mut listed = Vec::new();
+    let occurring = statistics.counts().iter().enumerate().filter(|(_, count)| **count > 0);
+    let codes: Vec<f64> = occurring.map(|(code, _)| code as f64).collect();
+    let colour = |index: usize| hue(index as f64 / codes.len().saturating_sub(2).max(1) as f64);
+    for (index, pair) in codes.windows(2).enumerate() {
+        let half = f64::midpoint(pair[0], pair[1]);
+        // Below its half the first label is invisible; the others have their predecessor's colour up to there.
+        if index == 0 {
+            listed.push((pair[0], colour(0), 0.0));
+            listed.push((half, colour(0), 0.0));
+        } else {
+            listed.push((half, colour(index - 1), 0.5));
+        }
+        listed.push((half + 1e-3, colour(index), 0.5));
+    }
+    if let Some(&last) = codes.last() {
+        listed.push((last, colour(codes.len().saturating_sub(2)), 0.5));
+    }
+    points(volume, &listed)
+}
+
+/// A colour along a wheel, 0 to 1: blue, green, yellow, red. Neighbouring labels are alike, so that the thin lines
+/// where interpolation passes through the labels between two others do not glare.
+fn hue(place: f64) -> [u8; 3] {
+    let turn = 4.0 - 4.0 * place.clamp(0.0, 1.0);
+    [5.0, 3.0, 1.0].map(|shift| {
+        let k = (turn + shift) % 6.0;
+        let strength = k.min(4.0 - k).clamp(0.0, 1.0);
+        (255.0 * (0.95 - 0.55 * strength)) as u8
+    })
+}
+
+/// Everything above the background, thin enough that about half of the light passes.
+fn fog(volume: &Volume, statistics: &Statistics) -> TransferFunction {
+    let [first, last] = statistics.range().map(|code| code as f64);
+    let outer = statistics.split(0) as f64;
+    let side = volume.dims.iter().max().copied().unwrap_or(1) as f64;
+    let white = [255; 3];
+    points(
+        volume,
+        &[
+            (first, white, 0.0),
+            (outer, white, 0.0),
+            (last, white, (2.0 / side).min(0.5)),
+        ],
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::volume::mapping::Window;
+    use crate::volume::open;
+    use crate::volume::values::{Decoded, Values};
+
+    fn loaded(values: Values, modality: Option<Modality>) -> Loaded {
+        let decoded = Decoded::new("t".into(), [values.len(), 1, 1], [1.0; 3], values).unwrap();
+        open::prepare(&decoded.with_modality(modality), Window::Auto).unwrap()
+    }
+
+    fn suggested(values: Values, modality: Option<Modality>) -> &'static str {
+        let loaded = loaded(values, modality);
+        suggest(&loaded, &Statistics::of(&loaded.volume)).0
+    }
+
+    #[test]
+    fn values_and_modality_choose_the_preset() {
+        assert_eq!(suggested(Values::I16(vec![0, 1, 2]), Some(Modality::Ct)), "headsq");
+        assert_eq!(suggested(Values::I16(vec![-1000, 40, 1200]), None), "headsq");
+        assert_eq!(suggested(Values::I16(vec![-1000, 40, 1200]), Some(Modality::Mr)), "mr");
+        assert_eq!(suggested(Values::U8(vec![0, 0, 0, 0, 3, 7]), None), "labels");
+        assert_eq!(suggested(Values::F32(vec![0.0, 0.5, 0.25]), None), "mr");
+    }
+
+    #[test]
+    fn every_preset_is_a_scene_on_any_volume() {
+        for values in [
+            Values::U8(vec![0; 3]),
+            Values::U8(vec![255; 3]),
+            Values::U16(vec![0, 65535, 3]),
+            Values::F32(vec![-1e9, 1e9, 0.0]),
+            Values::F64(vec![1e-9, 2e-9, 2e-9]),
+        ] {
+            let loaded = loaded(values, None);
+            let statistics = Statistics::of(&loaded.volume);
+            for name in NAMES {
+                scene(name, &loaded.volume, &statistics).unwrap_or_else(|error| panic!("{name}: {error}"));
+            }
+        }
+    }
+
+    #[test]
+    fn values_beyond_scenes_are_refused_by_name() {
+        let loaded = loaded(Values::F64(vec![0.0, 1e200]), None);
+        let error = scene("mr", &loaded.volume, &Statistics::of(&loaded.volume)).unwrap_err();
+        assert!(error.to_string().starts_with("mr: `transfer.points"), "{error}");
+    }
+}

@@ -1,0 +1,277 @@
+//! MetaImage volumes (`.mhd` with a data file beside it, `.mha` with the data attached).
+//!
+//! Source: the MetaIO documentation of ITK. Read: `NDims = 3`, one channel, integers of 8 to 64 bits, float, double,
+//! either byte order, plain, zlib-packed or written as text. `TransformMatrix` (or `Orientation`, `Rotation`) is taken as
+//! LPS, as ITK does; without it `AnatomicalOrientation` counts, and without both the orientation is unknown.
+//! `CompressedDataSize` is not believed: real files state too little; the data end where their stream ends.
+
+mod header;
+
+use std::io::{BufRead, Cursor};
+use std::path::Path;
+
+use self::header::{Header, NAME};
+use super::companion;
+use super::error::{Problem, ReadError};
+use super::open::open_regular;
+use super::payload::{ByteSkip, Encoding, Layout, read_values};
+use super::text::shorten;
+use super::values::{Decoded, Endian, Modality, ValueType};
+
+/// The last line of a header: what follows is the data, or their file's name.
+const DATA_FILE: &str = "ElementDataFile";
+
+/// Reads a MetaImage file. A data file must lie in the header's folder or below it.
+///
+/// # Errors
+/// [`ReadError`] names the file (header or data), what was wrong and what was expected; see [`Problem`].
+pub fn read(path: &Path) -> Result<Decoded, ReadError> {
+    let at_header = |problem| ReadError::new(path, problem);
+    let (mut source, len) = open_regular(path)?;
+    let header = Header::read(&mut source).map_err(at_header)?;
+    let description = Description::new(&header).map_err(at_header)?;
+    let name = path.display().to_string();
+    if description.data_file == "LOCAL" {
+        let left = len.saturating_sub(header.len);
+        return description.finish(&mut source, left, name).map_err(at_header);
+    }
+    let data_path = companion::data_file(path, &description.data_file)?;
+    let (mut data, data_len) = open_regular(&data_path)?;
+    description
+        .finish(&mut data, data_len, name)
+        .map_err(|problem| ReadError::new(&data_path, problem))
+}
+
+/// Reads a MetaImage file with attached data that is already in memory; `name` stands for its path in messages.
+///
+/// # Errors
+/// As [`read`]; a header that names a data file is refused.
+pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+    let fail = |problem| ReadError::new(Path::new(name), problem);
+    let mut source = Cursor::new(bytes);
+    let header = Header::read(&mut source).map_err(fail)?;
+    let description = Description::new(&header).map_err(fail)?;
+    if description.data_file != "LOCAL" {
+        let found = &description.data_file;
+        return Err(fail(refuse(
+            DATA_FILE,
+            found,
+            "`LOCAL`, since the data have to be attached here",
+        )));
+    }
+    let left = (bytes.len() as u64).saturating_sub(header.len);
+    description.finish(&mut source, left, name.to_owned()).map_err(fail)
+}
+
+/// Whether a file that begins so is a MetaImage header.
+pub(super) fn recognise(start: &[u8]) -> bool {
+    let first = start
+        .split(|&byte| byte == b'\n')
+        .find(|line| !line.trim_ascii().is_empty());
+    let key = first.and_then(|line| line.split(|&byte| byte == b'=').next());
+    key.is_some_and(|key| [&b"ObjectType"[..], b"NDims"].contains(&key.trim_ascii()) && key.len() < 32)
+}
+
+/// What a header says, interpreted.
+struct Description {
+    layout: Layout,
+    spacing: [f64; 3],
+    directions: Option<[[f64; 3]; 3]>,
+    modality: Option<Modality>,
+    data_file: String,
+    rescale: [f64; 2],
+    /// `CompressedDataSize`.
+    packed_len: Option<u64>,
+    notes: Vec<String>,
+}
+
+impl Description {
+    /// Makes sense of a header's fields.
+    fn new(header: &Header) -> Result<Self, Problem> {
+        let axes = header.require("NDims", "3")?;
+        if axes != "3" {
+            return Err(refuse("NDims", axes, "3: a volume of one value a voxel"));
+        }
+        let channels = header.get(&["ElementNumberOfChannels"]).unwrap_or("1");
+        if channels != "1" {
+            return Err(refuse("ElementNumberOfChannels", channels, "1"));
+        }
+        let sizes = header.require("DimSize", "three whole numbers")?;
+        let dims = numbers::<u64, 3>(sizes).ok_or_else(|| refuse("DimSize", sizes, "three whole numbers"))?;
+        let encoding = encoding(header)?;
+        let mut notes = Vec::new();
+        let spacing = match header.get(&["ElementSpacing", "ElementSize"]) {
+            Some(text) => numbers(text).ok_or_else(|| refuse("ElementSpacing", text, "three numbers above 0"))?,
+            None => {
+                notes.push("the file states no spacing: 1 is assumed".into());
+                [1.0; 3]
+            }
+        };
+        let layout = Layout {
+            dims,
+            value_type: value_type(header)?,
+            endian: endian(header)?,
+            encoding,
+            line_skip: 0,
+            byte_skip: byte_skip(header, encoding)?,
+        };
+        Ok(Self {
+            layout,
+            spacing,
+            directions: directions(header, &mut notes)?,
+            modality: header
+                .get(&["Modality"])
+                .and_then(|text| Modality::from_code(text.trim_start_matches("MET_MOD_"))),
+            data_file: header.require(DATA_FILE, "`LOCAL` or a file's name")?.to_owned(),
+            rescale: [
+                number(header, "ElementToIntensityFunctionSlope", 1.0)?,
+                number(header, "ElementToIntensityFunctionOffset", 0.0)?,
+            ],
+            packed_len: header.get(&["CompressedDataSize"]).and_then(|text| text.parse().ok()),
+            notes,
+        })
+    }
+
+    /// Reads the data and joins them with the description.
+    fn finish(mut self, source: &mut impl BufRead, source_len: u64, name: String) -> Result<Decoded, Problem> {
+        if self.layout.encoding == Encoding::Zlib {
+            let start = source.fill_buf().map_err(Problem::io("read the file"))?;
+            if start.starts_with(&[0x1f, 0x8b]) {
+                self.layout.encoding = Encoding::Gzip;
+            }
+            if let Some(stated) = self.packed_len.filter(|&stated| stated != source_len) {
+                self.notes.push(format!(
+                    "CompressedDataSize is {stated}, the file has {source_len} bytes of packed data: all are read"
+                ));
+            }
+        }
+        let values = read_values(&self.layout, source, source_len)?;
+        let dims = self.layout.dims.map(|d| d as usize);
+        let mut decoded = Decoded::new(name, dims, self.spacing, values)?
+            .with_modality(self.modality)
+            .with_notes(self.notes);
+        if self.rescale != [1.0, 0.0] {
+            decoded = decoded.with_rescale(NAME, self.rescale[0], self.rescale[1])?;
+        }
+        match self.directions {
+            Some(directions) => decoded.in_patient(directions),
+            None => Ok(decoded),
+        }
+    }
+}
+
+fn encoding(header: &Header) -> Result<Encoding, Problem> {
+    let packed = header.truth(&["CompressedData"])?.unwrap_or(false);
+    let binary = header.truth(&["BinaryData"])?.unwrap_or(true);
+    match (packed, binary) {
+        (true, false) => Err(refuse("BinaryData", "False", "True where CompressedData is True")),
+        (true, true) => Ok(Encoding::Zlib),
+        (false, true) => Ok(Encoding::Raw),
+        (false, false) => Ok(Encoding::Text),
+    }
+}
+
+fn endian(header: &Header) -> Result<Endian, Problem> {
+    let big = header.truth(&["BinaryDataByteOrderMSB", "ElementByteOrderMSB"])?;
+    Ok(if big.unwrap_or(false) {
+        Endian::Big
+    } else {
+        Endian::Little
+    })
+}
+
+fn byte_skip(header: &Header, encoding: Encoding) -> Result<ByteSkip, Problem> {
+    let text = header.get(&["HeaderSize"]).unwrap_or("0");
+    match (text, encoding) {
+        ("-1", Encoding::Raw) => Ok(ByteSkip::FromEnd),
+        ("0", _) => Ok(ByteSkip::Bytes(0)),
+        (text, Encoding::Raw) => match text.parse() {
+            Ok(bytes) => Ok(ByteSkip::Bytes(bytes)),
+            Err(_) => Err(refuse("HeaderSize", text, "a whole number, 0 or more, or -1")),
+        },
+        _ => Err(refuse("HeaderSize", text, "0 for data that are packed or text")),
+    }
+}
+
+fn value_type(header: &Header) -> Result<ValueType, Problem> {
+    let expected = "MET_CHAR, MET_UCHAR, MET_SHORT, MET_USHORT, MET_INT, MET_UINT, MET_LONG, MET_ULONG, MET_LONG_LONG, \
+                    MET_ULONG_LONG, MET_FLOAT or MET_DOUBLE";
+    let name = header.require("ElementType", expected)?;
+    Ok(match name {
+        "MET_CHAR" => ValueType::I8,
+        "MET_UCHAR" => ValueType::U8,
+        "MET_SHORT" => ValueType::I16,
+        "MET_USHORT" => ValueType::U16,
+        // MetaIO's long has four bytes on every machine.
+        "MET_INT" | "MET_LONG" => ValueType::I32,
+        "MET_UINT" | "MET_ULONG" => ValueType::U32,
+        "MET_LONG_LONG" => ValueType::I64,
+        "MET_ULONG_LONG" => ValueType::U64,
+        "MET_FLOAT" => ValueType::F32,
+        "MET_DOUBLE" => ValueType::F64,
+        _ => return Err(refuse("ElementType", name, expected)),
+    })
+}
+
+/// The directions of the file's axes in LPS, if it states any.
+fn directions(header: &Header, notes: &mut Vec<String>) -> Result<Option<[[f64; 3]; 3]>, Problem> {
+    if let Some(text) = header.get(&["TransformMatrix", "Orientation", "Rotation"]) {
+        let expected = "nine numbers: the directions of x, y and z";
+        let [a, b, c, d, e, f, g, h, i] = numbers(text).ok_or_else(|| refuse("TransformMatrix", text, expected))?;
+        return Ok(Some([[a, b, c], [d, e, f], [g, h, i]]));
+    }
+    let Some(letters) = header.get(&["AnatomicalOrientation"]) else {
+        return Ok(None);
+    };
+    // The letters say where each axis comes from: `RAI` runs to the left, the back and the head.
+    let mut directions = [[0.0; 3]; 3];
+    for (axis, letter) in letters.chars().enumerate() {
+        let (to, sign) = match letter {
+            'R' => (0, 1.0),
+            'L' => (0, -1.0),
+            'A' => (1, 1.0),
+            'P' => (1, -1.0),
+            'I' => (2, 1.0),
+            'S' => (2, -1.0),
+            _ => return Ok(None),
+        };
+        match directions.get_mut(axis) {
+            Some(direction) => direction[to] = sign,
+            None => return Ok(None),
+        }
+    }
+    notes.push(format!(
+        "the orientation comes from AnatomicalOrientation = {}",
+        shorten(letters)
+    ));
+    Ok(Some(directions))
+}
+
+fn number(header: &Header, field: &'static str, default: f64) -> Result<f64, Problem> {
+    match header.get(&[field]) {
+        None => Ok(default),
+        Some(text) => text.parse().map_err(|_| refuse(field, text, "a number")),
+    }
+}
+
+/// Exactly `N` numbers.
+fn numbers<T: std::str::FromStr + Copy, const N: usize>(text: &str) -> Option<[T; N]> {
+    let words: Vec<T> = text
+        .split_ascii_whitespace()
+        .map(str::parse)
+        .collect::<Result<_, _>>()
+        .ok()?;
+    words.try_into().ok()
+}
+
+/// A field whose value is not usable.
+fn refuse(field: &'static str, value: &str, expected: &'static str) -> Problem {
+    Problem::FieldValue {
+        field,
+        value: shorten(value),
+        expected,
+    }
+}
+
+#[cfg(test)]
+mod tests;

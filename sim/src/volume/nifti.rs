@@ -1,0 +1,128 @@
+//! NIfTI-1 and NIfTI-2 volumes (`.nii`, `.nii.gz`, and `.hdr` with an `.img` beside it).
+//!
+//! Source: nifti1.h and nifti2.h of the NIfTI data format working group. Read: integers of 8 to 64 bits, single and double
+//! precision, either byte order, `scl_slope` and `scl_inter`, exactly one volume. Orientation comes from the sform, else
+//! from the qform, else is unknown; both speak RAS and are brought to LPS.
+
+mod header;
+mod orientation;
+
+use std::io::{BufRead, BufReader, Cursor, Read};
+use std::path::Path;
+
+use flate2::bufread::MultiGzDecoder;
+
+use self::header::{Header, NAME};
+use self::orientation::orientation;
+use super::companion;
+use super::error::{Problem, ReadError};
+use super::open::open_regular;
+use super::payload::{ByteSkip, Encoding, Layout, read_values};
+use super::values::Decoded;
+
+/// Reads a NIfTI file, packed by gzip or not, or a header and the `.img` file beside it.
+///
+/// # Errors
+/// [`ReadError`] names the file, what was wrong and what was expected; see [`Problem`].
+pub fn read(path: &Path) -> Result<Decoded, ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    let (mut source, len) = open_regular(path)?;
+    let packed = is_gzip(&mut source).map_err(fail)?;
+    let header = header_of(&mut source, packed).map_err(fail)?;
+    let name = path.display().to_string();
+    if header.attached {
+        // The unpacker is started anew, so that the payload reader counts from the file's first byte.
+        let (mut source, _) = open_regular(path)?;
+        return finish(&header, &mut source, len, packed, header.data_offset, name).map_err(fail);
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = stem.strip_suffix(".hdr").unwrap_or(&stem).to_owned();
+    let mut data_path = companion::data_file(path, &format!("{stem}.img"))?;
+    if !data_path.exists() {
+        let packed_path = companion::data_file(path, &format!("{stem}.img.gz"))?;
+        data_path = if packed_path.exists() { packed_path } else { data_path };
+    }
+    let (mut source, len) = open_regular(&data_path)?;
+    let at_data = |problem| ReadError::new(&data_path, problem);
+    let packed = is_gzip(&mut source).map_err(at_data)?;
+    finish(&header, &mut source, len, packed, header.data_offset, name).map_err(at_data)
+}
+
+/// Reads a NIfTI file that is already in memory; `name` stands for its path in messages.
+///
+/// # Errors
+/// As [`read`]; a header without its data is refused.
+pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+    let fail = |problem| ReadError::new(Path::new(name), problem);
+    let mut source = Cursor::new(bytes);
+    let packed = is_gzip(&mut source).map_err(fail)?;
+    let header = header_of(&mut source, packed).map_err(fail)?;
+    if !header.attached {
+        let fault = "is a header without data (magic `ni1` or `ni2`), expected both in one file here";
+        return Err(fail(Problem::format(NAME, fault)));
+    }
+    let mut source = Cursor::new(bytes);
+    let (len, skip) = (bytes.len() as u64, header.data_offset);
+    finish(&header, &mut source, len, packed, skip, name.to_owned()).map_err(fail)
+}
+
+/// Whether a file that begins so is a NIfTI header; `start` may be packed.
+pub(super) fn recognise(start: &[u8]) -> bool {
+    if start.starts_with(&[0x1f, 0x8b]) {
+        let mut unpacked = [0; 348];
+        return MultiGzDecoder::new(start).read_exact(&mut unpacked).is_ok() && header::has_magic(&unpacked);
+    }
+    header::has_magic(start)
+}
+
+/// Whether the source begins with a gzip member.
+fn is_gzip(source: &mut impl BufRead) -> Result<bool, Problem> {
+    let start = source.fill_buf().map_err(Problem::io("read the file"))?;
+    Ok(start.starts_with(&[0x1f, 0x8b]))
+}
+
+/// The header at the source's beginning.
+fn header_of(source: &mut impl BufRead, packed: bool) -> Result<Header, Problem> {
+    if packed {
+        Header::read(&mut BufReader::new(MultiGzDecoder::new(source)))
+    } else {
+        Header::read(source)
+    }
+}
+
+/// Reads the data and joins them with the header.
+fn finish(
+    header: &Header,
+    source: &mut impl BufRead,
+    source_len: u64,
+    packed: bool,
+    skip: u64,
+    name: String,
+) -> Result<Decoded, Problem> {
+    let orientation = orientation(header)?;
+    let layout = Layout {
+        dims: header.dims,
+        value_type: header.value_type,
+        endian: header.endian,
+        encoding: if packed { Encoding::Gzip } else { Encoding::Raw },
+        line_skip: 0,
+        byte_skip: ByteSkip::Bytes(skip),
+    };
+    let values = read_values(&layout, source, source_len)?;
+    let dims = header.dims.map(|d| d as usize);
+    let [low, high] = header.display_range;
+    let mut decoded = Decoded::new(name, dims, orientation.spacing, values)?
+        .with_stated_window(Some([low, high]))
+        .with_notes(header.notes.clone())
+        .with_notes(orientation.notes);
+    if header.slope != 0.0 {
+        decoded = decoded.with_rescale(NAME, header.slope, header.intercept)?;
+    }
+    match orientation.directions {
+        Some(directions) => decoded.in_patient(directions),
+        None => Ok(decoded),
+    }
+}
+
+#[cfg(test)]
+mod tests;
