@@ -1,0 +1,149 @@
+//! Builds slicecast for bare metal, runs it in QEMU and holds every stage boundary to the host's checksums.
+//!
+//! Started by `host-tests/run-firmware`. Nothing is skipped: what cannot be had is a failure that says what to install.
+
+mod images;
+mod machines;
+mod reference;
+mod scenes;
+mod shell;
+mod toolchain;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use slicecast_firmware_shared::angles;
+
+use crate::images::{Report, Workshop, execute, first_difference, parse};
+use crate::machines::{MACHINES, Machine};
+use crate::reference::{Counts, Sums, reference};
+use crate::scenes::{Kind, Named};
+use crate::shell::{Failure, fail};
+use crate::toolchain::{Toolchain, need_program};
+
+/// Runs slicecast on emulated microcontrollers and compares every bit with the host.
+#[derive(Debug, Parser)]
+struct Arguments {
+    /// Machines by QEMU's name or the processor's (mps2-an386, Cortex-M4); all of them if none is named.
+    machines: Vec<String>,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("FAILED: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What the host knows of every case: by scene and kind.
+type References = BTreeMap<(&'static str, Kind), (Sums, Counts)>;
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let machines = chosen(&arguments.machines)?;
+    for machine in &machines {
+        need_program(machine.qemu)?;
+    }
+    let root = root()?;
+    let directory = root.join("target/firmware");
+    fs::create_dir_all(&directory).map_err(|error| Failure(format!("{}: {error}", directory.display())))?;
+    let mut targets: Vec<&str> = machines.iter().map(|m| m.target).collect();
+    targets.dedup();
+    let toolchain = Toolchain::find(&targets, &directory)?;
+    println!("compiler: {}", toolchain.describe());
+
+    let scenes = scenes::all()?;
+    let references = references(&scenes)?;
+    let source = scenes::source(&scenes, |named, kind| references[&(named.name, kind)].0.image)?;
+    let workshop = Workshop {
+        toolchain,
+        scenes: directory.join("scenes.rs"),
+        root,
+    };
+    write_if_changed(&workshop.scenes, &source)?;
+
+    let mut failed = 0;
+    for machine in &machines {
+        failed += bits(&workshop, machine, &references)?;
+    }
+    if failed > 0 {
+        return fail(format!("{failed} checks"));
+    }
+    Ok(())
+}
+
+fn chosen(names: &[String]) -> Result<Vec<Machine>, Failure> {
+    if names.is_empty() {
+        return Ok(MACHINES.to_vec());
+    }
+    let find = |name: &String| {
+        Machine::find(name).ok_or_else(|| {
+            let known: Vec<&str> = MACHINES.iter().map(|m| m.name).collect();
+            Failure(format!("no machine {name:?}; known: {}", known.join(", ")))
+        })
+    };
+    names.iter().map(find).collect()
+}
+
+/// The repository that this program was built in.
+fn root() -> Result<PathBuf, Failure> {
+    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    match here.ancestors().nth(2) {
+        Some(root) => Ok(root.to_owned()),
+        None => fail("the repository is not where this program was built"),
+    }
+}
+
+fn write_if_changed(path: &PathBuf, text: &str) -> Result<(), Failure> {
+    if fs::read_to_string(path).is_ok_and(|old| old == text) {
+        return Ok(());
+    }
+    fs::write(path, text).map_err(|error| Failure(format!("{}: {error}", path.display())))
+}
+
+fn references(scenes: &[Named]) -> Result<References, Failure> {
+    let mut all = References::new();
+    for named in scenes {
+        for kind in Kind::all() {
+            all.insert((named.name, kind), reference(named, kind)?);
+        }
+    }
+    Ok(all)
+}
+
+/// Every stage boundary of every scene and kind on a machine. Returns the number of failures.
+fn bits(workshop: &Workshop, machine: &Machine, references: &References) -> Result<u32, Failure> {
+    let programs = workshop.images(machine)?;
+    let finished = execute(machine, &programs.join("bits"), false)?;
+    let report: Report = parse(&finished.out)?;
+    let mut failed = 0;
+    for scene in ["small", "large"] {
+        for kind in Kind::all() {
+            let (host, _) = &references[&(scene, kind)];
+            let name = format!("{scene} {}", kind.name());
+            let verdict = match report.cases.iter().find(|case| case.name == name) {
+                Some(case) => first_difference(&case.sums, host),
+                None => Some("did not run".to_owned()),
+            };
+            failed += line(machine, &name, &format!("{:08x}", host.image), verdict);
+        }
+    }
+    let host = angles::sum();
+    let differs = (report.angles != Some(host)).then(|| format!("{:08x?}, host {host:08x}", report.angles));
+    failed += line(machine, "views from angles", &format!("{host:08x}"), differs);
+    let verdict = (!finished.passed || !report.verdict).then(|| "its own verdict: fail".to_owned());
+    failed += line(machine, "exit", "", verdict);
+    Ok(failed)
+}
+
+/// Prints a line of the result; 1 for a failure.
+fn line(machine: &Machine, what: &str, sum: &str, failure: Option<String>) -> u32 {
+    let verdict = failure.as_deref().map_or("equal".to_owned(), |f| format!("DIFFERS {f}"));
+    println!("{:<11} {:<10} {what:<22} {sum:<8}  {verdict}", machine.name, machine.core);
+    u32::from(failure.is_some())
+}
