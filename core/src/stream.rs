@@ -34,7 +34,8 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// What a pipeline needs for a plan.
+    /// What a pipeline needs for a plan. A number that `usize` cannot hold (images of some scenes on 32-bit machines)
+    /// is `usize::MAX`, which no memory has.
     pub const fn of<L: Pipeline>(plan: &Plan) -> Self {
         let [_, base_height] = plan.base();
         Self::of_band::<L>(plan, base_height)
@@ -47,7 +48,7 @@ impl Needs {
             slices: L::SLICES * width as usize * height as usize,
             ranges: L::SLICES * height as usize,
             scratch: scratch_len::<L>(width),
-            image: plan.phases() as usize * rows_len::<L>(plan, rows),
+            image: rows_len::<L>(plan, rows).saturating_mul(plan.phases() as usize),
             element_bytes: size_of::<L::Element>(),
         }
     }
@@ -55,10 +56,10 @@ impl Needs {
     /// Bytes of the four parts, in the order of the fields.
     pub const fn bytes(&self) -> [usize; 4] {
         [
-            self.slices * 2,
-            self.ranges * size_of::<RowRange>(),
-            self.scratch * 4,
-            self.image * self.element_bytes,
+            self.slices.saturating_mul(2),
+            self.ranges.saturating_mul(size_of::<RowRange>()),
+            self.scratch.saturating_mul(4),
+            self.image.saturating_mul(self.element_bytes),
         ]
     }
 }
@@ -72,7 +73,7 @@ pub const fn phase_len<L: Pipeline>(plan: &Plan) -> usize {
 /// Elements of some rows of one phase.
 const fn rows_len<L: Pipeline>(plan: &Plan, rows: u32) -> usize {
     let [width, _] = plan.base();
-    L::CHANNELS * width as usize * rows as usize
+    (L::CHANNELS * width as usize).saturating_mul(rows as usize)
 }
 
 /// Memory lent to a stream: at least as much of each as [`Needs`] says. It need not be initialised to anything.

@@ -35,7 +35,10 @@ impl Workshop {
         let (mut command, directory) = self.toolchain.cargo_for("build", machine);
         let layout = if machine.is_arm() { machine.name } else { "virt" };
         command.current_dir(self.root.join("host-tests/firmware"));
-        command.arg("--locked").env("SLICECAST_MACHINE", layout).env("SLICECAST_SCENES", &self.scenes);
+        command
+            .arg("--locked")
+            .env("SLICECAST_MACHINE", layout)
+            .env("SLICECAST_SCENES", &self.scenes);
         build(&mut command)?;
         Ok(directory)
     }
@@ -97,7 +100,9 @@ pub fn parse(output: &str) -> Result<Report, Failure> {
                 });
                 true
             }
-            ("plane", Some(case)) => plane(rest).map(|(key, sums)| case.sums.planes.insert(key, sums)).is_some(),
+            ("plane", Some(case)) => plane(rest)
+                .map(|(key, sums)| case.sums.planes.insert(key, sums))
+                .is_some(),
             ("image", Some(case)) => hex(rest).map(|sum| case.sums.image = sum).is_some(),
             ("picture", Some(case)) => hex(rest).map(|sum| case.sums.picture = sum).is_some(),
             ("instructions", Some(case)) => rest.parse().map(|n| case.instructions = Some(n)).is_ok(),
@@ -167,7 +172,10 @@ pub fn first_difference(device: &Sums, host: &Sums) -> Option<String> {
         return Some(format!("only the image: {:08x}, host {:08x}", device.image, host.image));
     }
     if device.picture != host.picture {
-        return Some(format!("only the warp: picture {:08x}, host {:08x}", device.picture, host.picture));
+        return Some(format!(
+            "only the warp: picture {:08x}, host {:08x}",
+            device.picture, host.picture
+        ));
     }
     None
 }

@@ -2,6 +2,7 @@
 //!
 //! Started by `host-tests/run-firmware`. Nothing is skipped: what cannot be had is a failure that says what to install.
 
+mod footprint;
 mod images;
 mod machines;
 mod reference;
@@ -11,13 +12,14 @@ mod toolchain;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
 use slicecast_firmware_shared::angles;
 
-use crate::images::{Report, Workshop, execute, first_difference, parse};
+use crate::footprint::Footprint;
+use crate::images::{Case, Report, Workshop, execute, first_difference, parse};
 use crate::machines::{MACHINES, Machine};
 use crate::reference::{Counts, Sums, reference};
 use crate::scenes::{Kind, Named};
@@ -69,7 +71,10 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let mut failed = 0;
     for machine in &machines {
-        failed += bits(&workshop, machine, &references)?;
+        let programs = workshop.images(machine)?;
+        failed += bits(&programs, machine, &references)?;
+        failed += bands(&programs, machine, &references)?;
+        failed += queue(&programs, machine, &references)?;
     }
     if failed > 0 {
         return fail(format!("{failed} checks"));
@@ -117,8 +122,7 @@ fn references(scenes: &[Named]) -> Result<References, Failure> {
 }
 
 /// Every stage boundary of every scene and kind on a machine. Returns the number of failures.
-fn bits(workshop: &Workshop, machine: &Machine, references: &References) -> Result<u32, Failure> {
-    let programs = workshop.images(machine)?;
+fn bits(programs: &Path, machine: &Machine, references: &References) -> Result<u32, Failure> {
     let finished = execute(machine, &programs.join("bits"), false)?;
     let report: Report = parse(&finished.out)?;
     let mut failed = 0;
@@ -141,9 +145,61 @@ fn bits(workshop: &Workshop, machine: &Machine, references: &References) -> Resu
     Ok(failed)
 }
 
+/// 64^3 voxels, lit, in 64 KiB of RAM, band by band.
+fn bands(programs: &Path, machine: &Machine, references: &References) -> Result<u32, Failure> {
+    const RAM: u64 = 64 << 10;
+    let program = programs.join("bands");
+    let finished = execute(machine, &program, true)?;
+    let report = parse(&finished.out)?;
+    let (case, expected) = image_of(&report, references, "large")?;
+    let statics = Footprint::of(&program)?.ram;
+    let stack = report.stack.unwrap_or(u64::MAX);
+    let mut verdict = None;
+    if case.sums.image != expected || !finished.passed {
+        verdict = Some(format!("image {:08x}, host {expected:08x}", case.sums.image));
+    } else if statics.saturating_add(stack) > RAM {
+        verdict = Some(format!(
+            "{statics} bytes of statics and {stack} of stack, more than {RAM}"
+        ));
+    }
+    let failed = line(machine, "64^3 lit in bands", &format!("{expected:08x}"), verdict);
+    let note = case.notes.first().map_or("", |n| n.as_str());
+    println!(
+        "    {note}; RAM {statics} static + {stack} stack = {} bytes of {RAM}",
+        statics.saturating_add(stack)
+    );
+    Ok(failed)
+}
+
+/// Slices through a queue that an interrupt fills.
+fn queue(programs: &Path, machine: &Machine, references: &References) -> Result<u32, Failure> {
+    let finished = execute(machine, &programs.join("queue"), true)?;
+    let report = parse(&finished.out)?;
+    let (case, expected) = image_of(&report, references, "dense")?;
+    let failure = (case.sums.image != expected || !finished.passed)
+        .then(|| format!("image {:08x}, host {expected:08x}", case.sums.image));
+    let failed = line(machine, "slices from interrupts", &format!("{expected:08x}"), failure);
+    println!("    {}", case.notes.first().map_or("", |n| n.as_str()));
+    Ok(failed)
+}
+
+/// The one case of a program, and the sum that the host has for that scene, compact and lit.
+fn image_of<'r>(report: &'r Report, references: &References, scene: &'static str) -> Result<(&'r Case, u32), Failure> {
+    let kind = Kind::COMPACT_LIT;
+    match (report.cases.first(), references.get(&(scene, kind))) {
+        (Some(case), Some((sums, _))) if case.name == format!("{scene} {}", kind.name()) => Ok((case, sums.image)),
+        _ => fail(format!("the program did not report {scene} {}", kind.name())),
+    }
+}
+
 /// Prints a line of the result; 1 for a failure.
 fn line(machine: &Machine, what: &str, sum: &str, failure: Option<String>) -> u32 {
-    let verdict = failure.as_deref().map_or("equal".to_owned(), |f| format!("DIFFERS {f}"));
-    println!("{:<11} {:<10} {what:<22} {sum:<8}  {verdict}", machine.name, machine.core);
+    let verdict = failure
+        .as_deref()
+        .map_or("equal".to_owned(), |f| format!("DIFFERS {f}"));
+    println!(
+        "{:<11} {:<10} {what:<22} {sum:<8}  {verdict}",
+        machine.name, machine.core
+    );
     u32::from(failure.is_some())
 }

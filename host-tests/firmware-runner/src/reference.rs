@@ -5,6 +5,7 @@ use std::sync::mpsc::channel;
 
 use slicecast::composite::Channel;
 use slicecast::plane::Pipeline;
+use slicecast::slice::Slice;
 use slicecast::stream::base_pixel;
 use slicecast::tap::{Beam, Tap};
 use slicecast_firmware_shared::boundary::{Boundaries, STAGES};
@@ -13,7 +14,6 @@ use slicecast_firmware_shared::sum::Sum;
 use slicecast_sim::engine::{Layer, Prepared, fold_tiles, new_image};
 use slicecast_sim::oriented::with_slices;
 use slicecast_sim::pipelines::Job;
-use slicecast::slice::Slice;
 
 use crate::scenes::{Kind, Named};
 use crate::shell::Failure;
@@ -96,10 +96,15 @@ impl Job for Fold<'_> {
             tap.finish();
         }
         drop(sender);
-        let planes = planes.iter().map(|p| ((p.index, p.phase.u, p.phase.v), p.sums)).collect();
+        let planes = planes
+            .iter()
+            .map(|p| ((p.index, p.phase.u, p.phase.v), p.sums))
+            .collect();
 
         let mut again = new_image::<L>(plan).unwrap_or_default();
-        let counters = fold_tiles(plan, pipeline, self.slices, &mut again, rows, &|_, _| (), |_| Counter::default());
+        let counters = fold_tiles(plan, pipeline, self.slices, &mut again, rows, &|_, _| (), |_| {
+            Counter::default()
+        });
         let mut counts = Counts::default();
         for counter in counters {
             counts.samples += counter.0.samples;

@@ -9,9 +9,9 @@ use slicecast_sim::oriented::{packed, with_slices};
 use slicecast_sim::pipelines::compile;
 use slicecast_sim::scene::file::parse;
 use slicecast_sim::scene::{Highlight, PrecisionName, Scene};
+use slicecast_sim::volume::Volume;
 use slicecast_sim::volume::mapping::Window;
 use slicecast_sim::volume::open::load;
-use slicecast_sim::volume::Volume;
 
 use crate::shell::{Failure, fail};
 
@@ -40,6 +40,12 @@ impl Kind {
     pub fn all() -> impl Iterator<Item = Self> {
         (0..3).flat_map(|precision| [false, true].map(|lit| Self { precision, lit }))
     }
+
+    /// The default precision, lit.
+    pub const COMPACT_LIT: Self = Self {
+        precision: 1,
+        lit: true,
+    };
 
     /// The precision.
     pub fn precision(self) -> PrecisionName {
@@ -144,7 +150,9 @@ colour = [0.25, 0.25, 0.25]
 /// # Errors
 /// If the built-in volume or a scene cannot be read.
 pub fn all() -> Result<Vec<Named>, Failure> {
-    let head = load(None, Window::Auto).map_err(|error| Failure(error.to_string()))?.volume;
+    let head = load(None, Window::Auto)
+        .map_err(|error| Failure(error.to_string()))?
+        .volume;
     let named = |name, text, first, sides| -> Result<Named, Failure> {
         Ok(Named {
             name,
@@ -161,7 +169,10 @@ pub fn all() -> Result<Vec<Named>, Failure> {
 
 fn crop(volume: &Volume, first: [usize; 3], sides: [usize; 3]) -> Result<Volume, Failure> {
     if (0..3).any(|a| first[a] + sides[a] > volume.dims[a]) {
-        return fail(format!("a crop of {sides:?} at {first:?} does not fit {:?}", volume.dims));
+        return fail(format!(
+            "a crop of {sides:?} at {first:?} does not fit {:?}",
+            volume.dims
+        ));
     }
     let [nx, ny, _] = volume.dims;
     let mut voxels = Vec::with_capacity(sides.iter().product());
@@ -231,7 +242,7 @@ impl Named {
         let upper = self.name.to_uppercase();
         let text = |out: &mut String, name: &str, kind: &str, len: usize, list: String| {
             // A section of its own, so that a scene's data can be told from a program's constants.
-            let _ = writeln!(out, "#[unsafe(link_section = \".rodata.scene\")]");
+            let _ = writeln!(out, "#[unsafe(link_section = \".scene\")]");
             let _ = writeln!(out, "static {upper}_{name}: [{kind}; {len}] = {list};");
         };
         text(&mut out, "VOXELS", "u16", voxels.len(), format!("{voxels:?}"));
@@ -246,10 +257,7 @@ impl Named {
              Lighting {{ ambient: {:?}, viewer: {:?}, half_vector: {}, exponent_log2: {}, lights: &{lights:?} }} }};",
             self.name,
             self.volume.dims,
-            [
-                self.scene.sampling.planes_per_voxel,
-                self.scene.sampling.rays_per_voxel
-            ],
+            [self.scene.sampling.planes_per_voxel, self.scene.sampling.rays_per_voxel],
             setup.picture.size,
             phong.ambient().map(|k| k.to_bits()),
             phong.viewer().map(|c| c.to_bits()),
@@ -270,8 +278,15 @@ pub fn source(scenes: &[Named], image_sum: impl Fn(&Named, Kind) -> u32) -> Resu
         out.push_str(&named.source()?);
         let sums: Vec<u32> = Kind::all().map(|kind| image_sum(named, kind)).collect();
         let upper = named.name.to_uppercase();
-        let _ = writeln!(out, "/// Sums of the host's images.\npub static {upper}_EXPECTED: [u32; 6] = {sums:?};");
-        let _ = writeln!(out, "/// Sum of the host's image.\npub const {upper}_COMPACT_LIT: u32 = {};", sums[3]);
+        let _ = writeln!(
+            out,
+            "/// Sums of the host's images.\npub static {upper}_EXPECTED: [u32; 6] = {sums:?};"
+        );
+        let _ = writeln!(
+            out,
+            "/// Sum of the host's image.\npub const {upper}_COMPACT_LIT: u32 = {};",
+            sums[3]
+        );
     }
     out.push_str(
         "/// The scenes whose bits are compared.\npub static SCENES: [&SceneData; 2] = [SMALL, LARGE];\n\

@@ -46,16 +46,18 @@ pub struct Finished {
 /// If it cannot be started or does not end in time.
 pub fn run(command: &mut Command, limit: Duration) -> Result<Finished, Failure> {
     let name = command.get_program().to_string_lossy().into_owned();
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     let mut child = command
         .spawn()
         .map_err(|error| Failure(format!("{name} cannot be started: {error}")))?;
     let out = drain(child.stdout.take());
     let err = drain(child.stderr.take());
     let passed = wait(&mut child, limit).map_err(|error| Failure(format!("{name}: {error}")))?;
-    let text = |reader: thread::JoinHandle<Vec<u8>>| {
-        String::from_utf8_lossy(&reader.join().unwrap_or_default()).into_owned()
-    };
+    let text =
+        |reader: thread::JoinHandle<Vec<u8>>| String::from_utf8_lossy(&reader.join().unwrap_or_default()).into_owned();
     Ok(Finished {
         passed,
         out: text(out),

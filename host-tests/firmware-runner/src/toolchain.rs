@@ -46,7 +46,10 @@ pub fn need_program(program: &str) -> Result<(), Failure> {
     if answers(program) {
         return Ok(());
     }
-    let package = PACKAGES.iter().find(|(p, _)| *p == program).map_or(program, |(_, package)| package);
+    let package = PACKAGES
+        .iter()
+        .find(|(p, _)| *p == program)
+        .map_or(program, |(_, package)| package);
     install(&[package])?;
     if answers(program) {
         return Ok(());
@@ -59,12 +62,16 @@ fn install(packages: &[&str]) -> Result<(), Failure> {
     let list = packages.join(" ");
     let root = run(Command::new("id").arg("-u"), Duration::from_secs(10)).is_ok_and(|f| f.out.trim() == "0");
     if !root || !answers("apt-get") {
-        return fail(format!("{list}: not installed. Install with: sudo apt-get install {list}"));
+        return fail(format!(
+            "{list}: not installed. Install with: sudo apt-get install {list}"
+        ));
     }
     eprintln!("installing {list}");
     run_well(Command::new("apt-get").arg("update"), LONG)?;
     let mut command = Command::new("apt-get");
-    command.args(["install", "-y", "--no-install-recommends"]).args(packages);
+    command
+        .args(["install", "-y", "--no-install-recommends"])
+        .args(packages);
     command.env("DEBIAN_FRONTEND", "noninteractive");
     run_well(&mut command, LONG)
         .map(drop)
@@ -85,7 +92,9 @@ impl Toolchain {
             if !debian_is_there() {
                 install(&["rustc-web", "rust-web-src"]).map_err(|error| {
                     let list = targets.join(" ");
-                    Failure(format!("no core library for the machines. Either: rustup target add {list}\nor: {error}"))
+                    Failure(format!(
+                        "no core library for the machines. Either: rustup target add {list}\nor: {error}"
+                    ))
                 })?;
             }
             Library::Debian
@@ -100,7 +109,10 @@ impl Toolchain {
     /// In words.
     pub fn describe(&self) -> String {
         let version = |rustc: &str| {
-            run_well(Command::new(rustc).arg("--version"), Duration::from_secs(20)).unwrap_or_default().trim().to_owned()
+            run_well(Command::new(rustc).arg("--version"), Duration::from_secs(20))
+                .unwrap_or_default()
+                .trim()
+                .to_owned()
         };
         match self.library {
             Library::Ready => format!("{} and rustup's core", version("rustc")),
@@ -127,7 +139,9 @@ impl Toolchain {
         }
         let directory = self.directory.join(cpu.unwrap_or("generic"));
         command.env("RUSTFLAGS", flags).env("CARGO_TARGET_DIR", &directory);
-        command.env_remove("RUSTUP_TOOLCHAIN").env_remove("CARGO_ENCODED_RUSTFLAGS");
+        command
+            .env_remove("RUSTUP_TOOLCHAIN")
+            .env_remove("CARGO_ENCODED_RUSTFLAGS");
         (command, directory.join(target).join("release"))
     }
 
@@ -150,7 +164,9 @@ fn has_core(target: &str) -> bool {
     command.args(["--print", "target-libdir", "--target", target]);
     run(&mut command, Duration::from_secs(20)).is_ok_and(|f| {
         std::fs::read_dir(f.out.trim()).is_ok_and(|entries| {
-            entries.flatten().any(|e| e.file_name().to_string_lossy().starts_with("libcore-"))
+            entries
+                .flatten()
+                .any(|e| e.file_name().to_string_lossy().starts_with("libcore-"))
         })
     })
 }
@@ -174,9 +190,18 @@ fn debian_is_there() -> bool {
 
 /// rust-lld, which rustup installs for the host.
 fn linker() -> Result<PathBuf, Failure> {
-    let sysroot = run_well(Command::new("rustc").args(["--print", "sysroot"]), Duration::from_secs(20))?;
-    let host = run_well(Command::new("rustc").args(["--print", "host-tuple"]), Duration::from_secs(20))?;
-    let path = Path::new(sysroot.trim()).join("lib/rustlib").join(host.trim()).join("bin/rust-lld");
+    let sysroot = run_well(
+        Command::new("rustc").args(["--print", "sysroot"]),
+        Duration::from_secs(20),
+    )?;
+    let host = run_well(
+        Command::new("rustc").args(["--print", "host-tuple"]),
+        Duration::from_secs(20),
+    )?;
+    let path = Path::new(sysroot.trim())
+        .join("lib/rustlib")
+        .join(host.trim())
+        .join("bin/rust-lld");
     if path.exists() {
         Ok(path)
     } else {

@@ -200,7 +200,17 @@ fn fold(
             }
             mark(3);
             if let Some(lamps) = lamps {
-                gradients(here, span.clone(), [near, far], depth, height, [wx, wy, wz], spacing, &row_of, b);
+                gradients(
+                    here,
+                    span.clone(),
+                    [near, far],
+                    depth,
+                    height,
+                    [wx, wy, wz],
+                    spacing,
+                    &row_of,
+                    b,
+                );
                 mark(4);
                 let [gx, gy, gz] = &mut b.g;
                 for ((x, y), z) in gx[..len].iter_mut().zip(gy).zip(gz) {
@@ -214,7 +224,11 @@ fn fold(
             }
             let [red, green, blue] = &b.colour;
             let colours = red.iter().zip(green).zip(blue);
-            for ((p, a), ((r, g), bl)) in b.image[pixels.clone()][start..end].iter_mut().zip(&b.opacity[start..end]).zip(colours) {
+            for ((p, a), ((r, g), bl)) in b.image[pixels.clone()][start..end]
+                .iter_mut()
+                .zip(&b.opacity[start..end])
+                .zip(colours)
+            {
                 let w = p[3] * a;
                 let t = p[3] - w;
                 p[3] = if t < 1.0 / 1_048_576.0 { 0.0 } else { t };
@@ -254,7 +268,11 @@ fn make_row<'v>(
         };
         lerp(edge, &mut b.z[slot][1..=width]);
         if voxel_row != edge + 1 {
-            let inner = if voxel_row == 0 { 1.min(height - 1) } else { height.max(2) - 2 };
+            let inner = if voxel_row == 0 {
+                1.min(height - 1)
+            } else {
+                height.max(2) - 2
+            };
             lerp(inner, &mut b.y[1..=width]);
             for (o, i) in b.z[slot][1..=width].iter_mut().zip(&b.y[1..=width]) {
                 *o = 2.0 * *o - i;
@@ -289,7 +307,11 @@ fn gradients<'v>(
     let len = span.len();
     let [gx, gy, gz] = &mut b.g;
     let row = &b.samples[here];
-    for ((o, n), p) in gx.iter_mut().zip(&row[span.start + 1..=span.end]).zip(&row[span.start - 1..]) {
+    for ((o, n), p) in gx
+        .iter_mut()
+        .zip(&row[span.start + 1..=span.end])
+        .zip(&row[span.start - 1..])
+    {
         *o = (n - p) * fx;
     }
     let (next, previous) = (&b.samples[here + 1][span.clone()], &b.samples[here - 1][span.clone()]);

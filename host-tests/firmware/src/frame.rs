@@ -17,7 +17,8 @@ pub fn measure<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, Cha
         println!("error the scene is out of range");
         return 0;
     };
-    let [slices, ranges, scratch, image] = Needs::of::<slicecast_firmware_shared::scene::PipelineOf<'_, P, S>>(&plan).bytes();
+    let [slices, ranges, scratch, image] =
+        Needs::of::<slicecast_firmware_shared::scene::PipelineOf<'_, P, S>>(&plan).bytes();
     println!("memory {slices} {ranges} {scratch} {image}");
     let Ok(mut stream) = Stream::new(plan, &pipeline, memory) else {
         println!("error too little memory");

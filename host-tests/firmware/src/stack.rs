@@ -8,8 +8,7 @@ const PAINT: u32 = 0x5ec0_de5e;
 const MARGIN: usize = 512;
 
 unsafe extern "C" {
-    #[cfg_attr(target_arch = "arm", link_name = "__sheap")]
-    #[cfg_attr(target_arch = "riscv32", link_name = "_sheap")]
+    #[link_name = "__sheap"]
     static END_OF_STATICS: u32;
     #[link_name = "_stack_start"]
     static TOP: u32;
