@@ -27,6 +27,11 @@ pub struct Workshop {
 }
 
 impl Workshop {
+    /// Where generated files go.
+    pub fn directory(&self) -> PathBuf {
+        self.root.join("target/firmware")
+    }
+
     /// Builds the programs for a machine and returns the directory that they are in.
     ///
     /// # Errors

@@ -2,9 +2,12 @@
 //!
 //! Started by `host-tests/run-firmware`. Nothing is skipped: what cannot be had is a failure that says what to install.
 
+mod c;
+mod cost;
 mod footprint;
 mod images;
 mod machines;
+mod proofs;
 mod reference;
 mod scenes;
 mod shell;
@@ -20,7 +23,7 @@ use slicecast_firmware_shared::angles;
 
 use crate::footprint::Footprint;
 use crate::images::{Case, Report, Workshop, execute, first_difference, parse};
-use crate::machines::{MACHINES, Machine};
+use crate::machines::{BUILT_ONLY, MACHINES, Machine};
 use crate::reference::{Counts, Sums, reference};
 use crate::scenes::{Kind, Named};
 use crate::shell::{Failure, fail};
@@ -29,6 +32,12 @@ use crate::toolchain::{Toolchain, need_program};
 /// Runs slicecast on emulated microcontrollers and compares every bit with the host.
 #[derive(Debug, Parser)]
 struct Arguments {
+    /// Measure the cost and write docs/firmware-cost.md, instead of comparing bits.
+    #[arg(long)]
+    cost: bool,
+    /// Take Debian's compiler and core source although rustup has core for the machines.
+    #[arg(long)]
+    debian: bool,
     /// Machines by QEMU's name or the processor's (mps2-an386, Cortex-M4); all of them if none is named.
     machines: Vec<String>,
 }
@@ -44,7 +53,7 @@ fn main() -> ExitCode {
 }
 
 /// What the host knows of every case: by scene and kind.
-type References = BTreeMap<(&'static str, Kind), (Sums, Counts)>;
+pub(crate) type References = BTreeMap<(&'static str, Kind), (Sums, Counts)>;
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     let machines = chosen(&arguments.machines)?;
@@ -54,9 +63,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let root = root()?;
     let directory = root.join("target/firmware");
     fs::create_dir_all(&directory).map_err(|error| Failure(format!("{}: {error}", directory.display())))?;
-    let mut targets: Vec<&str> = machines.iter().map(|m| m.target).collect();
+    let mut targets: Vec<&str> = machines.iter().map(|m| m.target).chain(BUILT_ONLY).collect();
     targets.dedup();
-    let toolchain = Toolchain::find(&targets, &directory)?;
+    let toolchain = Toolchain::find(&targets, &directory, arguments.debian)?;
     println!("compiler: {}", toolchain.describe());
 
     let scenes = scenes::all()?;
@@ -68,6 +77,13 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         root,
     };
     write_if_changed(&workshop.scenes, &source)?;
+    if arguments.cost {
+        return cost::write(&workshop, &machines, &references);
+    }
+    if let Some(small) = scenes.first() {
+        let sums = |kind| references[&(small.name, kind)].0.image;
+        write_if_changed(&workshop.directory().join("scene.h"), &small.c(sums)?)?;
+    }
 
     let mut failed = 0;
     for machine in &machines {
@@ -75,6 +91,16 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         failed += bits(&programs, machine, &references)?;
         failed += bands(&programs, machine, &references)?;
         failed += queue(&programs, machine, &references)?;
+        let library = proofs::library(&workshop.toolchain, &workshop.root, machine.target, machine.cpu)?;
+        failed += proofs::prove(&workshop, machine, &library)?;
+        if machine.is_arm() {
+            failed += c::on_machine(&workshop, machine, &library)?;
+        }
+    }
+    failed += c::on_host(&workshop)?;
+    for target in BUILT_ONLY {
+        proofs::library(&workshop.toolchain, &workshop.root, target, None)?;
+        println!("{target}: builds");
     }
     if failed > 0 {
         return fail(format!("{failed} checks"));
@@ -104,7 +130,7 @@ fn root() -> Result<PathBuf, Failure> {
     }
 }
 
-fn write_if_changed(path: &PathBuf, text: &str) -> Result<(), Failure> {
+fn write_if_changed(path: &Path, text: &str) -> Result<(), Failure> {
     if fs::read_to_string(path).is_ok_and(|old| old == text) {
         return Ok(());
     }
@@ -193,7 +219,7 @@ fn image_of<'r>(report: &'r Report, references: &References, scene: &'static str
 }
 
 /// Prints a line of the result; 1 for a failure.
-fn line(machine: &Machine, what: &str, sum: &str, failure: Option<String>) -> u32 {
+pub(crate) fn line(machine: &Machine, what: &str, sum: &str, failure: Option<String>) -> u32 {
     let verdict = failure
         .as_deref()
         .map_or("equal".to_owned(), |f| format!("DIFFERS {f}"));

@@ -10,6 +10,7 @@ use slicecast_sim::pipelines::compile;
 use slicecast_sim::scene::file::parse;
 use slicecast_sim::scene::{Highlight, PrecisionName, Scene};
 use slicecast_sim::volume::Volume;
+use slicecast_sim::table::Table;
 use slicecast_sim::volume::mapping::Window;
 use slicecast_sim::volume::open::load;
 
@@ -200,8 +201,8 @@ impl Named {
         scene
     }
 
-    /// The scene as a Rust constant, with the numbers that the pipeline reads.
-    fn source(&self) -> Result<String, Failure> {
+    /// The numbers that the pipeline reads.
+    fn numbers(&self) -> Result<Numbers, Failure> {
         let words = |error: &dyn std::error::Error| Failure(format!("{}: {error}", self.name));
         let prepared = Prepared::new(&self.scene, &self.volume).map_err(|e| words(&e))?;
         let (setup, spacing) = (&prepared.setup, self.volume.spacing);
@@ -209,13 +210,11 @@ impl Named {
             return fail(format!("{}: the scene has no lights", self.name));
         };
         let forward = self.scene.view.axes().forward;
-        let direction: Vec<f64> = forward.iter().zip(spacing).map(|(f, s)| f / s).collect();
+        let direction = [0, 1, 2].map(|a| forward[a] / spacing[a]);
         let longest = direction.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
         let one = Direction::ONE.to_bits() as f64;
-        let direction: Vec<i64> = direction.iter().map(|c| (c / longest * one).round() as i64).collect();
         let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-        let factors = spacing.map(|s| (smallest / s * 32768.0).round() as u16);
-        let voxels: Vec<u16> = with_slices(&self.volume, setup.plan.view(), |slices| {
+        let voxels = with_slices(&self.volume, setup.plan.view(), |slices| {
             slices.iter().flat_map(packed).collect()
         })
         .map_err(|e| words(&e))?;
@@ -226,18 +225,29 @@ impl Named {
             };
             compile(&scene, &self.volume.mapping, setup.step_length)
         };
-        let (table8, table16) = (table(PrecisionName::Paper), table(PrecisionName::Compact));
-        let lights: Vec<_> = phong
-            .lights()
-            .iter()
-            .map(|l| {
-                let bits = |v: [slicecast::format::Unit; 3]| v.map(|c| c.to_bits());
-                let share = |v: [slicecast::format::Intensity; 3]| v.map(|c| c.to_bits());
-                (bits(l.direction), bits(l.half), share(l.diffuse), share(l.specular))
-            })
-            .collect();
+        let bits = |v: [slicecast::format::Unit; 3]| v.map(|c| c.to_bits());
+        let share = |v: [slicecast::format::Intensity; 3]| v.map(|c| c.to_bits());
+        let lights = phong.lights().iter();
         let warp = setup.picture.warp;
-        let steps = [warp.origin, warp.right, warp.down].map(|v| v.map(|s| s.to_bits()));
+        Ok(Numbers {
+            direction: direction.map(|c| (c / longest * one).round() as i64),
+            spacing: spacing.map(|s| (smallest / s * 32768.0).round() as u16),
+            voxels,
+            table8: table(PrecisionName::Paper),
+            table16: table(PrecisionName::Compact),
+            lights: lights.map(|l| (bits(l.direction), bits(l.half), share(l.diffuse), share(l.specular))).collect(),
+            ambient: share(phong.ambient()),
+            viewer: bits(phong.viewer()),
+            half_vector: lighting.highlight == Highlight::HalfVector,
+            exponent_log2: lighting.exponent_log2,
+            picture: setup.picture.size,
+            warp: [warp.origin, warp.right, warp.down].map(|v| v.map(|s| s.to_bits())),
+        })
+    }
+
+    /// The scene as a Rust constant.
+    fn rust(&self) -> Result<String, Failure> {
+        let n = self.numbers()?;
         let mut out = String::new();
         let upper = self.name.to_uppercase();
         let text = |out: &mut String, name: &str, kind: &str, len: usize, list: String| {
@@ -245,27 +255,89 @@ impl Named {
             let _ = writeln!(out, "#[unsafe(link_section = \".scene\")]");
             let _ = writeln!(out, "static {upper}_{name}: [{kind}; {len}] = {list};");
         };
-        text(&mut out, "VOXELS", "u16", voxels.len(), format!("{voxels:?}"));
-        text(&mut out, "ENTRIES8", "u32", 4096, format!("{:?}", table8.entries));
-        text(&mut out, "ENTRIES16", "u32", 4096, format!("{:?}", table16.entries));
-        text(&mut out, "PLANE16", "u8", 4096, format!("{:?}", table16.plane));
+        text(&mut out, "VOXELS", "u16", n.voxels.len(), format!("{:?}", n.voxels));
+        text(&mut out, "ENTRIES8", "u32", 4096, format!("{:?}", n.table8.entries));
+        text(&mut out, "ENTRIES16", "u32", 4096, format!("{:?}", n.table16.entries));
+        text(&mut out, "PLANE16", "u8", 4096, format!("{:?}", n.table16.plane));
+        let rates = &self.scene.sampling;
         let _ = writeln!(
             out,
-            "/// Written by the runner.\npub static {upper}: &SceneData = &SceneData {{ name: {:?}, direction: {direction:?}, \
-             dims: {:?}, spacing: {factors:?}, sampling: {:?}, voxels: &{upper}_VOXELS, entries8: &{upper}_ENTRIES8, \
-             entries16: &{upper}_ENTRIES16, plane16: &{upper}_PLANE16, picture: {:?}, warp: {steps:?}, lighting: \
-             Lighting {{ ambient: {:?}, viewer: {:?}, half_vector: {}, exponent_log2: {}, lights: &{lights:?} }} }};",
+            "/// Written by the runner.\npub static {upper}: &SceneData = &SceneData {{ name: {:?}, direction: {:?}, dims: \
+             {:?}, spacing: {:?}, sampling: {:?}, voxels: &{upper}_VOXELS, entries8: &{upper}_ENTRIES8, entries16: \
+             &{upper}_ENTRIES16, plane16: &{upper}_PLANE16, picture: {:?}, warp: {:?}, lighting: Lighting {{ ambient: \
+             {:?}, viewer: {:?}, half_vector: {}, exponent_log2: {}, lights: &{:?} }} }};",
             self.name,
+            n.direction,
             self.volume.dims,
-            [self.scene.sampling.planes_per_voxel, self.scene.sampling.rays_per_voxel],
-            setup.picture.size,
-            phong.ambient().map(|k| k.to_bits()),
-            phong.viewer().map(|c| c.to_bits()),
-            lighting.highlight == Highlight::HalfVector,
-            lighting.exponent_log2,
+            n.spacing,
+            [rates.planes_per_voxel, rates.rays_per_voxel],
+            n.picture,
+            n.warp,
+            n.ambient,
+            n.viewer,
+            n.half_vector,
+            n.exponent_log2,
+            n.lights,
         );
         Ok(out)
     }
+
+    /// The scene as a C header.
+    ///
+    /// # Errors
+    /// If it does not fit the pipeline.
+    pub fn c(&self, image_sum: impl Fn(Kind) -> u32) -> Result<String, Failure> {
+        let n = self.numbers()?;
+        let list = |v: &dyn std::fmt::Debug| format!("{v:?}").replace(['[', '('], "{").replace([']', ')'], "}");
+        let mut out = String::from("/* Written by the runner. */\n");
+        let _ = writeln!(out, "static const uint16_t voxels[] = {};", list(&n.voxels));
+        let _ = writeln!(out, "static const uint32_t entries[] = {};", list(&n.table16.entries));
+        let _ = writeln!(out, "static const uint8_t low_roots[] = {};", list(&n.table16.plane));
+        let _ = writeln!(out, "static const SlicecastLight lights[] = {};", list(&n.lights));
+        let _ = writeln!(
+            out,
+            "static const SlicecastLighting lighting = {{{}, {}, {}, {}, {}, lights}};",
+            list(&n.ambient),
+            list(&n.viewer),
+            u32::from(n.half_vector),
+            n.exponent_log2,
+            n.lights.len(),
+        );
+        let rates = &self.scene.sampling;
+        let _ = writeln!(
+            out,
+            "static const SlicecastScene scene = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, entries, low_roots, &lighting}};",
+            list(&self.volume.dims),
+            list(&n.direction),
+            list(&n.spacing),
+            rates.planes_per_voxel,
+            rates.rays_per_voxel,
+        );
+        for kind in Kind::all() {
+            let name = kind.name().to_uppercase().replace(' ', "_");
+            let _ = writeln!(out, "#define {name} {}u", image_sum(kind));
+        }
+        Ok(out)
+    }
+}
+
+/// A light: direction, half vector, diffuse, specular.
+type LightBits = ([i32; 3], [i32; 3], [u16; 3], [u16; 3]);
+
+/// A scene in the pipeline's formats.
+struct Numbers {
+    direction: [i64; 3],
+    spacing: [u16; 3],
+    voxels: Vec<u16>,
+    table8: Table,
+    table16: Table,
+    lights: Vec<LightBits>,
+    ambient: [u16; 3],
+    viewer: [i32; 3],
+    half_vector: bool,
+    exponent_log2: u32,
+    picture: [u32; 2],
+    warp: [[i64; 2]; 3],
 }
 
 /// Rust source of all scenes, with the sums that their images must have.
@@ -275,7 +347,7 @@ impl Named {
 pub fn source(scenes: &[Named], image_sum: impl Fn(&Named, Kind) -> u32) -> Result<String, Failure> {
     let mut out = String::new();
     for named in scenes {
-        out.push_str(&named.source()?);
+        out.push_str(&named.rust()?);
         let sums: Vec<u32> = Kind::all().map(|kind| image_sum(named, kind)).collect();
         let upper = named.name.to_uppercase();
         let _ = writeln!(

@@ -79,13 +79,13 @@ fn install(packages: &[&str]) -> Result<(), Failure> {
 }
 
 impl Toolchain {
-    /// Finds or installs a compiler for these targets.
+    /// Finds or installs a compiler for these targets; `debian` leaves rustup's libraries aside.
     ///
     /// # Errors
     /// With what to install.
-    pub fn find(targets: &[&str], directory: &Path) -> Result<Self, Failure> {
+    pub fn find(targets: &[&str], directory: &Path, debian: bool) -> Result<Self, Failure> {
         let linker = linker()?;
-        let ready = targets.iter().all(|target| has_core(target) || add(target));
+        let ready = !debian && targets.iter().all(|target| has_core(target) || add(target));
         let library = if ready {
             Library::Ready
         } else {
@@ -125,10 +125,10 @@ impl Toolchain {
         &self.linker
     }
 
-    /// A `cargo` command that builds for a target in release, and the directory that the result appears in.
-    pub fn cargo(&self, verb: &str, target: &str, cpu: Option<&str>) -> (Command, PathBuf) {
+    /// A `cargo` command that builds for a target in a profile, and the directory that the result appears in.
+    pub fn cargo(&self, verb: &str, profile: &str, target: &str, cpu: Option<&str>) -> (Command, PathBuf) {
         let mut command = Command::new("cargo");
-        command.args([verb, "--release", "--target", target]);
+        command.args([verb, "--profile", profile, "--target", target]);
         let mut flags = format!("-Clinker={} -Clinker-flavor=ld.lld", self.linker.display());
         if let Some(cpu) = cpu {
             flags.push_str(&format!(" -Ctarget-cpu={cpu}"));
@@ -137,17 +137,18 @@ impl Toolchain {
             command.arg("-Zbuild-std=core");
             command.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1");
         }
-        let directory = self.directory.join(cpu.unwrap_or("generic"));
+        let library = if self.library == Library::Debian { "debian" } else { "rustup" };
+        let directory = self.directory.join(library).join(cpu.unwrap_or("generic"));
         command.env("RUSTFLAGS", flags).env("CARGO_TARGET_DIR", &directory);
         command
             .env_remove("RUSTUP_TOOLCHAIN")
             .env_remove("CARGO_ENCODED_RUSTFLAGS");
-        (command, directory.join(target).join("release"))
+        (command, directory.join(target).join(profile))
     }
 
     /// The same for a machine.
     pub fn cargo_for(&self, verb: &str, machine: &Machine) -> (Command, PathBuf) {
-        self.cargo(verb, machine.target, machine.cpu)
+        self.cargo(verb, "release", machine.target, machine.cpu)
     }
 }
 
