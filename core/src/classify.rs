@@ -20,6 +20,7 @@ use core::marker::PhantomData;
 
 use crate::format::{Intensity, Opacity};
 use crate::precision::Precision;
+use crate::product::SCALAR;
 use crate::slice::RowRange;
 
 /// Entries of a table: one for each 12-bit code.
@@ -190,34 +191,45 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
     /// Bytes of the table, entries and plane.
     pub const BYTES: usize = 4 * ENTRIES + A::PLANE_BYTES;
 
+    /// The entry of a code. Behind the last code lies the first: samples reach it with a fraction of 0 only.
     #[inline(always)]
-    fn opacity_at(&self, index: usize) -> u32 {
-        let index = index.min(ENTRIES - 1);
-        let entry = self.entries.get(index).copied().unwrap_or(0);
-        opacity_of_root(A::root(entry, self.plane, index)).to_bits()
+    fn entry_at(&self, index: usize) -> u32 {
+        self.entries.get(index % ENTRIES).copied().unwrap_or(0)
     }
 
     #[inline(always)]
-    fn colour_at(&self, index: usize) -> [i32; 3] {
-        let entry = self.entries.get(index.min(ENTRIES - 1)).copied().unwrap_or(0);
-        let [r, g, b, _] = entry.to_le_bytes();
-        [r, g, b].map(|byte| i32::from(intensity_of_byte(byte).to_bits()))
+    fn root_at(&self, index: usize) -> u16 {
+        A::root(self.entry_at(index), self.plane, index % ENTRIES)
     }
+
+    #[cfg(test)]
+    fn opacity_at(&self, index: usize) -> u32 {
+        opacity_of_root(self.root_at(index)).to_bits()
+    }
+
+    #[cfg(test)]
+    fn colour_at(&self, index: usize) -> [i32; 3] {
+        colours(self.entry_at(index))
+    }
+}
+
+/// The colours of an entry, 1.15.
+#[inline(always)]
+fn colours(entry: u32) -> [i32; 3] {
+    let [r, g, b, _] = entry.to_le_bytes();
+    [r, g, b].map(|byte| i32::from(intensity_of_byte(byte).to_bits()))
 }
 
 /// Entry and fraction of a sample that lies between two entries.
 #[inline(always)]
 fn split<P: Precision>(bits: i32) -> (usize, i32) {
-    (
-        (bits >> P::SAMPLE_BITS).max(0) as usize,
-        bits & ((1 << P::SAMPLE_BITS) - 1),
-    )
+    ((bits >> P::SAMPLE_BITS) as usize, bits & ((1 << P::SAMPLE_BITS) - 1))
 }
 
 /// Nearest entry of a sample.
 #[inline(always)]
 fn nearest<P: Precision>(bits: i32) -> usize {
-    ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS).max(0) as usize
+    ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS) as usize
 }
 
 /// `a + (b - a) f / 2^bits` to nearest in 32 bits: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 16.
@@ -234,9 +246,15 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
         let bits = fixed::traits::Fixed::to_bits(sample);
         Opacity::from_bits(if L::LINEAR {
             let (index, f) = split::<P>(bits);
-            mix(self.opacity_at(index), self.opacity_at(index + 1), f, P::SAMPLE_BITS)
+            let (a, b) = (self.root_at(index), self.root_at(index + 1));
+            let opacity = |root| opacity_of_root(root).to_bits();
+            if SCALAR && a == b {
+                opacity(a)
+            } else {
+                mix(opacity(a), opacity(b), f, P::SAMPLE_BITS)
+            }
         } else {
-            self.opacity_at(nearest::<P>(bits))
+            opacity_of_root(self.root_at(nearest::<P>(bits))).to_bits()
         })
     }
 
@@ -246,11 +264,16 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
         let raw = if L::LINEAR {
             let (index, f) = split::<P>(bits);
             let half = 1 << P::SAMPLE_BITS >> 1;
-            let [r0, g0, b0] = self.colour_at(index);
-            let [r1, g1, b1] = self.colour_at(index + 1);
-            [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| a + (((b - a) * f + half) >> P::SAMPLE_BITS))
+            let (a, b) = (self.entry_at(index), self.entry_at(index + 1));
+            let [r0, g0, b0] = colours(a);
+            if SCALAR && (a ^ b) & 0x00ff_ffff == 0 {
+                [r0, g0, b0]
+            } else {
+                let [r1, g1, b1] = colours(b);
+                [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| a + (((b - a) * f + half) >> P::SAMPLE_BITS))
+            }
         } else {
-            self.colour_at(nearest::<P>(bits))
+            colours(self.entry_at(nearest::<P>(bits)))
         };
         raw.map(|c| Intensity::from_bits(c as u16))
     }

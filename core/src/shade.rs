@@ -77,6 +77,8 @@ pub struct Phong {
     ambient: [Intensity; 3],
     lights: Vec<Light, LIGHTS_MAX>,
     viewer: [Unit; 3],
+    /// V.L of each light.
+    along: [i64; LIGHTS_MAX],
     highlight: Highlight,
     exponent_log2: u32,
 }
@@ -153,8 +155,13 @@ impl Phong {
                 });
             }
         }
+        let mut along_viewer = [0; LIGHTS_MAX];
+        for (vl, light) in along_viewer.iter_mut().zip(lights) {
+            *vl = along(viewer, light.direction);
+        }
         Ok(Self {
             ambient,
+            along: along_viewer,
             lights: Vec::from_slice(lights).map_err(|_| PhongError::Lights { given: lights.len() })?,
             viewer,
             highlight,
@@ -190,8 +197,9 @@ impl Phong {
     fn shade_nearest<P: Precision>(&self, normal: Normal, colour: [Intensity; 3]) -> [Intensity; 3] {
         let mut diffuse = self.ambient.map(|k| u32::from(k.to_bits()) << 16);
         let mut specular = [0u32; 3];
-        for light in &self.lights {
-            let (nl, y) = self.cosines::<P>(normal, light);
+        let nv = self.facing::<P>(normal);
+        for (light, vl) in self.lights.iter().zip(self.along) {
+            let (nl, y) = self.cosines::<P>(normal, light, nv, vl);
             let (x16, y16) = (to_16(nl), to_16(y));
             add_products(&mut diffuse, light.diffuse, x16);
             add_products(&mut specular, light.specular, y16);
@@ -210,8 +218,9 @@ impl Phong {
     fn shade_truncated<P: Precision>(&self, normal: Normal, colour: [Intensity; 3]) -> [Intensity; 3] {
         let mut diffuse = self.ambient.map(|k| u32::from(k.to_bits()) << 1);
         let mut specular = [0u32; 3];
-        for light in &self.lights {
-            let (nl, y) = self.cosines::<P>(normal, light);
+        let nv = self.facing::<P>(normal);
+        for (light, vl) in self.lights.iter().zip(self.along) {
+            let (nl, y) = self.cosines::<P>(normal, light, nv, vl);
             let (x16, y16) = (nl.to_bits() >> 15, y.to_bits() >> 15);
             for (((d, s), kd), ks) in diffuse
                 .iter_mut()
@@ -231,19 +240,26 @@ impl Phong {
         out
     }
 
-    /// N.L and the highlight of one light.
+    /// N.V, where the highlight asks for it.
+    #[inline(always)]
+    fn facing<P: Precision>(&self, normal: Normal) -> Cosine {
+        match self.highlight {
+            Highlight::HalfVector => Cosine::ZERO,
+            Highlight::Reflection => dot::<P>(normal, self.viewer),
+        }
+    }
+
+    /// N.L and the highlight of one light, given N.V and V.L.
     #[inline]
-    fn cosines<P: Precision>(&self, normal: Normal, light: &Light) -> (Cosine, Cosine) {
+    fn cosines<P: Precision>(&self, normal: Normal, light: &Light, nv: Cosine, vl: i64) -> (Cosine, Cosine) {
         let nl = dot::<P>(normal, light.direction);
         if nl == Cosine::ZERO {
             return (nl, Cosine::ZERO);
         }
         let base = match self.highlight {
             Highlight::HalfVector => dot::<P>(normal, light.half),
-            Highlight::Reflection => {
-                let nv = dot::<P>(normal, self.viewer);
-                reflected::<P>(nv, nl, self.viewer, light.direction)
-            }
+            Highlight::Reflection if nv == Cosine::ZERO => Cosine::ZERO,
+            Highlight::Reflection => reflected_off::<P>(nv, nl, vl),
         };
         (nl, power::<P>(base, self.exponent_log2))
     }
@@ -279,8 +295,9 @@ pub fn dot<P: Precision>(normal: Normal, vector: [Unit; 3]) -> Cosine {
                 // |sum| <= sqrt(3) * 32767 * 32768 < 2^31 for unit vectors; wrapping keeps others from a panic.
                 sum = sum.wrapping_sub(g.wrapping_mul(l.to_bits()));
             }
-            let d = sum.max(0) as u64;
-            Cosine::from_bits(((d * u64::from(normal.r) + (1 << 18)) >> 19).min(1 << 31) as u32)
+            // d r <= 2^35 |L| with |L| <= sqrt(3) 2^15: the shifted product fits 32 bits.
+            let product = u64::from(sum.max(0) as u32) * u64::from(normal.r);
+            Cosine::from_bits((((product + (1 << 18)) >> 19) as u32).min(1 << 31))
         }
         NormalForm::Formed(bits) => {
             let mut sum = 0i32;
@@ -301,10 +318,20 @@ pub fn reflected<P: Precision>(nv: Cosine, nl: Cosine, viewer: [Unit; 3], light:
     if nv == Cosine::ZERO || nl == Cosine::ZERO {
         return Cosine::ZERO;
     }
-    let mut vl = 0i64;
-    for (v, l) in viewer.iter().zip(light) {
-        vl += i64::from(v.to_bits()) * i64::from(l.to_bits());
-    }
+    reflected_off::<P>(nv, nl, along(viewer, light))
+}
+
+/// V.L, s2.30.
+fn along(viewer: [Unit; 3], light: [Unit; 3]) -> i64 {
+    let products = viewer.iter().zip(light);
+    products
+        .map(|(v, l)| i64::from(v.to_bits()) * i64::from(l.to_bits()))
+        .sum()
+}
+
+/// [`reflected`] with V.L at hand, s2.30, and N.V and N.L above 0.
+#[inline(always)]
+fn reflected_off<P: Precision>(nv: Cosine, nl: Cosine, vl: i64) -> Cosine {
     let product = u64::from(nv.to_bits()) * u64::from(nl.to_bits());
     let rl = match P::SHADE_ROUNDING {
         Rounding::Nearest => ((product + (1 << 29)) >> 30) as i64 - (vl << 1),
@@ -318,18 +345,18 @@ pub fn reflected<P: Precision>(nv: Cosine, nl: Cosine, viewer: [Unit; 3], light:
 pub fn power<P: Precision>(x: Cosine, n: u32) -> Cosine {
     match P::SHADE_ROUNDING {
         Rounding::Nearest => {
-            let mut x = u64::from(x.to_bits());
+            let mut x = x.to_bits();
             for _ in 0..n {
-                x = (x * x + (1 << 30)) >> 31;
+                x = ((u64::from(x) * u64::from(x) + (1 << 30)) >> 31) as u32;
             }
-            Cosine::from_bits(x as u32)
+            Cosine::from_bits(x)
         }
         Rounding::Truncate => {
-            let mut x = u64::from(x.to_bits() >> 15);
+            let mut x = x.to_bits() >> 15;
             for _ in 0..n {
-                x = (x * x) >> 16;
+                x = ((u64::from(x) * u64::from(x)) >> 16) as u32;
             }
-            Cosine::from_bits((x as u32) << 15)
+            Cosine::from_bits(x << 15)
         }
     }
 }

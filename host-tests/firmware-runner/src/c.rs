@@ -1,7 +1,7 @@
 //! The C example: on the machines and on the host, the same source and the same sums.
 
-use std::process::Command;
 use std::path::Path;
+use std::process::Command;
 use std::time::Duration;
 
 use crate::images::{Workshop, execute, parse};
@@ -21,15 +21,34 @@ pub fn on_machine(workshop: &Workshop, machine: &Machine, library: &Path) -> Res
     let program = workshop.directory().join(format!("{}-c.elf", machine.name));
     let sources = workshop.root.join("host-tests/firmware");
     let mut command = Command::new("arm-none-eabi-gcc");
-    command.args(machine.gcc).args(WARNINGS).args(["-O2", "-ffreestanding", "-nostdlib", "-Wl,--gc-sections"]);
-    command.arg("-I").arg(workshop.root.join("core/ffi/include")).arg("-I").arg(workshop.directory());
-    command.arg(format!("-Wl,-T,{}", sources.join("c").join(format!("{}.x", machine.name)).display()));
-    command.arg("-Wl,-T").arg(format!("-Wl,{}", sources.join("c/bare.ld").display()));
-    command.arg(sources.join("c/frame.c")).arg(sources.join("c/bare.c")).arg(library);
+    command
+        .args(machine.gcc)
+        .args(WARNINGS)
+        .args(["-O2", "-ffreestanding", "-nostdlib", "-Wl,--gc-sections"]);
+    command
+        .arg("-I")
+        .arg(workshop.root.join("core/ffi/include"))
+        .arg("-I")
+        .arg(workshop.directory());
+    command.arg(format!(
+        "-Wl,-T,{}",
+        sources.join("c").join(format!("{}.x", machine.name)).display()
+    ));
+    command
+        .arg("-Wl,-T")
+        .arg(format!("-Wl,{}", sources.join("c/bare.ld").display()));
+    command
+        .arg(sources.join("c/frame.c"))
+        .arg(sources.join("c/bare.c"))
+        .arg(library);
     command.arg("-o").arg(&program);
     run_well(&mut command, LIMIT)?;
     let finished = execute(machine, &program, false)?;
-    Ok(verdict(&format!("{:<11} {:<10}", machine.name, machine.core), finished.passed, &finished.out))
+    Ok(verdict(
+        &format!("{:<11} {:<10}", machine.name, machine.core),
+        finished.passed,
+        &finished.out,
+    ))
 }
 
 /// Builds and runs the example on the host; returns the number of failures.
@@ -47,9 +66,15 @@ pub fn on_host(workshop: &Workshop) -> Result<u32, Failure> {
     let sources = workshop.root.join("host-tests/firmware/c");
     let mut command = Command::new("cc");
     command.args(WARNINGS).arg("-O2");
-    command.arg("-I").arg(workshop.root.join("core/ffi/include")).arg("-I").arg(workshop.directory());
+    command
+        .arg("-I")
+        .arg(workshop.root.join("core/ffi/include"))
+        .arg("-I")
+        .arg(workshop.directory());
     command.arg(sources.join("frame.c")).arg(sources.join("host.c"));
-    command.arg(target.join("firmware/libslicecast_ffi.a")).args(["-lpthread", "-ldl", "-lm"]);
+    command
+        .arg(target.join("firmware/libslicecast_ffi.a"))
+        .args(["-lpthread", "-ldl", "-lm"]);
     command.arg("-o").arg(&program);
     run_well(&mut command, LIMIT)?;
     let finished = run(&mut Command::new(&program), LIMIT)?;
@@ -62,9 +87,18 @@ fn verdict(place: &str, passed: bool, output: &str) -> u32 {
     let complete = report.as_ref().is_ok_and(|r| r.verdict && r.cases.len() == 3);
     let sums = report.map_or_else(
         |error| error.to_string(),
-        |r| r.cases.iter().map(|c| format!("{:08x}", c.sums.image)).collect::<Vec<_>>().join(" "),
+        |r| {
+            r.cases
+                .iter()
+                .map(|c| format!("{:08x}", c.sums.image))
+                .collect::<Vec<_>>()
+                .join(" ")
+        },
     );
     let good = passed && complete;
-    println!("{place} C: 3 pipelines          {sums}  {}", if good { "equal" } else { "DIFFERS" });
+    println!(
+        "{place} C: 3 pipelines          {sums}  {}",
+        if good { "equal" } else { "DIFFERS" }
+    );
     u32::from(!good)
 }

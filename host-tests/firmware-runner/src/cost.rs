@@ -112,7 +112,12 @@ fn measure(workshop: &Workshop, machine: &Machine, references: &References) -> R
                     instructions: Some(count),
                     ..
                 }) if device.image == sums.image => frames.insert(scene, *count),
-                _ => return fail(format!("{}: {name} was not rendered, or differs from the host", machine.name)),
+                _ => {
+                    return fail(format!(
+                        "{}: {name} was not rendered, or differs from the host",
+                        machine.name
+                    ));
+                }
             };
             let case = find(&format!("{scene} f32 {}", kind.shading()))?;
             float.insert(scene, case.stages.values().sum());
@@ -122,7 +127,11 @@ fn measure(workshop: &Workshop, machine: &Machine, references: &References) -> R
             kind,
             library_flash: link(workshop, machine, &archive, kind)?.flash,
             program_flash: Footprint::of(&program)?.flash,
-            memory: report.cases.first().and_then(|case| case.memory).map_or(0, |m| m.iter().sum()),
+            memory: report
+                .cases
+                .first()
+                .and_then(|case| case.memory)
+                .map_or(0, |m| m.iter().sum()),
             stack: report.stack.unwrap_or(0),
             frames,
             stages: find(&format!("{DENSE} {}", kind.name()))?.stages.clone(),
@@ -161,7 +170,10 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
         };
         let mut cells = String::new();
         for scene in [DENSE, HEAD] {
-            let (fixed, float) = (each(scene, row.frames[scene], scene), each(scene, row.float[scene], scene));
+            let (fixed, float) = (
+                each(scene, row.frames[scene], scene),
+                each(scene, row.float[scene], scene),
+            );
             let _ = write!(cells, " {fixed:.1} | {float:.1} | {:.2} |", float / fixed);
         }
         let _ = writeln!(
@@ -196,7 +208,12 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
             .map(|stage| format!(" {:.1} |", row.stages.get(*stage).copied().unwrap_or(0) as f64 / places))
             .collect();
         let (core, kind) = (row.machine.core, row.kind);
-        let _ = writeln!(out, "| {core} | {} | {} |{cells}", kind.shading(), kind.precision().name());
+        let _ = writeln!(
+            out,
+            "| {core} | {} | {} |{cells}",
+            kind.shading(),
+            kind.precision().name()
+        );
     }
     let _ = writeln!(
         out,
@@ -205,18 +222,29 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
          instructions counted above. The warp to the viewer's picture is not included.\n\n\
          | part | MHz | assumed instr. a cycle | dense unlit | dense lit | head unlit | head lit |\n|---|---|---|---|---|---|---|"
     );
-    for part in PARTS.iter().filter(|part| machines.iter().any(|m| m.name == part.machine)) {
+    for part in PARTS
+        .iter()
+        .filter(|part| machines.iter().any(|m| m.name == part.machine))
+    {
         let mut cells = String::new();
         for scene in [DENSE, HEAD] {
             for lit in [false, true] {
                 let found = rows.iter().find(|row| {
-                    row.machine.name == part.machine && row.kind.lit == lit && row.kind.precision() == Kind::COMPACT_LIT.precision()
+                    row.machine.name == part.machine
+                        && row.kind.lit == lit
+                        && row.kind.precision() == Kind::COMPACT_LIT.precision()
                 });
-                let frames = found.map_or(0.0, |row| part.megahertz * 1e6 * part.per_cycle / row.frames[scene] as f64);
+                let frames = found.map_or(0.0, |row| {
+                    part.megahertz * 1e6 * part.per_cycle / row.frames[scene] as f64
+                });
                 let _ = write!(cells, " {frames:.1} |");
             }
         }
-        let _ = writeln!(out, "| {} | {} | {} |{cells}", part.name, part.megahertz, part.per_cycle);
+        let _ = writeln!(
+            out,
+            "| {} | {} | {} |{cells}",
+            part.name, part.megahertz, part.per_cycle
+        );
     }
     out
 }

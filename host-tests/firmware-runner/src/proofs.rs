@@ -76,7 +76,9 @@ pub fn prove(workshop: &Workshop, machine: &Machine, library: &Path) -> Result<u
 /// Why a symbol must not be there.
 fn forbidden(symbol: &str) -> Option<String> {
     let demangled = symbol.replace("..", "::");
-    let kind = if demangled.contains("panicking") || symbol.contains("rust_begin_unwind") || symbol.contains("panic_handler")
+    let kind = if demangled.contains("panicking")
+        || symbol.contains("rust_begin_unwind")
+        || symbol.contains("panic_handler")
     {
         "panic"
     } else if is_float_routine(symbol) {
@@ -94,8 +96,11 @@ fn is_float_routine(symbol: &str) -> bool {
     if let Some(rest) = symbol.strip_prefix("__aeabi_") {
         // f2iz, fadd, dmul, i2f, ul2d, cfcmple …; not memcpy, lmul, uidiv, llsl, ulcmp.
         let to_float = ["i2f", "ui2f", "l2f", "ul2f", "i2d", "ui2d", "l2d", "ul2d", "h2f"];
-        return rest.starts_with('f') || rest.starts_with('d') && rest != "dummy" || rest.starts_with("cf")
-            || rest.starts_with("cd") || to_float.contains(&rest);
+        return rest.starts_with('f')
+            || rest.starts_with('d') && rest != "dummy"
+            || rest.starts_with("cf")
+            || rest.starts_with("cd")
+            || to_float.contains(&rest);
     }
     symbol.starts_with("__") && ["sf", "df", "hf", "tf"].iter().any(|kind| symbol.contains(kind))
 }
@@ -119,7 +124,14 @@ mod tests {
         ] {
             assert!(forbidden(symbol).is_some(), "{symbol}");
         }
-        for symbol in ["memcpy", "__aeabi_memcpy4", "__aeabi_lmul", "__aeabi_uldivmod", "slicecast_open", "__muldi3"] {
+        for symbol in [
+            "memcpy",
+            "__aeabi_memcpy4",
+            "__aeabi_lmul",
+            "__aeabi_uldivmod",
+            "slicecast_open",
+            "__muldi3",
+        ] {
             assert_eq!(forbidden(symbol), None);
         }
     }

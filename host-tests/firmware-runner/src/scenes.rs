@@ -9,8 +9,8 @@ use slicecast_sim::oriented::{packed, with_slices};
 use slicecast_sim::pipelines::compile;
 use slicecast_sim::scene::file::parse;
 use slicecast_sim::scene::{Highlight, PrecisionName, Scene};
-use slicecast_sim::volume::Volume;
 use slicecast_sim::table::Table;
+use slicecast_sim::volume::Volume;
 use slicecast_sim::volume::mapping::Window;
 use slicecast_sim::volume::open::load;
 
@@ -235,7 +235,9 @@ impl Named {
             voxels,
             table8: table(PrecisionName::Paper),
             table16: table(PrecisionName::Compact),
-            lights: lights.map(|l| (bits(l.direction), bits(l.half), share(l.diffuse), share(l.specular))).collect(),
+            lights: lights
+                .map(|l| (bits(l.direction), bits(l.half), share(l.diffuse), share(l.specular)))
+                .collect(),
             ambient: share(phong.ambient()),
             viewer: bits(phong.viewer()),
             half_vector: lighting.highlight == Highlight::HalfVector,

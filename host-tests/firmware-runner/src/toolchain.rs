@@ -137,7 +137,11 @@ impl Toolchain {
             command.arg("-Zbuild-std=core");
             command.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1");
         }
-        let library = if self.library == Library::Debian { "debian" } else { "rustup" };
+        let library = if self.library == Library::Debian {
+            "debian"
+        } else {
+            "rustup"
+        };
         let directory = self.directory.join(library).join(cpu.unwrap_or("generic"));
         command.env("RUSTFLAGS", flags).env("CARGO_TARGET_DIR", &directory);
         command

@@ -39,6 +39,13 @@ void fault(void) {
   verdict(0);
 }
 
-__attribute__((section(".vectors"), used)) static const void *const vectors[16] = {
-    &_stack_top, (void *)reset, (void *)fault, (void *)fault, (void *)fault, (void *)fault, (void *)fault,
+/* A vector is the initial stack pointer or a handler. */
+typedef union {
+  void (*handler)(void);
+  void *stack;
+} Vector;
+
+__attribute__((section(".vectors"), used)) static const Vector vectors[16] = {
+    {.stack = &_stack_top},  {.handler = reset}, {.handler = fault}, {.handler = fault},
+    {.handler = fault}, {.handler = fault}, {.handler = fault},
 };
