@@ -20,7 +20,7 @@ use core::marker::PhantomData;
 
 use crate::format::{Intensity, Opacity};
 use crate::precision::Precision;
-use crate::product::SCALAR;
+use crate::product::{SCALAR, part};
 use crate::slice::RowRange;
 
 /// Entries of a table: one for each 12-bit code.
@@ -232,12 +232,10 @@ fn nearest<P: Precision>(bits: i32) -> usize {
     ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS) as usize
 }
 
-/// `a + (b - a) f / 2^bits` to nearest in 32 bits: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 16.
+/// `a + (b - a) f / 2^bits` to nearest: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 15.
 #[inline(always)]
 fn mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
-    let d = b.wrapping_sub(a) as i32;
-    let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
-    a.wrapping_add(((((d >> 16) * f) << (16 - bits)) + low) as u32)
+    a.wrapping_add(part(b.wrapping_sub(a) as i32, f, bits) as u32)
 }
 
 impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, L> {

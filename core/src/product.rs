@@ -42,6 +42,27 @@ const fn upper15(g: i32, f: i32) -> i32 {
     (((g << 2) as i64 * (f << 15) as i64 + (1 << 31)) >> 32) as i32
 }
 
+/// `floor((d * f + 2^(bits - 1)) / 2^bits)`: 0 <= f < 2^bits, bits 1 to 15.
+#[inline(always)]
+pub(crate) fn part(d: i32, f: i32, bits: u32) -> i32 {
+    if SCALAR {
+        whole_part(d, f, bits)
+    } else {
+        split_part(d, f, bits)
+    }
+}
+
+#[inline(always)]
+fn split_part(d: i32, f: i32, bits: u32) -> i32 {
+    let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
+    (((d >> 16) * f) << (16 - bits)) + low
+}
+
+#[inline(always)]
+fn whole_part(d: i32, f: i32, bits: u32) -> i32 {
+    ((i64::from(d) * i64::from(f) + (1 << bits >> 1)) >> bits) as i32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,6 +87,14 @@ mod tests {
             let exact = (i64::from(g) * i64::from(f) + (1 << 14)) >> 15;
             prop_assert_eq!(i64::from(split15(g, f)), exact);
             prop_assert_eq!(i64::from(upper15(g, f)), exact);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn both_parts_are_the_same_bits(d in any::<i32>(), f in 0i32..1 << 15, bits in prop_oneof![Just(12u32), Just(15)]) {
+            let f = f & ((1 << bits) - 1);
+            prop_assert_eq!(split_part(d, f, bits), whole_part(d, f, bits));
         }
     }
 

@@ -198,8 +198,8 @@ impl Phong {
         let mut diffuse = self.ambient.map(|k| u32::from(k.to_bits()) << 16);
         let mut specular = [0u32; 3];
         let nv = self.facing::<P>(normal);
-        for (light, vl) in self.lights.iter().zip(self.along) {
-            let (nl, y) = self.cosines::<P>(normal, light, nv, vl);
+        for (light, vl) in self.lights.iter().zip(&self.along) {
+            let (nl, y) = self.cosines::<P>(normal, light, nv, *vl);
             let (x16, y16) = (to_16(nl), to_16(y));
             add_products(&mut diffuse, light.diffuse, x16);
             add_products(&mut specular, light.specular, y16);
@@ -219,8 +219,8 @@ impl Phong {
         let mut diffuse = self.ambient.map(|k| u32::from(k.to_bits()) << 1);
         let mut specular = [0u32; 3];
         let nv = self.facing::<P>(normal);
-        for (light, vl) in self.lights.iter().zip(self.along) {
-            let (nl, y) = self.cosines::<P>(normal, light, nv, vl);
+        for (light, vl) in self.lights.iter().zip(&self.along) {
+            let (nl, y) = self.cosines::<P>(normal, light, nv, *vl);
             let (x16, y16) = (nl.to_bits() >> 15, y.to_bits() >> 15);
             for (((d, s), kd), ks) in diffuse
                 .iter_mut()
