@@ -220,9 +220,8 @@ fn image_of<'r>(report: &'r Report, references: &References, scene: &'static str
 
 /// Prints a line of the result; 1 for a failure.
 pub(crate) fn line(machine: &Machine, what: &str, sum: &str, failure: Option<String>) -> u32 {
-    let verdict = failure
-        .as_deref()
-        .map_or("equal".to_owned(), |f| format!("DIFFERS {f}"));
+    let good = if sum.is_empty() { "good" } else { "equal" };
+    let verdict = failure.as_deref().map_or(good.to_owned(), |f| format!("FAILED {f}"));
     println!(
         "{:<11} {:<10} {what:<22} {sum:<8}  {verdict}",
         machine.name, machine.core
