@@ -8,7 +8,7 @@ use slicecast_firmware_shared::image;
 use slicecast_firmware_shared::scene::{Lights, Model, SceneData, pipeline};
 use slicecast_firmware_shared::sum::Sum;
 
-use crate::machine::{INSTRUCTIONS_A_TICK, start_counter, ticks, ticks_between};
+use crate::machine::{instructions_a_tick, start_counter, ticks, ticks_between};
 
 /// Streams the scene and prints the memory lent, the instructions and the image's sum. Returns the sum, 0 for none.
 pub fn measure<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, ChannelOf<P>>) -> u32 {
@@ -26,6 +26,7 @@ pub fn measure<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, Cha
     };
     let [width, height, _] = plan.dims();
     start_counter();
+    let tick = instructions_a_tick();
     let mut total = 0u64;
     for slice in scene.voxels.chunks_exact((width * height) as usize) {
         let before = ticks();
@@ -35,7 +36,7 @@ pub fn measure<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, Cha
             println!("error slice refused");
         }
     }
-    println!("instructions {}", total * INSTRUCTIONS_A_TICK);
+    println!("instructions {}", total * tick);
     let mut sum = Sum::new();
     image::add_rows(&mut sum, stream.image());
     println!("image {:08x}", sum.get());

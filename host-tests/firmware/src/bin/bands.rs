@@ -8,7 +8,7 @@ use slicecast::precision::Compact;
 use slicecast::shade::Phong;
 use slicecast::stream::{Needs, Stream};
 use slicecast::tap::NoTap;
-use slicecast_firmware::machine::{INSTRUCTIONS_A_TICK, finish, start_counter, ticks, ticks_between};
+use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
 use slicecast_firmware::memory::Reserved;
 use slicecast_firmware::scenes::{LARGE, LARGE_COMPACT_LIT};
 use slicecast_firmware::stack;
@@ -63,7 +63,7 @@ fn main() -> ! {
         (first, bands) = (end, bands + 1);
     }
     println!("bands {bands} of {rows} rows");
-    println!("instructions {}", total * INSTRUCTIONS_A_TICK);
+    println!("instructions {}", total * instructions_a_tick());
     println!("image {:08x}", sum.get());
     println!("stack {}", stack::high_water());
     finish(sum.get() == LARGE_COMPACT_LIT)

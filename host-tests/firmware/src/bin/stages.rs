@@ -11,7 +11,7 @@ use slicecast::shade::{Phong, Unlit};
 use slicecast::stream::{Memory, Stream};
 use slicecast::tap::{Beam, Tap};
 use slicecast_firmware::float::{self, Buffers};
-use slicecast_firmware::machine::{INSTRUCTIONS_A_TICK, finish, start_counter, ticks, ticks_between};
+use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
 use slicecast_firmware::memory::Reserved;
 use slicecast_firmware::scenes::COSTED;
 use slicecast_firmware_shared::boundary::STAGES;
@@ -118,8 +118,9 @@ impl Clock {
     }
 
     fn report(&self) {
+        let tick = instructions_a_tick();
         for (name, count) in STAGES.iter().zip(self.stages) {
-            println!("stage {} {name}", count * INSTRUCTIONS_A_TICK);
+            println!("stage {} {name}", count * tick);
         }
     }
 }
