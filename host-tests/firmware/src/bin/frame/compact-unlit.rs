@@ -1,0 +1,5 @@
+//! The pipeline `Compact`, unlit, alone.
+#![no_std]
+#![no_main]
+
+slicecast_firmware::frame_program!(slicecast::precision::Compact, slicecast::shade::Unlit, u16, 2, 8);

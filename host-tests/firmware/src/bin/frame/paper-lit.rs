@@ -1,0 +1,5 @@
+//! The pipeline `Paper`, lit, alone.
+#![no_std]
+#![no_main]
+
+slicecast_firmware::frame_program!(slicecast::precision::Paper, slicecast::shade::Phong, u16, 4, 17);
