@@ -23,12 +23,15 @@ use crate::{SlicecastStream, check};
 const PIPELINE_MARK: u32 = 0x534c_4350;
 const STREAM_MARK: u32 = 0x534c_4353;
 
+/// Begins a stream: description, scene, plan, first row, rows, memory and where its parts lie.
+type Open =
+    unsafe fn(&SlicecastPipeline, &SlicecastScene, Plan, u32, u32, *mut u8, &Layout) -> Result<(), SlicecastError>;
+
 /// The description of a pipeline. Opaque; the functions named after pipelines return one.
 pub struct SlicecastPipeline {
     mark: u32,
     needs: fn(&Plan, u32) -> Layout,
-    open:
-        unsafe fn(&SlicecastPipeline, &SlicecastScene, Plan, u32, u32, *mut u8, &Layout) -> Result<(), SlicecastError>,
+    open: Open,
     wanted: unsafe fn(*const Header) -> Option<u32>,
     push: unsafe fn(*mut Header, &[u16]) -> Result<(), SlicecastError>,
     image: unsafe fn(*const Header) -> (*const c_void, usize),

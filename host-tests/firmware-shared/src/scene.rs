@@ -50,9 +50,12 @@ pub struct Lighting {
     pub half_vector: bool,
     /// log2 of the highlight's exponent.
     pub exponent_log2: u32,
-    /// Each light: direction and half vector (s1.15), diffuse and specular coefficients (1.15).
-    pub lights: &'static [([i32; 3], [i32; 3], [u16; 3], [u16; 3])],
+    /// The lights.
+    pub lights: &'static [LightBits],
 }
+
+/// A light: direction and half vector (s1.15), diffuse and specular coefficients (1.15).
+pub type LightBits = ([i32; 3], [i32; 3], [u16; 3], [u16; 3]);
 
 /// Why a scene's numbers make no scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
