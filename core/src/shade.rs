@@ -431,7 +431,11 @@ pub fn reflected<P: Precision>(nv: Cosine, nl: Cosine, viewer: [i32; 3], light: 
 
 /// V.L, with twice the vectors' fraction bits.
 fn along(viewer: [i32; 3], light: [i32; 3]) -> i64 {
-    viewer.iter().zip(light).map(|(v, l)| i64::from(*v) * i64::from(l)).sum()
+    viewer
+        .iter()
+        .zip(light)
+        .map(|(v, l)| i64::from(*v) * i64::from(l))
+        .sum()
 }
 
 /// [`reflected`] with V.L at hand, and N.V and N.L above 0.

@@ -54,10 +54,10 @@
 // log2 of the exponent above `needed`: `given`.
 #define SLICECAST_EXPONENT -13
 
-// A component of a vector is beyond -`needed` to `needed`: `given`, s1.15.
+// A component of a vector is beyond -`needed` to `needed`: `given`, s1.30.
 #define SLICECAST_VECTOR -14
 
-// A coefficient is above `needed`: `given`, 1.15.
+// A coefficient is above `needed`: `given`, 1.31.
 #define SLICECAST_COEFFICIENT -15
 
 // The band is not inside the image: it would end at row `given`, the image has `needed`.
@@ -77,22 +77,22 @@ typedef struct SlicecastStream SlicecastStream;
 
 // A directional light.
 typedef struct SlicecastLight {
-  // Unit vector towards the light, slice frame, s1.15.
+  // Unit vector towards the light, slice frame, s1.30.
   int32_t direction[3];
-  // Unit vector half way between light and eye, s1.15; read where `highlight` is 1.
+  // Unit vector half way between light and eye, s1.30; read where `highlight` is 1.
   int32_t half[3];
-  // Diffuse coefficient times the light's red, green, blue, 1.15.
-  uint16_t diffuse[3];
-  // Specular coefficient times the light's red, green, blue, 1.15.
-  uint16_t specular[3];
+  // Diffuse coefficient times the light's red, green, blue, 1.31.
+  uint32_t diffuse[3];
+  // Specular coefficient times the light's red, green, blue, 1.31.
+  uint32_t specular[3];
 } SlicecastLight;
 
 // Lights and material.
 typedef struct SlicecastLighting {
-  // Ambient coefficient of red, green, blue, 1.15.
-  uint16_t ambient[3];
+  // Ambient coefficient of red, green, blue, 1.31.
+  uint32_t ambient[3];
   // Unit vector towards the eye in the slice frame (i, j along rows and columns of a slice, k away from the eye),
-  // s1.15.
+  // s1.30.
   int32_t viewer[3];
   // 0: the highlight is a power of R.L (Phong); 1: of N.H (Blinn).
   uint32_t highlight;
@@ -244,7 +244,7 @@ int32_t slicecast_push(struct SlicecastStream *stream,
 // Gives the image (or the band of it) as it stands: `image` receives where it lies inside the block, `bytes` its length.
 //
 // Phase after phase, row after row; a row is red, green, blue and transparency, `needs.columns` elements each, of
-// `needs.element_bytes` bytes: 2 (1.15: 32768 is 1) or 4 (1.31: 2147483648 is 1). Colours are weighted by opacity.
+// `needs.element_bytes` bytes: 2 (`paper`: 32768 is 1; `compact`: 65535 is 1) or 4 (`wide`: 2147483648 is 1). Colours are weighted by opacity.
 // Returns SLICECAST_OK or an error code.
 //
 // # Safety

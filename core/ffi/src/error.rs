@@ -36,9 +36,9 @@ pub const SLICECAST_SPACING: i32 = -11;
 pub const SLICECAST_LIGHTS: i32 = -12;
 /// log2 of the exponent above `needed`: `given`.
 pub const SLICECAST_EXPONENT: i32 = -13;
-/// A component of a vector is beyond -`needed` to `needed`: `given`, s1.15.
+/// A component of a vector is beyond -`needed` to `needed`: `given`, s1.30.
 pub const SLICECAST_VECTOR: i32 = -14;
-/// A coefficient is above `needed`: `given`, 1.15.
+/// A coefficient is above `needed`: `given`, 1.31.
 pub const SLICECAST_COEFFICIENT: i32 = -15;
 /// The band is not inside the image: it would end at row `given`, the image has `needed`.
 pub const SLICECAST_BAND: i32 = -16;
@@ -130,8 +130,8 @@ impl From<PhongError> for SlicecastError {
         match error {
             PhongError::Lights { given } => Self::numbers(SLICECAST_LIGHTS, LIGHTS_MAX as i64, given as i64),
             PhongError::Exponent { given } => Self::numbers(SLICECAST_EXPONENT, EXPONENT_LOG2_MAX.into(), given.into()),
-            PhongError::Vector { bits } => Self::numbers(SLICECAST_VECTOR, 1 << 15, bits.into()),
-            PhongError::Coefficient { bits } => Self::numbers(SLICECAST_COEFFICIENT, 1 << 15, bits.into()),
+            PhongError::Vector { bits } => Self::numbers(SLICECAST_VECTOR, 1 << 30, bits.into()),
+            PhongError::Coefficient { bits } => Self::numbers(SLICECAST_COEFFICIENT, 1 << 31, bits.into()),
         }
     }
 }

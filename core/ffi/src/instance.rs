@@ -300,7 +300,7 @@ impl<P: Precision> Lights<P> for Unlit {
     }
 }
 
-impl<P: Precision> Lights<P> for Phong {
+impl<P: Precision> Lights<P> for Phong<P> {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
         unsafe { scene.phong() }
@@ -342,7 +342,7 @@ pub extern "C" fn slicecast_paper_unlit() -> *const SlicecastPipeline {
 /// The pipeline of the `Paper` precision, lit: 8 bytes a pixel.
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_paper_lit() -> *const SlicecastPipeline {
-    const { &<Composite<Paper, Paper8, Phong, FrontToBack> as Instance>::DESCRIPTION }
+    const { &<Composite<Paper, Paper8, Phong<Paper>, FrontToBack> as Instance>::DESCRIPTION }
 }
 
 /// The pipeline of the `Compact` precision (the default), without lights: 8 bytes a pixel.
@@ -354,7 +354,7 @@ pub extern "C" fn slicecast_compact_unlit() -> *const SlicecastPipeline {
 /// The pipeline of the `Compact` precision (the default), lit: 8 bytes a pixel.
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_compact_lit() -> *const SlicecastPipeline {
-    const { &<Composite<Compact, Fine16, Phong, FrontToBack> as Instance>::DESCRIPTION }
+    const { &<Composite<Compact, Fine16, Phong<Compact>, FrontToBack> as Instance>::DESCRIPTION }
 }
 
 /// The pipeline of the `Wide` precision, without lights: 16 bytes a pixel.
@@ -366,5 +366,5 @@ pub extern "C" fn slicecast_wide_unlit() -> *const SlicecastPipeline {
 /// The pipeline of the `Wide` precision, lit: 16 bytes a pixel.
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_wide_lit() -> *const SlicecastPipeline {
-    const { &<Composite<Wide, Fine16, Phong, FrontToBack> as Instance>::DESCRIPTION }
+    const { &<Composite<Wide, Fine16, Phong<Wide>, FrontToBack> as Instance>::DESCRIPTION }
 }

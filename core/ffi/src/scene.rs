@@ -1,8 +1,9 @@
 //! Scenes as C structures.
 
 use slicecast::classify::ENTRIES;
-use slicecast::format::{Direction, Intensity, Step, Unit};
+use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
+use slicecast::precision::Precision;
 use slicecast::shade::{Highlight, LIGHTS_MAX, Light, Phong};
 use slicecast::view::View;
 use slicecast::warp::Warp;
@@ -39,10 +40,10 @@ pub struct SlicecastScene {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct SlicecastLighting {
-    /// Ambient coefficient of red, green, blue, 1.15.
-    pub ambient: [u16; 3],
+    /// Ambient coefficient of red, green, blue, 1.31.
+    pub ambient: [u32; 3],
     /// Unit vector towards the eye in the slice frame (i, j along rows and columns of a slice, k away from the eye),
-    /// s1.15.
+    /// s1.30.
     pub viewer: [i32; 3],
     /// 0: the highlight is a power of R.L (Phong); 1: of N.H (Blinn).
     pub highlight: u32,
@@ -58,14 +59,14 @@ pub struct SlicecastLighting {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct SlicecastLight {
-    /// Unit vector towards the light, slice frame, s1.15.
+    /// Unit vector towards the light, slice frame, s1.30.
     pub direction: [i32; 3],
-    /// Unit vector half way between light and eye, s1.15; read where `highlight` is 1.
+    /// Unit vector half way between light and eye, s1.30; read where `highlight` is 1.
     pub half: [i32; 3],
-    /// Diffuse coefficient times the light's red, green, blue, 1.15.
-    pub diffuse: [u16; 3],
-    /// Specular coefficient times the light's red, green, blue, 1.15.
-    pub specular: [u16; 3],
+    /// Diffuse coefficient times the light's red, green, blue, 1.31.
+    pub diffuse: [u32; 3],
+    /// Specular coefficient times the light's red, green, blue, 1.31.
+    pub specular: [u32; 3],
 }
 
 /// What a stream takes and what its image looks like.
@@ -147,7 +148,7 @@ impl SlicecastScene {
     ///
     /// # Safety
     /// `lighting`, and the lights in it, are null, misaligned or readable.
-    pub(crate) unsafe fn phong(&self) -> Result<Phong, SlicecastError> {
+    pub(crate) unsafe fn phong<P: Precision>(&self) -> Result<Phong<P>, SlicecastError> {
         // SAFETY: the caller's promise.
         let lighting = unsafe { read(self.lighting, 2)? };
         let highlight = match lighting.highlight {
@@ -165,23 +166,23 @@ impl SlicecastScene {
             unsafe { slice(lighting.lights, lighting.count, 2)? }
         };
         let mut lights = [Light {
-            direction: [Unit::ZERO; 3],
-            half: [Unit::ZERO; 3],
-            diffuse: [Intensity::ZERO; 3],
-            specular: [Intensity::ZERO; 3],
+            direction: [Vector::ZERO; 3],
+            half: [Vector::ZERO; 3],
+            diffuse: [Coefficient::ZERO; 3],
+            specular: [Coefficient::ZERO; 3],
         }; LIGHTS_MAX];
         for (light, given) in lights.iter_mut().zip(given) {
             *light = Light {
-                direction: given.direction.map(Unit::from_bits),
-                half: given.half.map(Unit::from_bits),
-                diffuse: given.diffuse.map(Intensity::from_bits),
-                specular: given.specular.map(Intensity::from_bits),
+                direction: given.direction.map(Vector::from_bits),
+                half: given.half.map(Vector::from_bits),
+                diffuse: given.diffuse.map(Coefficient::from_bits),
+                specular: given.specular.map(Coefficient::from_bits),
             };
         }
         Ok(Phong::new(
-            lighting.ambient.map(Intensity::from_bits),
+            lighting.ambient.map(Coefficient::from_bits),
             lights.get(..given.len()).unwrap_or(&[]),
-            lighting.viewer.map(Unit::from_bits),
+            lighting.viewer.map(Vector::from_bits),
             highlight,
             lighting.exponent_log2,
         )?)

@@ -5,7 +5,8 @@ use core::ptr::{null, null_mut};
 
 use slicecast::classify::{ENTRIES, Linear, PointTable, Sqrt16, entry};
 use slicecast::composite::FrontToBack;
-use slicecast::format::{Direction, Intensity, Unit};
+use slicecast::composite::Unorm16;
+use slicecast::format::{Coefficient, Direction, Intensity, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::plane::Composite;
 use slicecast::precision::Compact;
@@ -33,14 +34,14 @@ impl Data {
             entries: Box::new([0; ENTRIES]),
             low: Box::new([3; ENTRIES]),
             lights: [SlicecastLight {
-                direction: [0, 18918, -26755],
-                half: [0, 9000, -31500],
+                direction: [0, 18918, -26755].map(|c| c << 15),
+                half: [0, 9000, -31500].map(|c| c << 15),
                 diffuse: [20000, 18000, 16000],
-                specular: [6000; 3],
+                specular: [6000 << 16; 3],
             }],
             lighting: SlicecastLighting {
-                ambient: [5000; 3],
-                viewer: [0, 0, -32768],
+                ambient: [5000 << 16; 3],
+                viewer: [0, 0, -32768 << 15],
                 highlight: 0,
                 exponent_log2: 4,
                 count: 1,
@@ -143,21 +144,21 @@ fn from_rust(data: &Data) -> Vec<u16> {
     };
     let plan = Plan::new(view, DIMS, Spacing(scene.spacing.map(Intensity::from_bits)), sampling).unwrap();
     let lights = data.lights.map(|l| Light {
-        direction: l.direction.map(Unit::from_bits),
-        half: l.half.map(Unit::from_bits),
-        diffuse: l.diffuse.map(Intensity::from_bits),
-        specular: l.specular.map(Intensity::from_bits),
+        direction: l.direction.map(Vector::from_bits),
+        half: l.half.map(Vector::from_bits),
+        diffuse: l.diffuse.map(Coefficient::from_bits),
+        specular: l.specular.map(Coefficient::from_bits),
     });
     let (ambient, viewer) = (
-        data.lighting.ambient.map(Intensity::from_bits),
-        data.lighting.viewer.map(Unit::from_bits),
+        data.lighting.ambient.map(Coefficient::from_bits),
+        data.lighting.viewer.map(Vector::from_bits),
     );
     let phong = Phong::new(ambient, &lights, viewer, Highlight::Reflection, 4).unwrap();
     type Table<'a> = PointTable<'a, Sqrt16, Linear>;
     let pipeline = Composite::<Compact, _, _, FrontToBack>::new(Table::new(&data.entries, &data.low), phong);
-    let needs = Needs::of::<Composite<Compact, Table<'_>, Phong, FrontToBack>>(&plan);
+    let needs = Needs::of::<Composite<Compact, Table<'_>, Phong<Compact>, FrontToBack>>(&plan);
     let (mut slices, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
-    let (mut scratch, mut image) = (vec![0; needs.scratch], vec![0; needs.image]);
+    let (mut scratch, mut image) = (vec![0; needs.scratch], vec![Unorm16(0); needs.image]);
     let memory = Memory {
         slices: &mut slices,
         ranges: &mut ranges,
@@ -168,7 +169,7 @@ fn from_rust(data: &Data) -> Vec<u16> {
     for slice in data.voxels.chunks_exact((DIMS[0] * DIMS[1]) as usize) {
         stream.push(slice, &mut NoTap).unwrap();
     }
-    stream.image().to_vec()
+    stream.image().iter().map(|c| c.0).collect()
 }
 
 #[test]
@@ -176,7 +177,7 @@ fn c_and_rust_have_the_same_bits() {
     let data = Data::new();
     let rust = from_rust(&data);
     assert!(
-        rust.iter().any(|c| *c != 0 && *c != 1 << 15),
+        rust.iter().any(|c| *c != 0 && *c != u16::MAX),
         "an empty picture proves nothing"
     );
     assert_eq!(render(slicecast_compact_lit(), &data, 0, 0), rust);

@@ -63,6 +63,7 @@ pub fn reference(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {
             slices,
         })
     })
+    .map_err(|e| words(&e))?
     .map_err(|e| words(&e))?;
     let sums = Sums {
         planes,

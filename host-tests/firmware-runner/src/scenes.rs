@@ -206,7 +206,7 @@ impl Named {
         let words = |error: &dyn std::error::Error| Failure(format!("{}: {error}", self.name));
         let prepared = Prepared::new(&self.scene, &self.volume).map_err(|e| words(&e))?;
         let (setup, spacing) = (&prepared.setup, self.volume.spacing);
-        let Some((phong, lighting)) = setup.phong.as_ref().zip(self.scene.lighting.as_ref()) else {
+        let Some((material, lighting)) = setup.material.as_ref().zip(self.scene.lighting.as_ref()) else {
             return fail(format!("{}: the scene has no lights", self.name));
         };
         let forward = self.scene.view.axes().forward;
@@ -225,9 +225,9 @@ impl Named {
             };
             compile(&scene, &self.volume.mapping, setup.step_length)
         };
-        let bits = |v: [slicecast::format::Unit; 3]| v.map(|c| c.to_bits());
-        let share = |v: [slicecast::format::Intensity; 3]| v.map(|c| c.to_bits());
-        let lights = phong.lights().iter();
+        let bits = |v: [slicecast::format::Vector; 3]| v.map(|c| c.to_bits());
+        let share = |v: [slicecast::format::Coefficient; 3]| v.map(|c| c.to_bits());
+        let lights = material.lights.iter();
         let warp = setup.picture.warp;
         Ok(Numbers {
             direction: direction.map(|c| (c / longest * one).round() as i64),
@@ -238,8 +238,8 @@ impl Named {
             lights: lights
                 .map(|l| (bits(l.direction), bits(l.half), share(l.diffuse), share(l.specular)))
                 .collect(),
-            ambient: share(phong.ambient()),
-            viewer: bits(phong.viewer()),
+            ambient: share(material.ambient),
+            viewer: bits(material.viewer),
             half_vector: lighting.highlight == Highlight::HalfVector,
             exponent_log2: lighting.exponent_log2,
             picture: setup.picture.size,
@@ -324,7 +324,7 @@ impl Named {
 }
 
 /// A light: direction, half vector, diffuse, specular.
-type LightBits = ([i32; 3], [i32; 3], [u16; 3], [u16; 3]);
+type LightBits = ([i32; 3], [i32; 3], [u32; 3], [u32; 3]);
 
 /// A scene in the pipeline's formats.
 struct Numbers {
@@ -334,7 +334,7 @@ struct Numbers {
     table8: Table,
     table16: Table,
     lights: Vec<LightBits>,
-    ambient: [u16; 3],
+    ambient: [u32; 3],
     viewer: [i32; 3],
     half_vector: bool,
     exponent_log2: u32,

@@ -2,7 +2,7 @@
 
 use slicecast::classify::{AlphaCode, ENTRIES, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::FrontToBack;
-use slicecast::format::{Direction, Intensity, Step, Unit};
+use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::plane::Composite;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
@@ -42,9 +42,9 @@ pub struct SceneData {
 /// Lights and material, bits of their formats.
 #[derive(Debug)]
 pub struct Lighting {
-    /// Ambient coefficient, 1.15.
-    pub ambient: [u16; 3],
-    /// Vector towards the eye, s1.15.
+    /// Ambient coefficient, 1.31.
+    pub ambient: [u32; 3],
+    /// Vector towards the eye, s1.30.
     pub viewer: [i32; 3],
     /// Whether the highlight takes the half vector.
     pub half_vector: bool,
@@ -54,8 +54,8 @@ pub struct Lighting {
     pub lights: &'static [LightBits],
 }
 
-/// A light: direction and half vector (s1.15), diffuse and specular coefficients (1.15).
-pub type LightBits = ([i32; 3], [i32; 3], [u16; 3], [u16; 3]);
+/// A light: direction and half vector (s1.30), diffuse and specular coefficients (1.31).
+pub type LightBits = ([i32; 3], [i32; 3], [u32; 3], [u32; 3]);
 
 /// Why a scene's numbers make no scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,28 +143,28 @@ impl<P: Precision> Lights<P> for Unlit {
     }
 }
 
-impl<P: Precision> Lights<P> for Phong {
+impl<P: Precision> Lights<P> for Phong<P> {
     const NAME: &'static str = "lit";
     fn of(lighting: &Lighting) -> Result<Self, SceneError> {
         let dark = Light {
-            direction: [Unit::ZERO; 3],
-            half: [Unit::ZERO; 3],
-            diffuse: [Intensity::ZERO; 3],
-            specular: [Intensity::ZERO; 3],
+            direction: [Vector::ZERO; 3],
+            half: [Vector::ZERO; 3],
+            diffuse: [Coefficient::ZERO; 3],
+            specular: [Coefficient::ZERO; 3],
         };
         let mut lights = [dark; slicecast::shade::LIGHTS_MAX];
         for (light, (direction, half, diffuse, specular)) in lights.iter_mut().zip(lighting.lights) {
             *light = Light {
-                direction: direction.map(Unit::from_bits),
-                half: half.map(Unit::from_bits),
-                diffuse: diffuse.map(Intensity::from_bits),
-                specular: specular.map(Intensity::from_bits),
+                direction: direction.map(Vector::from_bits),
+                half: half.map(Vector::from_bits),
+                diffuse: diffuse.map(Coefficient::from_bits),
+                specular: specular.map(Coefficient::from_bits),
             };
         }
         Self::new(
-            lighting.ambient.map(Intensity::from_bits),
+            lighting.ambient.map(Coefficient::from_bits),
             lights.get(..lighting.lights.len()).unwrap_or(&lights),
-            lighting.viewer.map(Unit::from_bits),
+            lighting.viewer.map(Vector::from_bits),
             if lighting.half_vector {
                 Highlight::HalfVector
             } else {

@@ -46,7 +46,7 @@ pub fn measure<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, Cha
 /// The program of one pipeline.
 #[macro_export]
 macro_rules! frame_program {
-    ($precision:ty, $shader:ty, $channel:ty, $slices:literal, $rows:literal) => {
+    ($precision:ty, $shader:ty, $channel:ty, $zero:expr, $slices:literal, $rows:literal) => {
         use slicecast_firmware::memory::Reserved;
         use slicecast_firmware::{frame, machine, scenes, stack};
 
@@ -57,7 +57,7 @@ macro_rules! frame_program {
 
         static MEMORY: static_cell::ConstStaticCell<
             Reserved<$channel, { $slices * 64 * 64 }, { $slices * 64 }, { $rows * 66 }, { 4 * 128 * 128 }>,
-        > = static_cell::ConstStaticCell::new(Reserved::new(0));
+        > = static_cell::ConstStaticCell::new(Reserved::new($zero));
 
         #[entry]
         fn main() -> ! {

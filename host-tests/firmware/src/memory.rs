@@ -35,3 +35,13 @@ impl<E: Copy, const SLICES: usize, const RANGES: usize, const SCRATCH: usize, co
         }
     }
 }
+
+/// The same memory with another image: precisions differ in their pixels.
+pub fn with_image<'m, A, B>(memory: Memory<'m, A>, image: &'m mut [B]) -> Memory<'m, B> {
+    Memory {
+        slices: memory.slices,
+        ranges: memory.ranges,
+        scratch: memory.scratch,
+        image,
+    }
+}

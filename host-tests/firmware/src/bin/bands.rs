@@ -4,6 +4,7 @@
 #![no_main]
 
 use semihosting::println;
+use slicecast::composite::Unorm16;
 use slicecast::precision::Compact;
 use slicecast::shade::Phong;
 use slicecast::stream::{Needs, Stream};
@@ -25,8 +26,8 @@ use riscv_rt::entry;
 /// Elements of a band.
 const BAND: usize = 20 * 1024 / 2;
 
-static MEMORY: ConstStaticCell<Reserved<u16, { 4 * 64 * 64 }, 256, { 17 * 66 }, BAND>> =
-    ConstStaticCell::new(Reserved::new(0));
+static MEMORY: ConstStaticCell<Reserved<Unorm16, { 4 * 64 * 64 }, 256, { 17 * 66 }, BAND>> =
+    ConstStaticCell::new(Reserved::new(Unorm16(0)));
 
 #[entry]
 fn main() -> ! {
@@ -34,14 +35,14 @@ fn main() -> ! {
     start_counter();
     println!("case {} compact lit", LARGE.name);
     let memory = MEMORY.take();
-    let (Ok(plan), Ok(pipeline)) = (LARGE.plan(), pipeline::<Compact, Phong>(LARGE)) else {
+    let (Ok(plan), Ok(pipeline)) = (LARGE.plan(), pipeline::<Compact, Phong<Compact>>(LARGE)) else {
         println!("error the scene is out of range");
         finish(false)
     };
     let [_, base_height] = plan.base();
     let [width, height, _] = plan.dims();
     // As many rows as fit.
-    let one = Needs::of_band::<PipelineOf<'_, Compact, Phong>>(&plan, 1).image;
+    let one = Needs::of_band::<PipelineOf<'_, Compact, Phong<Compact>>>(&plan, 1).image;
     let rows = (BAND / one) as u32;
     let mut sum = Sum::new();
     let (mut first, mut bands, mut total) = (0, 0, 0u64);

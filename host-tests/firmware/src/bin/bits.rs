@@ -4,13 +4,14 @@
 #![no_main]
 
 use semihosting::println;
+use slicecast::composite::Unorm16;
 use slicecast::format::Intensity;
 use slicecast::plane::ChannelOf;
 use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::shade::{Phong, Unlit};
 use slicecast::stream::{Memory, Stream};
 use slicecast_firmware::machine::finish;
-use slicecast_firmware::memory::Reserved;
+use slicecast_firmware::memory::{Reserved, with_image};
 use slicecast_firmware::scenes::{EXPECTED, SCENES};
 use slicecast_firmware::stack;
 use slicecast_firmware_shared::boundary::Boundaries;
@@ -29,42 +30,27 @@ const SLICE: usize = 64 * 64;
 /// Pixels of the largest base plane.
 const PIXELS: usize = 128 * 128;
 
-static NARROW: ConstStaticCell<Reserved<u16, { 4 * SLICE }, 256, { 17 * 66 }, { 4 * PIXELS }>> =
-    ConstStaticCell::new(Reserved::new(0));
+static NARROW: ConstStaticCell<Reserved<Unorm16, { 4 * SLICE }, 256, { 17 * 66 }, { 4 * PIXELS }>> =
+    ConstStaticCell::new(Reserved::new(Unorm16(0)));
+static PAPER: ConstStaticCell<[u16; 4 * PIXELS]> = ConstStaticCell::new([0; 4 * PIXELS]);
 static BROAD: ConstStaticCell<Reserved<u32, 0, 0, 0, { 4 * PIXELS }>> = ConstStaticCell::new(Reserved::new(0));
 
 #[entry]
 fn main() -> ! {
     stack::paint();
     let narrow = NARROW.take();
+    let paper = PAPER.take();
     let broad = BROAD.take().lend().image;
     let mut passed = true;
     for (scene, expected) in SCENES.iter().zip(&EXPECTED) {
         let mut images = [0; 6];
         let [pu, pl, cu, cl, wu, wl] = &mut images;
-        *pu = run::<Paper, Unlit>(scene, narrow.lend());
-        *pl = run::<Paper, Phong>(scene, narrow.lend());
+        *pu = run::<Paper, Unlit>(scene, with_image(narrow.lend(), paper));
+        *pl = run::<Paper, Phong<Paper>>(scene, with_image(narrow.lend(), paper));
         *cu = run::<Compact, Unlit>(scene, narrow.lend());
-        *cl = run::<Compact, Phong>(scene, narrow.lend());
-        let mut wide = |run: fn(&SceneData, Memory<'_, u32>) -> u32| {
-            let Memory {
-                slices,
-                ranges,
-                scratch,
-                ..
-            } = narrow.lend();
-            run(
-                scene,
-                Memory {
-                    slices,
-                    ranges,
-                    scratch,
-                    image: &mut *broad,
-                },
-            )
-        };
-        *wu = wide(run::<Wide, Unlit>);
-        *wl = wide(run::<Wide, Phong>);
+        *cl = run::<Compact, Phong<Compact>>(scene, narrow.lend());
+        *wu = run::<Wide, Unlit>(scene, with_image(narrow.lend(), broad));
+        *wl = run::<Wide, Phong<Wide>>(scene, with_image(narrow.lend(), broad));
         passed &= images == *expected;
     }
     println!("angles {:08x}", angles::sum());

@@ -11,6 +11,7 @@ use core::cell::RefCell;
 use critical_section::Mutex;
 use heapless::spsc::{Consumer, Producer, Queue};
 use semihosting::println;
+use slicecast::composite::Unorm16;
 use slicecast::precision::Compact;
 use slicecast::shade::Phong;
 use slicecast::stream::Stream;
@@ -34,8 +35,8 @@ type Buffer = &'static mut [u16; 64 * 64];
 /// Turns of the timer that the slow half takes for a slice.
 const SLOW: u32 = 12;
 
-static MEMORY: ConstStaticCell<Reserved<u16, { 4 * 64 * 64 }, 256, { 17 * 66 }, { 4 * 128 * 128 }>> =
-    ConstStaticCell::new(Reserved::new(0));
+static MEMORY: ConstStaticCell<Reserved<Unorm16, { 4 * 64 * 64 }, 256, { 17 * 66 }, { 4 * 128 * 128 }>> =
+    ConstStaticCell::new(Reserved::new(Unorm16(0)));
 static BUFFERS: ConstStaticCell<[[u16; 64 * 64]; 3]> = ConstStaticCell::new([[0; 64 * 64]; 3]);
 static EMPTY: ConstStaticCell<Queue<Buffer, 4>> = ConstStaticCell::new(Queue::new());
 static FULL: ConstStaticCell<Queue<Buffer, 4>> = ConstStaticCell::new(Queue::new());
@@ -97,7 +98,7 @@ fn machine_timer() {
 #[entry]
 fn main() -> ! {
     println!("case {} compact lit", DENSE.name);
-    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline::<Compact, Phong>(DENSE)) else {
+    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline::<Compact, Phong<Compact>>(DENSE)) else {
         println!("error the scene is out of range");
         finish(false)
     };

@@ -3,6 +3,7 @@
 #![no_main]
 
 use semihosting::println;
+use slicecast::composite::Unorm16;
 use slicecast::composite::{Channel, PixelRow};
 use slicecast::locate::Plane;
 use slicecast::plane::ChannelOf;
@@ -12,7 +13,7 @@ use slicecast::stream::{Memory, Stream};
 use slicecast::tap::{Beam, Tap};
 use slicecast_firmware::float::{self, Buffers};
 use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
-use slicecast_firmware::memory::Reserved;
+use slicecast_firmware::memory::{Reserved, with_image};
 use slicecast_firmware::scenes::COSTED;
 use slicecast_firmware_shared::boundary::STAGES;
 use slicecast_firmware_shared::scene::{Lights, Model, SceneData, pipeline};
@@ -23,8 +24,9 @@ use cortex_m_rt::entry;
 #[cfg(target_arch = "riscv32")]
 use riscv_rt::entry;
 
-static NARROW: ConstStaticCell<Reserved<u16, { 4 * 64 * 64 }, 256, { 17 * 66 }, { 4 * 128 * 128 }>> =
-    ConstStaticCell::new(Reserved::new(0));
+static NARROW: ConstStaticCell<Reserved<Unorm16, { 4 * 64 * 64 }, 256, { 17 * 66 }, { 4 * 128 * 128 }>> =
+    ConstStaticCell::new(Reserved::new(Unorm16(0)));
+static PAPER: ConstStaticCell<[u16; 4 * 128 * 128]> = ConstStaticCell::new([0; 4 * 128 * 128]);
 static BROAD: ConstStaticCell<Reserved<u32, 0, 0, 0, { 4 * 128 * 128 }>> = ConstStaticCell::new(Reserved::new(0));
 static FLOAT: ConstStaticCell<Buffers> = ConstStaticCell::new(Buffers::new());
 
@@ -32,33 +34,16 @@ static FLOAT: ConstStaticCell<Buffers> = ConstStaticCell::new(Buffers::new());
 fn main() -> ! {
     start_counter();
     let narrow = NARROW.take();
+    let paper = PAPER.take();
     let broad = BROAD.take().lend().image;
     let buffers = FLOAT.take();
     for scene in COSTED {
-        run::<Paper, Unlit>(scene, narrow.lend());
-        run::<Paper, Phong>(scene, narrow.lend());
+        run::<Paper, Unlit>(scene, with_image(narrow.lend(), paper));
+        run::<Paper, Phong<Paper>>(scene, with_image(narrow.lend(), paper));
         run::<Compact, Unlit>(scene, narrow.lend());
-        run::<Compact, Phong>(scene, narrow.lend());
-        let mut wide = |run: fn(&SceneData, Memory<'_, u32>)| {
-            let Memory {
-                slices,
-                ranges,
-                scratch,
-                ..
-            } = narrow.lend();
-            let image = &mut *broad;
-            run(
-                scene,
-                Memory {
-                    slices,
-                    ranges,
-                    scratch,
-                    image,
-                },
-            );
-        };
-        wide(run::<Wide, Unlit>);
-        wide(run::<Wide, Phong>);
+        run::<Compact, Phong<Compact>>(scene, narrow.lend());
+        run::<Wide, Unlit>(scene, with_image(narrow.lend(), broad));
+        run::<Wide, Phong<Wide>>(scene, with_image(narrow.lend(), broad));
         for lit in [false, true] {
             println!("case {} f32 {}", scene.name, if lit { "lit" } else { "unlit" });
             let mut clock = Clock::new();

@@ -2,4 +2,10 @@
 #![no_std]
 #![no_main]
 
-slicecast_firmware::frame_program!(slicecast::precision::Wide, slicecast::shade::Phong, u32, 4, 17);
+slicecast_firmware::frame_program!(
+    slicecast::precision::Wide,
+    slicecast::shade::Phong<slicecast::precision::Wide>,
+    u32,
+    4,
+    17
+);
