@@ -21,6 +21,7 @@ use core::marker::PhantomData;
 
 use crate::format::Opacity;
 use crate::precision::Precision;
+use crate::product::{SCALAR, part};
 use crate::slice::RowRange;
 
 /// Entries of a table: one for each 12-bit code.
@@ -196,42 +197,51 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
     /// Bytes of the table, entries and plane.
     pub const BYTES: usize = 4 * ENTRIES + A::PLANE_BYTES;
 
+    /// The entry of a code. Behind the last code lies the first: samples reach it with a fraction of 0 only.
     #[inline(always)]
-    fn opacity_at(&self, index: usize) -> u32 {
-        let index = index.min(ENTRIES - 1);
-        let entry = self.entries.get(index).copied().unwrap_or(0);
-        opacity_of_root(A::root(entry, self.plane, index)).to_bits()
+    fn entry_at(&self, index: usize) -> u32 {
+        self.entries.get(index % ENTRIES).copied().unwrap_or(0)
     }
 
     #[inline(always)]
-    fn colour_at<P: Precision>(&self, index: usize) -> [u32; 3] {
-        let entry = self.entries.get(index.min(ENTRIES - 1)).copied().unwrap_or(0);
-        let [r, g, b, _] = entry.to_le_bytes();
-        [r, g, b].map(|byte| colour_of_byte(byte, P::COLOUR_BITS))
+    fn root_at(&self, index: usize) -> u16 {
+        A::root(self.entry_at(index), self.plane, index % ENTRIES)
     }
+
+    #[cfg(test)]
+    fn opacity_at(&self, index: usize) -> u32 {
+        opacity_of_root(self.root_at(index)).to_bits()
+    }
+
+    #[cfg(test)]
+    fn colour_at<P: Precision>(&self, index: usize) -> [u32; 3] {
+        colours::<P>(self.entry_at(index))
+    }
+}
+
+/// The colours of an entry.
+#[inline(always)]
+fn colours<P: Precision>(entry: u32) -> [u32; 3] {
+    let [r, g, b, _] = entry.to_le_bytes();
+    [r, g, b].map(|byte| colour_of_byte(byte, P::COLOUR_BITS))
 }
 
 /// Entry and fraction of a sample that lies between two entries.
 #[inline(always)]
 fn split<P: Precision>(bits: i32) -> (usize, i32) {
-    (
-        (bits >> P::SAMPLE_BITS).max(0) as usize,
-        bits & ((1 << P::SAMPLE_BITS) - 1),
-    )
+    ((bits >> P::SAMPLE_BITS) as usize, bits & ((1 << P::SAMPLE_BITS) - 1))
 }
 
 /// Nearest entry of a sample.
 #[inline(always)]
 fn nearest<P: Precision>(bits: i32) -> usize {
-    ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS).max(0) as usize
+    ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS) as usize
 }
 
-/// `a + (b - a) f / 2^bits` to nearest in 32 bits: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 15.
+/// `a + (b - a) f / 2^bits` to nearest: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 15.
 #[inline(always)]
 fn mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
-    let d = b.wrapping_sub(a) as i32;
-    let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
-    a.wrapping_add(((((d >> 16) * f) << (16 - bits)) + low) as u32)
+    a.wrapping_add(part(b.wrapping_sub(a) as i32, f, bits) as u32)
 }
 
 /// `a + (b - a) f` to nearest, for colours (whose difference may reach 1).
@@ -253,9 +263,15 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
         let bits = fixed::traits::Fixed::to_bits(sample);
         Opacity::from_bits(if L::LINEAR {
             let (index, f) = split::<P>(bits);
-            mix(self.opacity_at(index), self.opacity_at(index + 1), f, P::SAMPLE_BITS)
+            let (a, b) = (self.root_at(index), self.root_at(index + 1));
+            let opacity = |root| opacity_of_root(root).to_bits();
+            if SCALAR && a == b {
+                opacity(a)
+            } else {
+                mix(opacity(a), opacity(b), f, P::SAMPLE_BITS)
+            }
         } else {
-            self.opacity_at(nearest::<P>(bits))
+            opacity_of_root(self.root_at(nearest::<P>(bits))).to_bits()
         })
     }
 
@@ -264,11 +280,16 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
         let bits = fixed::traits::Fixed::to_bits(sample);
         if L::LINEAR {
             let (index, f) = split::<P>(bits);
-            let [r0, g0, b0] = self.colour_at::<P>(index);
-            let [r1, g1, b1] = self.colour_at::<P>(index + 1);
-            [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour::<P>(a, b, f))
+            let (a, b) = (self.entry_at(index), self.entry_at(index + 1));
+            let first = colours::<P>(a);
+            if SCALAR && (a ^ b) & 0x00ff_ffff == 0 {
+                first
+            } else {
+                let ([r0, g0, b0], [r1, g1, b1]) = (first, colours::<P>(b));
+                [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour::<P>(a, b, f))
+            }
         } else {
-            self.colour_at::<P>(nearest::<P>(bits))
+            colours::<P>(self.entry_at(nearest::<P>(bits)))
         }
     }
 

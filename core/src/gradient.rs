@@ -18,6 +18,7 @@
 //! Overflow: none, |G| <= 8190 * 2^15 < 2^28.01. State: none.
 
 use crate::format::Intensity;
+use crate::product::round15;
 
 /// Difference of two rows of samples: `next - previous`. All rows equally long.
 #[inline]
@@ -29,11 +30,10 @@ pub fn difference_row(next: &[i32], previous: &[i32], out: &mut [i32]) {
 
 /// A gradient component times its spacing factor, to nearest, halves up. This function is the definition.
 ///
-/// Range: |G| < 2^29, f <= 1. The product is split at 15 bits, exactly, so that it fits 32.
+/// Range: |G| < 2^29, f <= 1.
 #[inline(always)]
 pub const fn space(component: i32, factor: Intensity) -> i32 {
-    let f = factor.to_bits() as i32;
-    (component >> 15) * f + (((component & 0x7fff) * f + (1 << 14)) >> 15)
+    round15(component, factor.to_bits() as i32)
 }
 
 /// Applies [`space`] along a row; a factor of 1 leaves it alone.

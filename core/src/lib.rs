@@ -85,6 +85,7 @@ pub mod normalise;
 pub mod plan;
 pub mod plane;
 pub mod precision;
+mod product;
 pub mod project;
 mod rows;
 pub mod shade;

@@ -68,18 +68,23 @@ pub fn reciprocal_root(s: u32) -> ReciprocalNorm {
     let (a, b) = (at(index), at(index + 1));
     let fraction = t & 0x00ff_ffff;
     // y ~ 2^47 / sqrt(t): 2^31 to 2^32.
-    let y = u64::from(a) - ((u64::from(a - b) * u64::from(fraction)) >> 24);
-    // Newton: y (3 - t y^2) / 2, with t y^2 ~ 2^94 taken in steps that stay inside 64 bits.
-    let square = (y * y) >> 32;
-    let product = (square * u64::from(t)) >> 32;
-    let correction = (3u64 << 30).wrapping_sub(product);
-    let newton = ((y >> 1) * correction) >> 30;
-    let r = newton >> (12 - q);
-    // The exact answer is r - 1, r or r + 1.
-    let residual = |r: u64| 0u64.wrapping_sub(r.wrapping_mul(r).wrapping_mul(u64::from(s))) as i64;
-    let r = if residual(r) < 0 { r - 1 } else { r };
-    let r = if residual(r + 1) >= 0 { r + 1 } else { r };
-    r as ReciprocalNorm
+    let product = |a: u32, b: u32| u64::from(a) * u64::from(b);
+    let upper = |a: u32, b: u32| (product(a, b) >> 32) as u32;
+    let y = a - (product(a - b, fraction) >> 24) as u32;
+    // Newton: y (3 - t y^2) / 2, with t y^2 ~ 2^94 taken in steps of 32 by 32 bits.
+    let correction = (3u32 << 30).wrapping_sub(upper(upper(y, y), t));
+    let r = upper(y >> 1, correction) >> (10 - q);
+    // The exact answer is r - 1, r or r + 1: of 2^70 - r^2 s the low 64 bits tell.
+    let square = product(r, r).wrapping_mul(u64::from(s));
+    let next = square.wrapping_add(product(2 * r + 1, s));
+    let negative = |residual: u64| (residual as i64) < 0;
+    if negative(0u64.wrapping_sub(square)) {
+        r - 1
+    } else if negative(0u64.wrapping_sub(next)) {
+        r
+    } else {
+        r + 1
+    }
 }
 
 /// First guesses `floor(2^35 / sqrt(i))` for i = 64 to 256, that is 2^47 / sqrt(t) at t = i * 2^24; the first one,

@@ -151,7 +151,8 @@ impl Meeting {
     /// The voxel rows around a row of samples: its own and the next, which is itself behind the last.
     fn voxel_rows(&self, row: i32) -> (usize, usize) {
         let last = self.height - 1;
-        (row.clamp(0, last) as usize, (row + 1).clamp(0, last) as usize)
+        // Not `clamp`, which may panic.
+        (row.min(last).max(0) as usize, (row + 1).min(last).max(0) as usize)
     }
 }
 
@@ -224,7 +225,7 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
     }
 
     /// Makes the samples between voxel rows `row` and `row + 1`; a lit scene may ask for one row beyond each face.
-    #[inline]
+    #[inline(never)]
     fn make(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
         let slot = Self::slot(row);
         if self.sample_row.get(slot) == Some(&row) {
@@ -250,7 +251,7 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
     }
 
     /// Makes the z interpolation of a voxel row.
-    #[inline]
+    #[inline(never)]
     fn make_z(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
         let [even, odd] = &mut self.z;
         let [even_row, odd_row] = &mut self.z_row;
@@ -266,7 +267,7 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
             z_row::<P>(window.near.row(row), far.row(row), meeting.z.weight, out);
         };
         let last = meeting.height - 1;
-        let edge = row.clamp(0, last);
+        let edge = row.min(last).max(0);
         fill(edge, part_mut(out, voxels.clone()));
         if edge != row {
             // One row beyond a face: twice the edge less the row inside it.

@@ -98,6 +98,8 @@ pub struct Phong<P> {
 struct Source {
     direction: [i32; 3],
     half: [i32; 3],
+    /// V.L.
+    along: i64,
     diffuse: [u32; 3],
     specular: [u32; 3],
 }
@@ -217,8 +219,10 @@ impl<P: Precision> Phong<P> {
         }
         let mut sources = Vec::new();
         for light in lights {
+            let direction = keep_vector::<P>(light.direction);
             let source = Source {
-                direction: keep_vector::<P>(light.direction),
+                direction,
+                along: along(keep_vector::<P>(viewer), direction),
                 half: keep_vector::<P>(light.half),
                 diffuse: light.diffuse.map(keep::<P>),
                 specular: light.specular.map(keep::<P>),
@@ -251,8 +255,9 @@ impl<P: Precision> Phong<P> {
     fn shade_rounded31(&self, normal: Normal, colour: [u32; 3]) -> [u32; 3] {
         let mut diffuse = self.ambient.map(u64::from);
         let mut specular = [0u64; 3];
+        let nv = self.facing(normal);
         for light in &self.lights {
-            let (nl, y) = self.cosines(normal, light);
+            let (nl, y) = self.cosines(normal, light, nv);
             for (((d, s), kd), ks) in diffuse
                 .iter_mut()
                 .zip(&mut specular)
@@ -275,8 +280,9 @@ impl<P: Precision> Phong<P> {
     fn shade_rounded16(&self, normal: Normal, colour: [u32; 3]) -> [u32; 3] {
         let mut diffuse = self.ambient.map(|k| k << 16);
         let mut specular = [0u32; 3];
+        let nv = self.facing(normal);
         for light in &self.lights {
-            let (nl, y) = self.cosines(normal, light);
+            let (nl, y) = self.cosines(normal, light, nv);
             let (x16, y16) = (to_16(nl), to_16(y));
             for (((d, s), kd), ks) in diffuse
                 .iter_mut()
@@ -302,8 +308,9 @@ impl<P: Precision> Phong<P> {
     fn shade_truncated16(&self, normal: Normal, colour: [u32; 3]) -> [u32; 3] {
         let mut diffuse = self.ambient.map(|k| k << 1);
         let mut specular = [0u32; 3];
+        let nv = self.facing(normal);
         for light in &self.lights {
-            let (nl, y) = self.cosines(normal, light);
+            let (nl, y) = self.cosines(normal, light, nv);
             let (x16, y16) = (nl.to_bits() >> 15, y.to_bits() >> 15);
             for (((d, s), kd), ks) in diffuse
                 .iter_mut()
@@ -323,19 +330,26 @@ impl<P: Precision> Phong<P> {
         out
     }
 
-    /// N.L and the highlight of one light.
+    /// N.V, where the highlight asks for it.
+    #[inline(always)]
+    fn facing(&self, normal: Normal) -> Cosine {
+        match self.highlight {
+            Highlight::HalfVector => Cosine::ZERO,
+            Highlight::Reflection => dot::<P>(normal, self.viewer),
+        }
+    }
+
+    /// N.L and the highlight of one light, given N.V and V.L.
     #[inline]
-    fn cosines(&self, normal: Normal, light: &Source) -> (Cosine, Cosine) {
+    fn cosines(&self, normal: Normal, light: &Source, nv: Cosine) -> (Cosine, Cosine) {
         let nl = dot::<P>(normal, light.direction);
         if nl == Cosine::ZERO {
             return (nl, Cosine::ZERO);
         }
         let base = match self.highlight {
             Highlight::HalfVector => dot::<P>(normal, light.half),
-            Highlight::Reflection => {
-                let nv = dot::<P>(normal, self.viewer);
-                reflected::<P>(nv, nl, self.viewer, light.direction)
-            }
+            Highlight::Reflection if nv == Cosine::ZERO => Cosine::ZERO,
+            Highlight::Reflection => reflected_off::<P>(nv, nl, light.along),
         };
         (nl, power::<P>(base, self.exponent_log2))
     }
@@ -412,10 +426,21 @@ pub fn reflected<P: Precision>(nv: Cosine, nl: Cosine, viewer: [i32; 3], light: 
     if nv == Cosine::ZERO || nl == Cosine::ZERO {
         return Cosine::ZERO;
     }
-    let mut vl = 0i64;
-    for (v, l) in viewer.iter().zip(light) {
-        vl += i64::from(*v) * i64::from(l);
-    }
+    reflected_off::<P>(nv, nl, along(viewer, light))
+}
+
+/// V.L, with twice the vectors' fraction bits.
+fn along(viewer: [i32; 3], light: [i32; 3]) -> i64 {
+    viewer
+        .iter()
+        .zip(light)
+        .map(|(v, l)| i64::from(*v) * i64::from(l))
+        .sum()
+}
+
+/// [`reflected`] with V.L at hand, and N.V and N.L above 0.
+#[inline(always)]
+fn reflected_off<P: Precision>(nv: Cosine, nl: Cosine, vl: i64) -> Cosine {
     let product = u64::from(nv.to_bits()) * u64::from(nl.to_bits());
     let rl = match P::SHADING {
         Shading::Rounded31 => ((product + (1 << 29)) >> 30) as i64 - (vl >> 29),
@@ -430,18 +455,18 @@ pub fn reflected<P: Precision>(nv: Cosine, nl: Cosine, viewer: [i32; 3], light: 
 pub fn power<P: Precision>(x: Cosine, n: u32) -> Cosine {
     match P::SHADING {
         Shading::Rounded16 | Shading::Rounded31 => {
-            let mut x = u64::from(x.to_bits());
+            let mut x = x.to_bits();
             for _ in 0..n {
-                x = (x * x + (1 << 30)) >> 31;
+                x = ((u64::from(x) * u64::from(x) + (1 << 30)) >> 31) as u32;
             }
-            Cosine::from_bits(x as u32)
+            Cosine::from_bits(x)
         }
         Shading::Truncated16 => {
-            let mut x = u64::from(x.to_bits() >> 15);
+            let mut x = x.to_bits() >> 15;
             for _ in 0..n {
-                x = (x * x) >> 16;
+                x = ((u64::from(x) * u64::from(x)) >> 16) as u32;
             }
-            Cosine::from_bits((x as u32) << 15)
+            Cosine::from_bits(x << 15)
         }
     }
 }

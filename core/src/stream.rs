@@ -5,6 +5,11 @@
 //!
 //! A slice has `plan.dims()[0]` x `plan.dims()[1]` voxels, rows of i. Slices are pushed nearest first ([`Stream::wanted`]
 //! says which); a back-to-front pipeline wants them farthest first.
+//!
+//! An image that does not fit is rendered in bands of rows ([`Stream::band`]), each with a stream of its own over the
+//! same slices and the same memory: the same bits again, for one more reading of the volume a band.
+
+use core::ops::Range;
 
 use crate::composite::Pixel;
 use crate::locate::{cell, plane};
@@ -29,14 +34,21 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// What a pipeline needs for a plan.
+    /// What a pipeline needs for a plan. A number that `usize` cannot hold (images of some scenes on 32-bit machines)
+    /// is `usize::MAX`, which no memory has.
     pub const fn of<L: Pipeline>(plan: &Plan) -> Self {
+        let [_, base_height] = plan.base();
+        Self::of_band::<L>(plan, base_height)
+    }
+
+    /// What a pipeline needs for a band of this many rows of the image (of each phase).
+    pub const fn of_band<L: Pipeline>(plan: &Plan, rows: u32) -> Self {
         let [width, height, _] = plan.dims();
         Self {
             slices: L::SLICES * width as usize * height as usize,
             ranges: L::SLICES * height as usize,
             scratch: scratch_len::<L>(width),
-            image: plan.phases() as usize * phase_len::<L>(plan),
+            image: rows_len::<L>(plan, rows).saturating_mul(plan.phases() as usize),
             element_bytes: size_of::<L::Element>(),
         }
     }
@@ -44,18 +56,24 @@ impl Needs {
     /// Bytes of the four parts, in the order of the fields.
     pub const fn bytes(&self) -> [usize; 4] {
         [
-            self.slices * 2,
-            self.ranges * size_of::<RowRange>(),
-            self.scratch * 4,
-            self.image * self.element_bytes,
+            self.slices.saturating_mul(2),
+            self.ranges.saturating_mul(size_of::<RowRange>()),
+            self.scratch.saturating_mul(4),
+            self.image.saturating_mul(self.element_bytes),
         ]
     }
 }
 
 /// Elements of one phase of the base-plane image.
 pub const fn phase_len<L: Pipeline>(plan: &Plan) -> usize {
-    let [width, height] = plan.base();
-    L::CHANNELS * width as usize * height as usize
+    let [_, height] = plan.base();
+    rows_len::<L>(plan, height)
+}
+
+/// Elements of some rows of one phase.
+const fn rows_len<L: Pipeline>(plan: &Plan, rows: u32) -> usize {
+    let [width, _] = plan.base();
+    (L::CHANNELS * width as usize).saturating_mul(rows as usize)
 }
 
 /// Memory lent to a stream: at least as much of each as [`Needs`] says. It need not be initialised to anything.
@@ -96,6 +114,15 @@ pub enum StreamError {
         /// Elements given.
         given: usize,
     },
+    /// A band reaches beyond the image, or is empty.
+    Band {
+        /// Its first row.
+        first: u32,
+        /// The row behind its last.
+        end: u32,
+        /// Rows of the image.
+        rows: u32,
+    },
     /// A slice has the wrong size or a voxel of more than 12 bits; it has not been taken.
     Slice(SliceError),
     /// All slices have been pushed.
@@ -113,6 +140,9 @@ impl core::fmt::Display for StreamError {
                     Part::Image => "image",
                 };
                 write!(f, "the memory for {name} needs {needed} elements, {given} given")
+            }
+            Self::Band { first, end, rows } => {
+                write!(f, "a band from row {first} to {end}; the image has rows 0 to {rows}")
             }
             Self::Slice(error) => error.fmt(f),
             Self::Complete => f.write_str("all slices of the volume have been pushed"),
@@ -134,6 +164,8 @@ pub struct Stream<'m, L: Pipeline> {
     plan: Plan,
     pipeline: L,
     memory: Memory<'m, L::Element>,
+    first: u32,
+    rows: u32,
     pushed: u32,
     folded: u32,
 }
@@ -144,7 +176,30 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// # Errors
     /// [`StreamError::Memory`] for the first part that is too small.
     pub fn new(plan: Plan, pipeline: L, memory: Memory<'m, L::Element>) -> Result<Self, StreamError> {
-        let needs = Needs::of::<L>(&plan);
+        let [_, base_height] = plan.base();
+        Self::band(plan, pipeline, memory, 0..base_height)
+    }
+
+    /// Begins a band of a frame: some rows of the base-plane image (of each phase), for which [`Needs::of_band`] says
+    /// the memory. The image that the stream keeps is the band's.
+    ///
+    /// # Errors
+    /// [`StreamError::Band`] if the band is empty or not inside the image, [`StreamError::Memory`] for the first part
+    /// that is too small.
+    pub fn band(
+        plan: Plan,
+        pipeline: L,
+        memory: Memory<'m, L::Element>,
+        band: Range<u32>,
+    ) -> Result<Self, StreamError> {
+        let Range { start: first, end } = band;
+        let [_, base_height] = plan.base();
+        if first >= end || end > base_height {
+            let rows = base_height;
+            return Err(StreamError::Band { first, end, rows });
+        }
+        let rows = end - first;
+        let needs = Needs::of_band::<L>(&plan, rows);
         for (part, needed, given) in [
             (Part::Slices, needs.slices, memory.slices.len()),
             (Part::Ranges, needs.ranges, memory.ranges.len()),
@@ -159,6 +214,8 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             plan,
             pipeline,
             memory,
+            first,
+            rows,
             pushed: 0,
             folded: 0,
         };
@@ -205,7 +262,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     fn fold_ready<T: Tap>(&mut self, tap: &mut T) {
         let [width, height, depth] = self.plan.dims();
         let (slice_len, rows) = (width as usize * height as usize, height as usize);
-        let phase_len = phase_len::<L>(&self.plan).max(1);
+        let phase_len = rows_len::<L>(&self.plan, self.rows).max(1);
         let planes = self.plan.planes();
         // How far a plane looks beyond its two slices.
         let reach = i64::from(L::SLICES > 2);
@@ -250,7 +307,10 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             if let Some(window) = window {
                 for (number, data) in (0..self.plan.phases()).zip(image.chunks_exact_mut(phase_len)) {
                     let plane = plane(&self.plan, self.plan.phase(number), index);
-                    let rows = Rows { first: 0, data };
+                    let rows = Rows {
+                        first: self.first,
+                        data,
+                    };
                     self.pipeline.fold(&self.plan, &plane, &window, rows, scratch, tap);
                 }
             }
@@ -258,16 +318,17 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         }
     }
 
-    /// The base-plane image as it stands: phase after phase, row after row, `CHANNELS` runs of `plan.base()[0]`
-    /// elements a row.
+    /// The base-plane image (or the band of it) as it stands: phase after phase, row after row, `CHANNELS` runs of
+    /// `plan.base()[0]` elements a row.
     pub fn image(&self) -> &[L::Element] {
-        let needs = Needs::of::<L>(&self.plan);
+        let needs = Needs::of_band::<L>(&self.plan, self.rows);
         self.memory.image.get(..needs.image).unwrap_or(&[])
     }
 
-    /// A pixel of the whole base-plane image (all phases), clear outside it.
+    /// A pixel of the whole base-plane image (all phases), clear outside it and outside the band.
     pub fn pixel(&self, u: i64, v: i64) -> Pixel<ChannelOf<L::Precision>> {
-        base_pixel(&self.plan, &self.pipeline, self.image(), u, v)
+        let rows = self.first..self.first + self.rows;
+        band_pixel(&self.plan, &self.pipeline, self.image(), rows, [u, v])
     }
 
     /// The plan.
@@ -285,17 +346,29 @@ pub fn base_pixel<L: Pipeline>(
     u: i64,
     v: i64,
 ) -> Pixel<ChannelOf<L::Precision>> {
+    let [_, height] = plan.base();
+    band_pixel(plan, pipeline, image, 0..height, [u, v])
+}
+
+/// A pixel of a band of the image.
+fn band_pixel<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    image: &[L::Element],
+    rows: Range<u32>,
+    [u, v]: [i64; 2],
+) -> Pixel<ChannelOf<L::Precision>> {
     let find = || {
         let n = u64::from(plan.sampling().rays_per_voxel);
         let (u, v) = (u64::try_from(u).ok()?, u64::try_from(v).ok()?);
-        let [width, height] = plan.base();
-        let (column, row) = (u.checked_div(n)? as usize, v.checked_div(n)? as usize);
-        if column >= width as usize || row >= height as usize {
+        let [width, _] = plan.base();
+        let (column, row) = (u.checked_div(n)? as usize, u32::try_from(v.checked_div(n)?).ok()?);
+        if column >= width as usize || !rows.contains(&row) {
             return None;
         }
         let phase = (u.checked_rem(n)? + n * v.checked_rem(n)?) as usize;
         let row_len = L::CHANNELS * width as usize;
-        let start = phase * phase_len::<L>(plan) + row * row_len;
+        let start = phase * rows_len::<L>(plan, rows.end - rows.start) + (row - rows.start) as usize * row_len;
         Some(pipeline.pixel(image.get(start..start + row_len)?, column))
     };
     find().unwrap_or(Pixel::clear())

@@ -1,0 +1,157 @@
+//! Codes and the numbers behind them.
+
+use slicecast::plan::PlanError;
+use slicecast::shade::PhongError;
+use slicecast::slice::SliceError;
+use slicecast::stream::StreamError;
+use slicecast::view::ViewError;
+
+/// Done.
+pub const SLICECAST_OK: i32 = 0;
+/// All slices of the volume have been taken. Not an error.
+pub const SLICECAST_COMPLETE: i32 = 1;
+/// A pointer is null: `argument` is its place in the function's list, from 1.
+pub const SLICECAST_NULL: i32 = -1;
+/// A pointer is misaligned: `argument`; `needed` bytes; `given` is its address.
+pub const SLICECAST_MISALIGNED: i32 = -2;
+/// A buffer is too short or of the wrong length: `argument`; `needed` and `given` elements.
+pub const SLICECAST_LENGTH: i32 = -3;
+/// The scene's version is not the library's: `needed`, `given`.
+pub const SLICECAST_VERSION_MISMATCH: i32 = -4;
+/// A pointer is not to what the function expects (no stream, or its block was overwritten): `argument`.
+pub const SLICECAST_FOREIGN: i32 = -5;
+/// The viewing direction is zero, or a component is beyond -1 to 1: `given` is the component, s5.58.
+pub const SLICECAST_DIRECTION: i32 = -6;
+/// A side of the volume is 0 or above `needed`: `given` voxels.
+pub const SLICECAST_SIDE: i32 = -7;
+/// Planes per voxel outside 1 to `needed`: `given`.
+pub const SLICECAST_PLANES_PER_VOXEL: i32 = -8;
+/// Rays per voxel outside 1 to `needed`: `given`.
+pub const SLICECAST_RAYS_PER_VOXEL: i32 = -9;
+/// More than `needed` sample planes behind the first: `given`.
+pub const SLICECAST_PLANES: i32 = -10;
+/// A spacing factor is 0 or above `needed`: `given`, 1.15.
+pub const SLICECAST_SPACING: i32 = -11;
+/// More than `needed` lights: `given`.
+pub const SLICECAST_LIGHTS: i32 = -12;
+/// log2 of the exponent above `needed`: `given`.
+pub const SLICECAST_EXPONENT: i32 = -13;
+/// A component of a vector is beyond -`needed` to `needed`: `given`, s1.30.
+pub const SLICECAST_VECTOR: i32 = -14;
+/// A coefficient is above `needed`: `given`, 1.31.
+pub const SLICECAST_COEFFICIENT: i32 = -15;
+/// The band is not inside the image: it would end at row `given`, the image has `needed`.
+pub const SLICECAST_BAND: i32 = -16;
+/// A voxel has more than 12 bits: `given` at `row`, `column`; `needed` is the largest accepted.
+pub const SLICECAST_VOXEL: i32 = -17;
+/// The highlight is neither 0 (reflection) nor 1 (half vector): `given`.
+pub const SLICECAST_HIGHLIGHT: i32 = -18;
+
+/// A code and the numbers behind it; which of them mean something is said with the code.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SlicecastError {
+    /// One of the codes.
+    pub code: i32,
+    /// Place of the argument, from 1.
+    pub argument: u32,
+    /// What would have been accepted.
+    pub needed: i64,
+    /// What was given.
+    pub given: i64,
+    /// Row of a voxel.
+    pub row: u32,
+    /// Column of a voxel.
+    pub column: u32,
+}
+
+impl SlicecastError {
+    pub(crate) const NONE: Self = Self::numbers(SLICECAST_OK, 0, 0);
+
+    pub(crate) const fn numbers(code: i32, needed: i64, given: i64) -> Self {
+        Self {
+            code,
+            argument: 0,
+            needed,
+            given,
+            row: 0,
+            column: 0,
+        }
+    }
+
+    const fn at(self, argument: u32) -> Self {
+        Self { argument, ..self }
+    }
+
+    pub(crate) const fn null(argument: u32) -> Self {
+        Self::numbers(SLICECAST_NULL, 0, 0).at(argument)
+    }
+
+    pub(crate) const fn misaligned(argument: u32, needed: usize, given: usize) -> Self {
+        Self::numbers(SLICECAST_MISALIGNED, needed as i64, given as i64).at(argument)
+    }
+
+    pub(crate) const fn length(argument: u32, needed: usize, given: usize) -> Self {
+        Self::numbers(SLICECAST_LENGTH, needed as i64, given as i64).at(argument)
+    }
+
+    pub(crate) const fn foreign(argument: u32) -> Self {
+        Self::numbers(SLICECAST_FOREIGN, 0, 0).at(argument)
+    }
+}
+
+impl From<ViewError> for SlicecastError {
+    fn from(error: ViewError) -> Self {
+        let given = match error {
+            ViewError::NoDirection => 0,
+            ViewError::TooLong { bits } => bits,
+        };
+        Self::numbers(SLICECAST_DIRECTION, 1 << 58, given)
+    }
+}
+
+impl From<PlanError> for SlicecastError {
+    fn from(error: PlanError) -> Self {
+        use slicecast::plan::{PLANES_MAX, PLANES_PER_VOXEL_MAX, RAYS_PER_VOXEL_MAX, SIDE_MAX};
+        let (code, needed, given) = match error {
+            PlanError::Side { given } => (SLICECAST_SIDE, SIDE_MAX.into(), given),
+            PlanError::PlanesPerVoxel { given } => (SLICECAST_PLANES_PER_VOXEL, PLANES_PER_VOXEL_MAX, given),
+            PlanError::RaysPerVoxel { given } => (SLICECAST_RAYS_PER_VOXEL, RAYS_PER_VOXEL_MAX, given),
+            PlanError::Planes { given } => (SLICECAST_PLANES, PLANES_MAX, given),
+            PlanError::Spacing { bits } => (SLICECAST_SPACING, 1 << 15, bits.into()),
+        };
+        Self::numbers(code, needed.into(), given.into())
+    }
+}
+
+impl From<PhongError> for SlicecastError {
+    fn from(error: PhongError) -> Self {
+        use slicecast::shade::{EXPONENT_LOG2_MAX, LIGHTS_MAX};
+        match error {
+            PhongError::Lights { given } => Self::numbers(SLICECAST_LIGHTS, LIGHTS_MAX as i64, given as i64),
+            PhongError::Exponent { given } => Self::numbers(SLICECAST_EXPONENT, EXPONENT_LOG2_MAX.into(), given.into()),
+            PhongError::Vector { bits } => Self::numbers(SLICECAST_VECTOR, 1 << 30, bits.into()),
+            PhongError::Coefficient { bits } => Self::numbers(SLICECAST_COEFFICIENT, 1 << 31, bits.into()),
+        }
+    }
+}
+
+impl From<StreamError> for SlicecastError {
+    fn from(error: StreamError) -> Self {
+        match error {
+            StreamError::Memory { needed, given, .. } => Self::length(6, needed, given),
+            StreamError::Band { end, rows, .. } => Self::numbers(SLICECAST_BAND, rows.into(), end.into()),
+            StreamError::Complete => Self::numbers(SLICECAST_COMPLETE, 0, 0),
+            StreamError::Slice(SliceError::Voxel { row, column, value }) => Self {
+                row: row as u32,
+                column: column as u32,
+                ..Self::numbers(SLICECAST_VOXEL, slicecast::format::VOXEL_MAX.into(), value.into())
+            },
+            StreamError::Slice(
+                SliceError::Voxels { needed, given }
+                | SliceError::Stride { needed, given }
+                | SliceError::Ranges { needed, given },
+            ) => Self::length(3, needed, given),
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Scenes as C structures.
+
+use slicecast::classify::ENTRIES;
+use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
+use slicecast::plan::{Plan, Sampling, Spacing};
+use slicecast::precision::Precision;
+use slicecast::shade::{Highlight, LIGHTS_MAX, Light, Phong};
+use slicecast::view::View;
+use slicecast::warp::Warp;
+
+use crate::error::{SLICECAST_HIGHLIGHT, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH, SlicecastError};
+use crate::{SLICECAST_VERSION, check, read, slice};
+
+/// Everything that decides a base-plane image, apart from the voxels.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SlicecastScene {
+    /// SLICECAST_VERSION.
+    pub version: u32,
+    /// Voxels along x, y, z, 1 to 8192 each.
+    pub dims: [u32; 3],
+    /// Viewing direction from the eye into the scene, in voxels along x, y, z, s5.58; no component beyond -1 to 1.
+    pub direction: [i64; 3],
+    /// Smallest voxel spacing divided by the spacing along x, y, z, 1.15: 32768 for cubic voxels.
+    pub spacing: [u16; 3],
+    /// Sample planes per voxel along the viewing axis, 1 to 16.
+    pub planes_per_voxel: u32,
+    /// Rays per voxel along each side of the base plane, 1 to 8.
+    pub rays_per_voxel: u32,
+    /// The table: 4096 entries, one a voxel value: red in the lowest byte, green, blue, and the square root of the
+    /// opacity of one step along a ray in the highest (its high byte where there is a plane of low bytes).
+    pub entries: *const u32,
+    /// 4096 low bytes of the square roots; the paper pipelines do not read it, the others need it.
+    pub low_roots: *const u8,
+    /// Lights and material; unlit pipelines do not read it, the others need it.
+    pub lighting: *const SlicecastLighting,
+}
+
+/// Lights and material.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SlicecastLighting {
+    /// Ambient coefficient of red, green, blue, 1.31.
+    pub ambient: [u32; 3],
+    /// Unit vector towards the eye in the slice frame (i, j along rows and columns of a slice, k away from the eye),
+    /// s1.30.
+    pub viewer: [i32; 3],
+    /// 0: the highlight is a power of R.L (Phong); 1: of N.H (Blinn).
+    pub highlight: u32,
+    /// log2 of the highlight's exponent, 0 to 8.
+    pub exponent_log2: u32,
+    /// Number of lights, at most 8.
+    pub count: usize,
+    /// The lights; not read where there are none.
+    pub lights: *const SlicecastLight,
+}
+
+/// A directional light.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SlicecastLight {
+    /// Unit vector towards the light, slice frame, s1.30.
+    pub direction: [i32; 3],
+    /// Unit vector half way between light and eye, s1.30; read where `highlight` is 1.
+    pub half: [i32; 3],
+    /// Diffuse coefficient times the light's red, green, blue, 1.31.
+    pub diffuse: [u32; 3],
+    /// Specular coefficient times the light's red, green, blue, 1.31.
+    pub specular: [u32; 3],
+}
+
+/// What a stream takes and what its image looks like.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SlicecastNeeds {
+    /// Bytes of memory for the stream.
+    pub bytes: usize,
+    /// Alignment of that memory, bytes.
+    pub align: usize,
+    /// Voxels in a slice, rows one after the other.
+    pub slice_voxels: usize,
+    /// Voxels in a row of a slice.
+    pub slice_width: u32,
+    /// Number of slices.
+    pub slices: u32,
+    /// Columns of the base-plane image, of one phase.
+    pub columns: u32,
+    /// Rows of the base-plane image, of one phase; of the whole image, also where a band was asked for.
+    pub rows: u32,
+    /// Number of phases: rays_per_voxel squared.
+    pub phases: u32,
+    /// Bytes of an element of the image: 2 or 4.
+    pub element_bytes: u32,
+    /// Bytes of the image, or of the band asked for.
+    pub image_bytes: usize,
+}
+
+/// Where the pixels of the viewer's picture look at the base plane: u along i and v along j, in base-plane pixels of all
+/// phases, s31.32.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SlicecastWarp {
+    /// What the centre of the picture's first pixel sees.
+    pub origin: [i64; 2],
+    /// One picture pixel to the right.
+    pub right: [i64; 2],
+    /// One picture pixel down.
+    pub down: [i64; 2],
+}
+
+impl SlicecastScene {
+    /// The frame's geometry.
+    pub(crate) fn plan(&self) -> Result<Plan, SlicecastError> {
+        if self.version != SLICECAST_VERSION {
+            let (needed, given) = (SLICECAST_VERSION.into(), self.version.into());
+            return Err(SlicecastError::numbers(SLICECAST_VERSION_MISMATCH, needed, given));
+        }
+        let view = View::new(self.direction.map(Direction::from_bits))?;
+        let sampling = Sampling {
+            planes_per_voxel: self.planes_per_voxel,
+            rays_per_voxel: self.rays_per_voxel,
+        };
+        let spacing = Spacing(self.spacing.map(Intensity::from_bits));
+        Ok(Plan::new(view, self.dims, spacing, sampling)?)
+    }
+
+    /// The table's entries.
+    ///
+    /// # Safety
+    /// `entries` is null, misaligned, or points to 4096 values that stay readable and unchanged.
+    pub(crate) unsafe fn entries(&self) -> Result<&'static [u32; ENTRIES], SlicecastError> {
+        check(self.entries, 2)?;
+        // SAFETY: not null, aligned; the caller's promise.
+        Ok(unsafe { &*self.entries.cast() })
+    }
+
+    /// The table's low bytes.
+    ///
+    /// # Safety
+    /// As for [`Self::entries`].
+    pub(crate) unsafe fn low_roots(&self) -> Result<&'static [u8; ENTRIES], SlicecastError> {
+        check(self.low_roots, 2)?;
+        // SAFETY: not null; the caller's promise.
+        Ok(unsafe { &*self.low_roots.cast() })
+    }
+
+    /// Lights and material.
+    ///
+    /// # Safety
+    /// `lighting`, and the lights in it, are null, misaligned or readable.
+    pub(crate) unsafe fn phong<P: Precision>(&self) -> Result<Phong<P>, SlicecastError> {
+        // SAFETY: the caller's promise.
+        let lighting = unsafe { read(self.lighting, 2)? };
+        let highlight = match lighting.highlight {
+            0 => Highlight::Reflection,
+            1 => Highlight::HalfVector,
+            given => return Err(SlicecastError::numbers(SLICECAST_HIGHLIGHT, 1, given.into())),
+        };
+        let given: &[SlicecastLight] = if lighting.count == 0 {
+            &[]
+        } else if lighting.count > LIGHTS_MAX {
+            let (needed, given) = (LIGHTS_MAX as i64, lighting.count as i64);
+            return Err(SlicecastError::numbers(SLICECAST_LIGHTS, needed, given));
+        } else {
+            // SAFETY: the caller's promise.
+            unsafe { slice(lighting.lights, lighting.count, 2)? }
+        };
+        let mut lights = [Light {
+            direction: [Vector::ZERO; 3],
+            half: [Vector::ZERO; 3],
+            diffuse: [Coefficient::ZERO; 3],
+            specular: [Coefficient::ZERO; 3],
+        }; LIGHTS_MAX];
+        for (light, given) in lights.iter_mut().zip(given) {
+            *light = Light {
+                direction: given.direction.map(Vector::from_bits),
+                half: given.half.map(Vector::from_bits),
+                diffuse: given.diffuse.map(Coefficient::from_bits),
+                specular: given.specular.map(Coefficient::from_bits),
+            };
+        }
+        Ok(Phong::new(
+            lighting.ambient.map(Coefficient::from_bits),
+            lights.get(..given.len()).unwrap_or(&[]),
+            lighting.viewer.map(Vector::from_bits),
+            highlight,
+            lighting.exponent_log2,
+        )?)
+    }
+}
+
+impl SlicecastWarp {
+    pub(crate) fn warp(&self) -> Warp {
+        Warp {
+            origin: self.origin.map(Step::from_bits),
+            right: self.right.map(Step::from_bits),
+            down: self.down.map(Step::from_bits),
+        }
+    }
+}

@@ -1,0 +1,424 @@
+//! The C functions, called as C would: the same bits as from Rust, and every misuse is a code with its numbers.
+
+use core::ffi::c_void;
+use core::ptr::{null, null_mut};
+
+use slicecast::classify::{ENTRIES, Linear, PointTable, Sqrt16, entry};
+use slicecast::composite::FrontToBack;
+use slicecast::composite::Unorm16;
+use slicecast::format::{Coefficient, Direction, Intensity, Vector};
+use slicecast::plan::{Plan, Sampling, Spacing};
+use slicecast::plane::Composite;
+use slicecast::precision::Compact;
+use slicecast::shade::{Highlight, Light, Phong};
+use slicecast::slice::RowRange;
+use slicecast::stream::{Memory, Needs, Stream};
+use slicecast::tap::NoTap;
+use slicecast::view::View;
+use slicecast_ffi::*;
+
+const DIMS: [u32; 3] = [7, 6, 5];
+
+/// Data that a scene borrows.
+struct Data {
+    entries: Box<[u32; ENTRIES]>,
+    low: Box<[u8; ENTRIES]>,
+    lights: [SlicecastLight; 1],
+    lighting: SlicecastLighting,
+    voxels: Vec<u16>,
+}
+
+impl Data {
+    fn new() -> Box<Self> {
+        let mut data = Box::new(Self {
+            entries: Box::new([0; ENTRIES]),
+            low: Box::new([3; ENTRIES]),
+            lights: [SlicecastLight {
+                direction: [0, 18918, -26755].map(|c| c << 15),
+                half: [0, 9000, -31500].map(|c| c << 15),
+                diffuse: [20000, 18000, 16000],
+                specular: [6000 << 16; 3],
+            }],
+            lighting: SlicecastLighting {
+                ambient: [5000 << 16; 3],
+                viewer: [0, 0, -32768 << 15],
+                highlight: 0,
+                exponent_log2: 4,
+                count: 1,
+                lights: null(),
+            },
+            voxels: Vec::new(),
+        });
+        for (i, e) in data.entries.iter_mut().enumerate() {
+            *e = entry([i as u8, (i >> 3) as u8, 200], (i >> 5) as u8);
+        }
+        let len: u32 = DIMS.iter().product();
+        data.voxels = (0..len).map(|i| (i.wrapping_mul(2_654_435_761) >> 20) as u16).collect();
+        data.lighting.lights = data.lights.as_ptr();
+        data
+    }
+
+    fn scene(&self) -> SlicecastScene {
+        SlicecastScene {
+            version: SLICECAST_VERSION,
+            dims: DIMS,
+            direction: [1 << 56, -(1 << 55), 1 << 57],
+            spacing: [32768, 32768, 20000],
+            planes_per_voxel: 2,
+            rays_per_voxel: 2,
+            entries: self.entries.as_ptr(),
+            low_roots: self.low.as_ptr(),
+            lighting: &self.lighting,
+        }
+    }
+}
+
+fn needs(pipeline: *const SlicecastPipeline, scene: &SlicecastScene, rows: u32) -> SlicecastNeeds {
+    let mut needs = SlicecastNeeds::default();
+    // SAFETY: good pointers.
+    let code = unsafe { slicecast_needs(pipeline, scene, rows, &mut needs, null_mut()) };
+    assert_eq!(code, SLICECAST_OK);
+    needs
+}
+
+/// A block of memory, aligned to 8.
+fn block(bytes: usize) -> Vec<u64> {
+    vec![0x5a5a_5a5a_5a5a_5a5a; bytes.div_ceil(8)]
+}
+
+fn no_error() -> SlicecastError {
+    SlicecastError {
+        code: 99,
+        argument: 99,
+        needed: 99,
+        given: 99,
+        row: 99,
+        column: 99,
+    }
+}
+
+fn render(pipeline: *const SlicecastPipeline, data: &Data, first: u32, rows: u32) -> Vec<u16> {
+    let scene = data.scene();
+    let needs = needs(pipeline, &scene, rows);
+    let mut memory = block(needs.bytes);
+    let (mut stream, mut image, mut bytes) = (null_mut(), null::<c_void>(), 0);
+    // SAFETY: good pointers.
+    unsafe {
+        let block = memory.as_mut_ptr().cast();
+        let code = slicecast_open(
+            pipeline,
+            &scene,
+            first,
+            rows,
+            block,
+            needs.bytes,
+            &mut stream,
+            null_mut(),
+        );
+        assert_eq!(code, SLICECAST_OK);
+        let mut number = 0;
+        while slicecast_wanted(stream, &mut number, null_mut()) == SLICECAST_OK {
+            let start = number as usize * needs.slice_voxels;
+            let slice = &data.voxels[start..start + needs.slice_voxels];
+            assert_eq!(
+                slicecast_push(stream, slice.as_ptr(), slice.len(), null_mut()),
+                SLICECAST_OK
+            );
+        }
+        assert_eq!(
+            slicecast_image(stream, &mut image, &mut bytes, null_mut()),
+            SLICECAST_OK
+        );
+        assert_eq!(bytes, needs.image_bytes);
+        core::slice::from_raw_parts(image.cast::<u16>(), bytes / 2).to_vec()
+    }
+}
+
+/// The same frame from Rust.
+fn from_rust(data: &Data) -> Vec<u16> {
+    let scene = data.scene();
+    let view = View::new(scene.direction.map(Direction::from_bits)).unwrap();
+    let sampling = Sampling {
+        planes_per_voxel: 2,
+        rays_per_voxel: 2,
+    };
+    let plan = Plan::new(view, DIMS, Spacing(scene.spacing.map(Intensity::from_bits)), sampling).unwrap();
+    let lights = data.lights.map(|l| Light {
+        direction: l.direction.map(Vector::from_bits),
+        half: l.half.map(Vector::from_bits),
+        diffuse: l.diffuse.map(Coefficient::from_bits),
+        specular: l.specular.map(Coefficient::from_bits),
+    });
+    let (ambient, viewer) = (
+        data.lighting.ambient.map(Coefficient::from_bits),
+        data.lighting.viewer.map(Vector::from_bits),
+    );
+    let phong = Phong::new(ambient, &lights, viewer, Highlight::Reflection, 4).unwrap();
+    type Table<'a> = PointTable<'a, Sqrt16, Linear>;
+    let pipeline = Composite::<Compact, _, _, FrontToBack>::new(Table::new(&data.entries, &data.low), phong);
+    let needs = Needs::of::<Composite<Compact, Table<'_>, Phong<Compact>, FrontToBack>>(&plan);
+    let (mut slices, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
+    let (mut scratch, mut image) = (vec![0; needs.scratch], vec![Unorm16(0); needs.image]);
+    let memory = Memory {
+        slices: &mut slices,
+        ranges: &mut ranges,
+        scratch: &mut scratch,
+        image: &mut image,
+    };
+    let mut stream = Stream::new(plan, pipeline, memory).unwrap();
+    for slice in data.voxels.chunks_exact((DIMS[0] * DIMS[1]) as usize) {
+        stream.push(slice, &mut NoTap).unwrap();
+    }
+    stream.image().iter().map(|c| c.0).collect()
+}
+
+#[test]
+fn c_and_rust_have_the_same_bits() {
+    let data = Data::new();
+    let rust = from_rust(&data);
+    assert!(
+        rust.iter().any(|c| *c != 0 && *c != u16::MAX),
+        "an empty picture proves nothing"
+    );
+    assert_eq!(render(slicecast_compact_lit(), &data, 0, 0), rust);
+}
+
+#[test]
+fn bands_are_the_whole() {
+    let data = Data::new();
+    let whole = render(slicecast_compact_lit(), &data, 0, 0);
+    let needs = needs(slicecast_compact_lit(), &data.scene(), 0);
+    let row = 4 * needs.columns as usize;
+    let phase = row * needs.rows as usize;
+    for rows in 1..=needs.rows {
+        let mut first = 0;
+        while first < needs.rows {
+            let rows = rows.min(needs.rows - first);
+            let band = render(slicecast_compact_lit(), &data, first, rows);
+            let band_phase = row * rows as usize;
+            for (number, part) in band.chunks_exact(band_phase).enumerate() {
+                let start = number * phase + first as usize * row;
+                assert_eq!(part, &whole[start..start + band_phase]);
+            }
+            first += rows;
+        }
+    }
+}
+
+#[test]
+fn every_pipeline_runs() {
+    let data = Data::new();
+    let all: [(*const SlicecastPipeline, u32); 6] = [
+        (slicecast_paper_unlit(), 2),
+        (slicecast_paper_lit(), 2),
+        (slicecast_compact_unlit(), 2),
+        (slicecast_compact_lit(), 2),
+        (slicecast_wide_unlit(), 4),
+        (slicecast_wide_lit(), 4),
+    ];
+    let mut images: Vec<Vec<u16>> = Vec::new();
+    for (pipeline, element_bytes) in all {
+        assert_eq!(needs(pipeline, &data.scene(), 0).element_bytes, element_bytes);
+        let image = render(pipeline, &data, 0, 0);
+        assert!(!images.contains(&image));
+        images.push(image);
+    }
+}
+
+#[test]
+fn misused_arguments_are_named_with_numbers() {
+    let data = Data::new();
+    let (pipeline, scene) = (slicecast_compact_lit(), data.scene());
+    let needs = needs(pipeline, &scene, 0);
+    let mut memory = block(needs.bytes + 8);
+    let memory: *mut c_void = memory.as_mut_ptr().cast();
+    let mut error = no_error();
+    let mut stream = null_mut();
+    // SAFETY: good pointers, and the bad ones that the functions promise to refuse.
+    unsafe {
+        let mut out = SlicecastNeeds::default();
+        assert_eq!(slicecast_needs(null(), &scene, 0, &mut out, &mut error), SLICECAST_NULL);
+        assert_eq!(error.argument, 1);
+        assert_eq!(
+            slicecast_needs(pipeline, null(), 0, &mut out, &mut error),
+            SLICECAST_NULL
+        );
+        assert_eq!(error.argument, 2);
+        assert_eq!(
+            slicecast_needs(pipeline, &scene, 0, null_mut(), &mut error),
+            SLICECAST_NULL
+        );
+        assert_eq!(error.argument, 4);
+        let crooked = (&raw const scene).byte_add(1);
+        assert_eq!(
+            slicecast_needs(pipeline, crooked, 0, &mut out, &mut error),
+            SLICECAST_MISALIGNED
+        );
+        assert_eq!(
+            (error.argument, error.needed, error.given),
+            (2, 8, crooked.addr() as i64)
+        );
+
+        let mut open = |memory: *mut c_void, bytes, scene: &SlicecastScene, first, rows| {
+            let code = slicecast_open(pipeline, scene, first, rows, memory, bytes, &mut stream, &mut error);
+            assert_eq!(code, error.code);
+            assert_eq!(code != SLICECAST_OK, stream.is_null());
+            (code, error.argument, error.needed, error.given)
+        };
+        let short = needs.bytes - 1;
+        assert_eq!(
+            open(memory, short, &scene, 0, 0),
+            (SLICECAST_LENGTH, 6, needs.bytes as i64, short as i64)
+        );
+        assert_eq!(open(null_mut(), needs.bytes, &scene, 0, 0).0, SLICECAST_NULL);
+        let crooked = memory.byte_add(4);
+        assert_eq!(
+            open(crooked, needs.bytes, &scene, 0, 0),
+            (SLICECAST_MISALIGNED, 5, 8, crooked.addr() as i64)
+        );
+        let other = SlicecastScene { version: 2, ..scene };
+        assert_eq!(
+            open(memory, needs.bytes, &other, 0, 0),
+            (SLICECAST_VERSION_MISMATCH, 0, 1, 2)
+        );
+        let rows = i64::from(needs.rows);
+        assert_eq!(
+            open(memory, needs.bytes, &scene, 3, needs.rows),
+            (SLICECAST_BAND, 0, rows, rows + 3)
+        );
+        assert_eq!(open(memory, needs.bytes, &scene, u32::MAX, 1).0, SLICECAST_BAND);
+        let huge = SlicecastScene {
+            dims: [8192; 3],
+            rays_per_voxel: 8,
+            ..scene
+        };
+        assert_eq!(open(memory, needs.bytes, &huge, 0, 0).0, SLICECAST_LENGTH);
+        let flat = SlicecastScene {
+            dims: [7, 0, 5],
+            ..scene
+        };
+        assert_eq!(open(memory, needs.bytes, &flat, 0, 0), (SLICECAST_SIDE, 0, 8192, 0));
+        let still = SlicecastScene {
+            direction: [0; 3],
+            ..scene
+        };
+        assert_eq!(open(memory, needs.bytes, &still, 0, 0).0, SLICECAST_DIRECTION);
+        let bare = SlicecastScene {
+            entries: null(),
+            ..scene
+        };
+        assert_eq!(open(memory, needs.bytes, &bare, 0, 0).0, SLICECAST_NULL);
+        let dark = SlicecastScene {
+            lighting: null(),
+            ..scene
+        };
+        assert_eq!(open(memory, needs.bytes, &dark, 0, 0).0, SLICECAST_NULL);
+        let lit = |lighting: SlicecastLighting| lighting;
+        let crowd = lit(SlicecastLighting {
+            count: 9,
+            ..data.lighting
+        });
+        let crowded = SlicecastScene {
+            lighting: &crowd,
+            ..scene
+        };
+        assert_eq!(open(memory, needs.bytes, &crowded, 0, 0), (SLICECAST_LIGHTS, 0, 8, 9));
+        let third = lit(SlicecastLighting {
+            highlight: 2,
+            ..data.lighting
+        });
+        let odd = SlicecastScene {
+            lighting: &third,
+            ..scene
+        };
+        assert_eq!(open(memory, needs.bytes, &odd, 0, 0), (SLICECAST_HIGHLIGHT, 0, 1, 2));
+        assert_eq!(open(memory, needs.bytes, &scene, 0, 0).0, SLICECAST_OK);
+    }
+}
+
+#[test]
+fn misused_streams_are_refused_and_go_on() {
+    let data = Data::new();
+    let (pipeline, scene) = (slicecast_wide_unlit(), data.scene());
+    let needs = needs(pipeline, &scene, 0);
+    let mut memory = block(needs.bytes);
+    let mut error = no_error();
+    let mut stream = null_mut();
+    // SAFETY: good pointers, and the bad ones that the functions promise to refuse.
+    unsafe {
+        let block: *mut c_void = memory.as_mut_ptr().cast();
+        // A block that no stream was opened in.
+        assert_eq!(
+            slicecast_push(block.cast(), data.voxels.as_ptr(), 42, &mut error),
+            SLICECAST_FOREIGN
+        );
+        let opened = slicecast_open(pipeline, &scene, 0, 0, block, needs.bytes, &mut stream, &mut error);
+        assert_eq!(opened, SLICECAST_OK);
+        assert_eq!(
+            slicecast_push(null_mut(), data.voxels.as_ptr(), 42, &mut error),
+            SLICECAST_NULL
+        );
+        assert_eq!(slicecast_push(stream, null(), 42, &mut error), SLICECAST_NULL);
+        assert_eq!(
+            slicecast_push(stream, data.voxels.as_ptr(), 41, &mut error),
+            SLICECAST_LENGTH
+        );
+        assert_eq!((error.needed, error.given), (42, 41));
+        assert_eq!(
+            slicecast_push(stream, data.voxels.as_ptr(), usize::MAX, &mut error),
+            SLICECAST_LENGTH
+        );
+        let mut bad = data.voxels[..42].to_vec();
+        bad[10] = 4096;
+        assert_eq!(slicecast_push(stream, bad.as_ptr(), 42, &mut error), SLICECAST_VOXEL);
+        assert_eq!((error.needed, error.given, error.row, error.column), (4095, 4096, 1, 3));
+        let mut number = 77;
+        assert_eq!(slicecast_wanted(stream, &mut number, null_mut()), SLICECAST_OK);
+        assert_eq!(number, 0);
+        assert_eq!(slicecast_wanted(stream, null_mut(), null_mut()), SLICECAST_NULL);
+        for slice in data.voxels.chunks_exact(42) {
+            assert_eq!(slicecast_push(stream, slice.as_ptr(), 42, &mut error), SLICECAST_OK);
+            assert_eq!(
+                error,
+                SlicecastError {
+                    code: 0,
+                    argument: 0,
+                    needed: 0,
+                    given: 0,
+                    row: 0,
+                    column: 0
+                }
+            );
+        }
+        assert_eq!(
+            slicecast_push(stream, data.voxels.as_ptr(), 42, &mut error),
+            SLICECAST_COMPLETE
+        );
+        assert_eq!(slicecast_wanted(stream, &mut number, null_mut()), SLICECAST_COMPLETE);
+        let warp = SlicecastWarp {
+            origin: [0; 2],
+            right: [1 << 32, 0],
+            down: [0, 1 << 32],
+        };
+        let (background, mut rgb) = ([0u16; 3], [0u8; 10]);
+        let mut row = |bytes| {
+            slicecast_picture_row(
+                stream,
+                &warp,
+                5,
+                background.as_ptr(),
+                rgb.as_mut_ptr(),
+                bytes,
+                &mut error,
+            )
+        };
+        assert_eq!(row(10), SLICECAST_LENGTH);
+        assert_eq!(row(9), SLICECAST_OK);
+        assert!(rgb.iter().any(|c| *c != 0));
+    }
+}
+
+#[test]
+fn the_library_tells_its_version() {
+    assert_eq!(slicecast_version(), SLICECAST_VERSION);
+}

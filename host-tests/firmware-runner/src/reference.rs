@@ -1,0 +1,164 @@
+//! What the host renders: the same scenes through the program's own engine and the plane layer.
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::channel;
+
+use slicecast::composite::Channel;
+use slicecast::plane::Pipeline;
+use slicecast::slice::Slice;
+use slicecast::stream::base_pixel;
+use slicecast::tap::{Beam, Tap};
+use slicecast_firmware_shared::boundary::{Boundaries, STAGES};
+use slicecast_firmware_shared::image::add_rgb;
+use slicecast_firmware_shared::sum::Sum;
+use slicecast_sim::engine::{Layer, Prepared, fold_tiles, new_image};
+use slicecast_sim::oriented::with_slices;
+use slicecast_sim::pipelines::Job;
+
+use crate::scenes::{Kind, Named};
+use crate::shell::Failure;
+
+/// A plane of a phase: number, u, v.
+pub type PlaneKey = (u32, u32, u32);
+
+/// The sums of one case.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sums {
+    /// Every stage boundary of every plane.
+    pub planes: BTreeMap<PlaneKey, [u32; STAGES.len()]>,
+    /// The base-plane image.
+    pub image: u32,
+    /// The viewer's picture.
+    pub picture: u32,
+}
+
+/// How many samples a case has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Sample places inside the volume, skipped or not.
+    pub places: u64,
+    /// Samples that were interpolated and classified.
+    pub samples: u64,
+    /// Samples that were visible: coloured, shaded, composited.
+    pub visible: u64,
+}
+
+/// The host's sums and counts of a case.
+///
+/// # Errors
+/// If the scene does not fit the pipeline.
+pub fn reference(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {
+    let scene = named.of_kind(kind);
+    let words = |error: &dyn std::error::Error| Failure(format!("{}: {error}", named.name));
+    let prepared = Prepared::new(&scene, &named.volume).map_err(|e| words(&e))?;
+    let frame = prepared.render(Layer::Stream, &|_, _| ()).map_err(|e| words(&e))?;
+    let mut picture = Sum::new();
+    for pixel in frame.picture.bytes.chunks_exact(3) {
+        add_rgb(&mut picture, [pixel[0], pixel[1], pixel[2]]);
+    }
+    let view = prepared.setup.plan.view();
+    let (planes, image, counts) = with_slices(&named.volume, view, |slices| {
+        prepared.dispatch(Fold {
+            prepared: &prepared,
+            slices,
+        })
+    })
+    .map_err(|e| words(&e))?
+    .map_err(|e| words(&e))?;
+    let sums = Sums {
+        planes,
+        image,
+        picture: picture.get(),
+    };
+    Ok((sums, counts))
+}
+
+struct Fold<'a> {
+    prepared: &'a Prepared<'a>,
+    slices: &'a [Slice<'a>],
+}
+
+impl Job for Fold<'_> {
+    type Output = (BTreeMap<PlaneKey, [u32; STAGES.len()]>, u32, Counts);
+
+    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+        let plan = &self.prepared.setup.plan;
+        let rows = plan.base()[1] as usize;
+        let mut image = new_image::<L>(plan).unwrap_or_default();
+        let (sender, planes) = channel();
+        let taps = fold_tiles(plan, pipeline, self.slices, &mut image, rows, &|_, _| (), |_| {
+            let sender = sender.clone();
+            Boundaries::new(move |plane| {
+                // The receiver outlives the taps.
+                let _ = sender.send(plane);
+            })
+        });
+        for mut tap in taps {
+            tap.finish();
+        }
+        drop(sender);
+        let planes = planes
+            .iter()
+            .map(|p| ((p.index, p.phase.u, p.phase.v), p.sums))
+            .collect();
+
+        let mut again = new_image::<L>(plan).unwrap_or_default();
+        let counters = fold_tiles(plan, pipeline, self.slices, &mut again, rows, &|_, _| (), |_| {
+            Counter::default()
+        });
+        let mut counts = Counts::default();
+        for counter in counters {
+            counts.samples += counter.0.samples;
+            counts.visible += counter.0.visible;
+        }
+        counts.places = places(plan);
+
+        // In the order of memory: phases, rows, channels, columns.
+        let (n, [width, height]) = (i64::from(plan.sampling().rays_per_voxel), plan.base().map(i64::from));
+        let mut sum = Sum::new();
+        for phase in 0..n * n {
+            for row in 0..height {
+                for channel in 0..4 {
+                    for column in 0..width {
+                        let (u, v) = (column * n + phase % n, row * n + phase / n);
+                        let pixel = base_pixel(plan, pipeline, &image, u, v);
+                        let [r, g, b] = pixel.colour.map(Channel::bits);
+                        sum.word([r, g, b, pixel.transparency.bits()][channel]);
+                    }
+                }
+            }
+        }
+        (planes, sum.get(), counts)
+    }
+}
+
+/// Sample places inside the volume.
+fn places(plan: &slicecast::plan::Plan) -> u64 {
+    use slicecast::locate::{cell, plane};
+    let inside = |at: slicecast::locate::Cell, side: u32, pixels: u32| {
+        let last = i64::from(side) - i64::from(at.weight.to_bits() != 0) - i64::from(at.index);
+        let first = i64::from(-at.index).clamp(0, i64::from(pixels));
+        (last.clamp(0, i64::from(pixels)) - first).max(0) as u64
+    };
+    let ([width, height, _], [base_width, base_height]) = (plan.dims(), plan.base());
+    let mut places = 0;
+    for phase in 0..plan.phases() {
+        for index in 0..plan.planes() {
+            let at = plane(plan, plan.phase(phase), index);
+            places += inside(cell(at.x), width, base_width) * inside(cell(at.y), height, base_height);
+        }
+    }
+    places
+}
+
+#[derive(Default)]
+struct Counter(Counts);
+
+impl Tap for Counter {
+    fn samples(&mut self, _: Beam<'_>, samples: &[i32]) {
+        self.0.samples += samples.len() as u64;
+    }
+    fn colours(&mut self, _: Beam<'_>, [red, ..]: [&[i32]; 3]) {
+        self.0.visible += red.len() as u64;
+    }
+}

@@ -1,0 +1,188 @@
+//! Scenes as a device holds them: numbers of the pipeline's own formats, in flash.
+
+use slicecast::classify::{AlphaCode, ENTRIES, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
+use slicecast::composite::FrontToBack;
+use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
+use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
+use slicecast::plane::Composite;
+use slicecast::precision::{Compact, Paper, Precision, Wide};
+use slicecast::shade::{Highlight, Light, Phong, PhongError, Shader, Unlit};
+use slicecast::view::{View, ViewError};
+use slicecast::warp::Warp;
+
+/// A scene.
+#[derive(Debug)]
+pub struct SceneData {
+    /// Its name in reports.
+    pub name: &'static str,
+    /// Viewing direction, s5.58 bits.
+    pub direction: [i64; 3],
+    /// Voxels along x, y, z.
+    pub dims: [u32; 3],
+    /// Spacing factors, 1.15 bits.
+    pub spacing: [u16; 3],
+    /// Planes and rays per voxel.
+    pub sampling: [u32; 2],
+    /// Voxels of the slices, in the order in which the view meets them.
+    pub voxels: &'static [u16],
+    /// The table of the `Paper` precision.
+    pub entries8: &'static [u32; ENTRIES],
+    /// The table of the other precisions,
+    pub entries16: &'static [u32; ENTRIES],
+    /// and its plane of low bytes.
+    pub plane16: &'static [u8; ENTRIES],
+    /// Lights and material.
+    pub lighting: Lighting,
+    /// The viewer's picture: pixels across and down.
+    pub picture: [u32; 2],
+    /// The map to the base plane: origin, right, down, s31.32 bits.
+    pub warp: [[i64; 2]; 3],
+}
+
+/// Lights and material, bits of their formats.
+#[derive(Debug)]
+pub struct Lighting {
+    /// Ambient coefficient, 1.31.
+    pub ambient: [u32; 3],
+    /// Vector towards the eye, s1.30.
+    pub viewer: [i32; 3],
+    /// Whether the highlight takes the half vector.
+    pub half_vector: bool,
+    /// log2 of the highlight's exponent.
+    pub exponent_log2: u32,
+    /// The lights.
+    pub lights: &'static [LightBits],
+}
+
+/// A light: direction and half vector (s1.30), diffuse and specular coefficients (1.31).
+pub type LightBits = ([i32; 3], [i32; 3], [u32; 3], [u32; 3]);
+
+/// Why a scene's numbers make no scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneError {
+    /// The view.
+    View(ViewError),
+    /// The geometry.
+    Plan(PlanError),
+    /// The lights.
+    Phong(PhongError),
+}
+
+impl SceneData {
+    /// The frame's geometry.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the numbers are out of range.
+    pub fn plan(&self) -> Result<Plan, SceneError> {
+        let view = View::new(self.direction.map(Direction::from_bits)).map_err(SceneError::View)?;
+        let [planes_per_voxel, rays_per_voxel] = self.sampling;
+        let sampling = Sampling {
+            planes_per_voxel,
+            rays_per_voxel,
+        };
+        let spacing = Spacing(self.spacing.map(Intensity::from_bits));
+        Plan::new(view, self.dims, spacing, sampling).map_err(SceneError::Plan)
+    }
+
+    /// The map to the viewer's picture.
+    pub fn warp(&self) -> Warp {
+        let [origin, right, down] = self.warp.map(|v| v.map(Step::from_bits));
+        Warp { origin, right, down }
+    }
+}
+
+/// A precision with the table that belongs to it.
+pub trait Model: Precision {
+    /// How its table holds opacities.
+    type Alpha: AlphaCode;
+    /// How samples find entries.
+    type Lookup: Lookup;
+    /// The table of a scene.
+    fn table(scene: &SceneData) -> PointTable<'_, Self::Alpha, Self::Lookup>;
+}
+
+impl Model for Paper {
+    type Alpha = Sqrt8;
+    type Lookup = Nearest;
+    fn table(scene: &SceneData) -> PointTable<'_, Sqrt8, Nearest> {
+        PointTable::new(scene.entries8, ())
+    }
+}
+
+impl Model for Compact {
+    type Alpha = Sqrt16;
+    type Lookup = Linear;
+    fn table(scene: &SceneData) -> PointTable<'_, Sqrt16, Linear> {
+        PointTable::new(scene.entries16, scene.plane16)
+    }
+}
+
+impl Model for Wide {
+    type Alpha = Sqrt16;
+    type Lookup = Linear;
+    fn table(scene: &SceneData) -> PointTable<'_, Sqrt16, Linear> {
+        PointTable::new(scene.entries16, scene.plane16)
+    }
+}
+
+/// A shader that can be made from a scene.
+pub trait Lights<P: Precision>: Shader<P> + Sized {
+    /// Its name in reports.
+    const NAME: &'static str;
+    /// The shader of a scene.
+    ///
+    /// # Errors
+    /// [`SceneError::Phong`] if a number is out of range.
+    fn of(lighting: &Lighting) -> Result<Self, SceneError>;
+}
+
+impl<P: Precision> Lights<P> for Unlit {
+    const NAME: &'static str = "unlit";
+    fn of(_: &Lighting) -> Result<Self, SceneError> {
+        Ok(Self)
+    }
+}
+
+impl<P: Precision> Lights<P> for Phong<P> {
+    const NAME: &'static str = "lit";
+    fn of(lighting: &Lighting) -> Result<Self, SceneError> {
+        let dark = Light {
+            direction: [Vector::ZERO; 3],
+            half: [Vector::ZERO; 3],
+            diffuse: [Coefficient::ZERO; 3],
+            specular: [Coefficient::ZERO; 3],
+        };
+        let mut lights = [dark; slicecast::shade::LIGHTS_MAX];
+        for (light, (direction, half, diffuse, specular)) in lights.iter_mut().zip(lighting.lights) {
+            *light = Light {
+                direction: direction.map(Vector::from_bits),
+                half: half.map(Vector::from_bits),
+                diffuse: diffuse.map(Coefficient::from_bits),
+                specular: specular.map(Coefficient::from_bits),
+            };
+        }
+        Self::new(
+            lighting.ambient.map(Coefficient::from_bits),
+            lights.get(..lighting.lights.len()).unwrap_or(&lights),
+            lighting.viewer.map(Vector::from_bits),
+            if lighting.half_vector {
+                Highlight::HalfVector
+            } else {
+                Highlight::Reflection
+            },
+            lighting.exponent_log2,
+        )
+        .map_err(SceneError::Phong)
+    }
+}
+
+/// The pipeline of a precision and a shader on a point table.
+pub type PipelineOf<'a, P, S> = Composite<P, PointTable<'a, <P as Model>::Alpha, <P as Model>::Lookup>, S, FrontToBack>;
+
+/// The pipeline of a scene.
+///
+/// # Errors
+/// [`SceneError::Phong`] if the lights are out of range.
+pub fn pipeline<P: Model, S: Lights<P>>(scene: &SceneData) -> Result<PipelineOf<'_, P, S>, SceneError> {
+    Ok(Composite::new(P::table(scene), S::of(&scene.lighting)?))
+}

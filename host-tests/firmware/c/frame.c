@@ -1,0 +1,85 @@
+/* A frame rendered from C: the same program on bare metal and on the host. */
+#include "slicecast.h"
+
+#include "scene.h"
+
+/* Each platform brings its own. */
+void put(const char *text);
+int verdict(int passed);
+
+static uint64_t memory[(640 << 10) / 8];
+
+static void put_hex(uint32_t word) {
+  char text[9];
+  for (int i = 0; i < 8; ++i) {
+    text[i] = "0123456789abcdef"[(word >> (28 - 4 * i)) & 15];
+  }
+  text[8] = 0;
+  put(text);
+}
+
+/* The checksum that the Rust programs use. */
+static uint32_t add(uint32_t sum, uint32_t word) {
+  return ((sum << 5 | sum >> 27) ^ word) * 0x9e3779b1u;
+}
+
+static int check(int32_t code, const SlicecastError *error) {
+  if (code >= 0) {
+    return 1;
+  }
+  put("error code -");
+  put_hex((uint32_t)-code);
+  put(" needed ");
+  put_hex((uint32_t)error->needed);
+  put(" given ");
+  put_hex((uint32_t)error->given);
+  put("\n");
+  return 0;
+}
+
+static int frame(const char *name, const SlicecastPipeline *pipeline, uint32_t expected) {
+  SlicecastError error;
+  SlicecastNeeds needs;
+  if (!check(slicecast_needs(pipeline, &scene, 0, &needs, &error), &error)) {
+    return 0;
+  }
+  SlicecastStream *stream;
+  if (!check(slicecast_open(pipeline, &scene, 0, 0, memory, sizeof memory, &stream, &error), &error)) {
+    return 0;
+  }
+  uint32_t number;
+  while (slicecast_wanted(stream, &number, &error) == SLICECAST_OK) {
+    const uint16_t *slice = voxels + number * needs.slice_voxels;
+    if (!check(slicecast_push(stream, slice, needs.slice_voxels, &error), &error)) {
+      return 0;
+    }
+  }
+  const void *image;
+  size_t bytes;
+  if (!check(slicecast_image(stream, &image, &bytes, &error), &error)) {
+    return 0;
+  }
+  uint32_t sum = 0;
+  for (size_t i = 0; i < bytes / needs.element_bytes; ++i) {
+    sum = add(sum, needs.element_bytes == 2 ? ((const uint16_t *)image)[i] : ((const uint32_t *)image)[i]);
+  }
+  put("case ");
+  put(name);
+  put("\nimage ");
+  put_hex(sum);
+  put("\n");
+  return sum == expected;
+}
+
+int main(void) {
+  int passed = slicecast_version() == SLICECAST_VERSION;
+  passed &= frame("small compact unlit", slicecast_compact_unlit(), COMPACT_UNLIT);
+  passed &= frame("small compact lit", slicecast_compact_lit(), COMPACT_LIT);
+  passed &= frame("small wide lit", slicecast_wide_lit(), WIDE_LIT);
+  /* What C gets wrong comes back as a number. */
+  SlicecastError error;
+  passed &= slicecast_push((SlicecastStream *)memory, voxels, 1, &error) == SLICECAST_COMPLETE;
+  passed &= slicecast_wanted(0, 0, &error) == SLICECAST_NULL && error.argument == 1;
+  put(passed ? "verdict pass\n" : "verdict fail\n");
+  return verdict(passed);
+}

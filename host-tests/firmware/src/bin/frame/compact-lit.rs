@@ -1,0 +1,11 @@
+//! The pipeline `Compact`, lit, alone.
+#![no_std]
+#![no_main]
+
+slicecast_firmware::frame_program!(
+    slicecast::precision::Compact,
+    slicecast::shade::Phong<slicecast::precision::Compact>,
+    slicecast::composite::Unorm16, slicecast::composite::Unorm16(0),
+    4,
+    17
+);

@@ -1,0 +1,11 @@
+//! The pipeline `Compact`, unlit, alone.
+#![no_std]
+#![no_main]
+
+slicecast_firmware::frame_program!(
+    slicecast::precision::Compact,
+    slicecast::shade::Unlit,
+    slicecast::composite::Unorm16, slicecast::composite::Unorm16(0),
+    2,
+    8
+);

@@ -1,0 +1,5 @@
+//! The pipeline `Wide`, unlit, alone.
+#![no_std]
+#![no_main]
+
+slicecast_firmware::frame_program!(slicecast::precision::Wide, slicecast::shade::Unlit, u32, 0, 2, 8);

@@ -1,0 +1,141 @@
+//! Instructions of every stage: a tap that reads the counter at the stage boundaries, and the same pipeline in f32.
+#![no_std]
+#![no_main]
+
+use semihosting::println;
+use slicecast::composite::Unorm16;
+use slicecast::composite::{Channel, PixelRow};
+use slicecast::locate::Plane;
+use slicecast::plane::ChannelOf;
+use slicecast::precision::{Compact, Paper, Wide};
+use slicecast::shade::{Phong, Unlit};
+use slicecast::stream::{Memory, Stream};
+use slicecast::tap::{Beam, Tap};
+use slicecast_firmware::float::{self, Buffers};
+use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
+use slicecast_firmware::memory::{Reserved, with_image};
+use slicecast_firmware::scenes::COSTED;
+use slicecast_firmware_shared::boundary::STAGES;
+use slicecast_firmware_shared::scene::{Lights, Model, SceneData, pipeline};
+use static_cell::ConstStaticCell;
+
+#[cfg(target_arch = "arm")]
+use cortex_m_rt::entry;
+#[cfg(target_arch = "riscv32")]
+use riscv_rt::entry;
+
+static NARROW: ConstStaticCell<Reserved<Unorm16, { 4 * 64 * 64 }, 256, { 17 * 66 }, { 4 * 128 * 128 }>> =
+    ConstStaticCell::new(Reserved::new(Unorm16(0)));
+static PAPER: ConstStaticCell<[u16; 4 * 128 * 128]> = ConstStaticCell::new([0; 4 * 128 * 128]);
+static BROAD: ConstStaticCell<Reserved<u32, 0, 0, 0, { 4 * 128 * 128 }>> = ConstStaticCell::new(Reserved::new(0));
+static FLOAT: ConstStaticCell<Buffers> = ConstStaticCell::new(Buffers::new());
+
+#[entry]
+fn main() -> ! {
+    start_counter();
+    let narrow = NARROW.take();
+    let paper = PAPER.take();
+    let broad = BROAD.take().lend().image;
+    let buffers = FLOAT.take();
+    for scene in COSTED {
+        run::<Paper, Unlit>(scene, with_image(narrow.lend(), paper));
+        run::<Paper, Phong<Paper>>(scene, with_image(narrow.lend(), paper));
+        run::<Compact, Unlit>(scene, narrow.lend());
+        run::<Compact, Phong<Compact>>(scene, narrow.lend());
+        run::<Wide, Unlit>(scene, with_image(narrow.lend(), broad));
+        run::<Wide, Phong<Wide>>(scene, with_image(narrow.lend(), broad));
+        for lit in [false, true] {
+            println!("case {} f32 {}", scene.name, if lit { "lit" } else { "unlit" });
+            let mut clock = Clock::new();
+            if !float::render(scene, lit, buffers, &mut |stage| clock.mark(stage)) {
+                println!("error the scene is out of range");
+            }
+            clock.report();
+        }
+    }
+    finish(true)
+}
+
+#[inline(never)]
+fn run<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, ChannelOf<P>>) {
+    println!("case {} {} {}", scene.name, P::NAME, S::NAME);
+    let (Ok(plan), Ok(pipeline)) = (scene.plan(), pipeline::<P, S>(scene)) else {
+        println!("error the scene is out of range");
+        return;
+    };
+    let Ok(mut stream) = Stream::new(plan, &pipeline, memory) else {
+        println!("error too little memory");
+        return;
+    };
+    let [width, height, _] = plan.dims();
+    let mut clock = Clock::new();
+    for slice in scene.voxels.chunks_exact((width * height) as usize) {
+        if stream.push(slice, &mut clock).is_err() {
+            println!("error slice refused");
+        }
+    }
+    clock.mark(0);
+    clock.report();
+}
+
+/// Charges the time since the last boundary to the stage that ends at this one; stage 0 is what lies between planes.
+struct Clock {
+    last: u32,
+    stages: [u64; STAGES.len()],
+}
+
+impl Clock {
+    fn new() -> Self {
+        Self {
+            last: ticks(),
+            stages: [0; STAGES.len()],
+        }
+    }
+
+    #[inline(always)]
+    fn mark(&mut self, stage: usize) {
+        let now = ticks();
+        if let Some(sum) = self.stages.get_mut(stage) {
+            *sum += u64::from(ticks_between(self.last, now));
+        }
+        // Read again: the bookkeeping is nobody's.
+        self.last = ticks();
+    }
+
+    fn report(&self) {
+        let tick = instructions_a_tick();
+        for (name, count) in STAGES.iter().zip(self.stages) {
+            println!("stage {} {name}", count * tick);
+        }
+    }
+}
+
+impl Tap for Clock {
+    fn plane(&mut self, _: &Plane) {
+        self.mark(0);
+    }
+    fn samples(&mut self, _: Beam<'_>, _: &[i32]) {
+        self.mark(1);
+    }
+    fn opacities(&mut self, _: Beam<'_>, _: &[i32]) {
+        self.mark(2);
+    }
+    fn colours(&mut self, _: Beam<'_>, _: [&[i32]; 3]) {
+        self.mark(3);
+    }
+    fn gradients(&mut self, _: Beam<'_>, _: [&[i32]; 3]) {
+        self.mark(4);
+    }
+    fn normals(&mut self, _: Beam<'_>, _: [&[i32]; 3], _: &[i32]) {
+        self.mark(5);
+    }
+    fn shaded(&mut self, _: Beam<'_>, _: [&[i32]; 3]) {
+        self.mark(6);
+    }
+    fn before<C: Channel>(&mut self, _: Beam<'_>, _: &PixelRow<'_, C>) {
+        self.mark(7);
+    }
+    fn after<C: Channel>(&mut self, _: Beam<'_>, _: &PixelRow<'_, C>) {
+        self.mark(8);
+    }
+}
