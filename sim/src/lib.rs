@@ -10,5 +10,6 @@ pub mod oriented;
 pub mod pipelines;
 pub mod presets;
 pub mod scene;
+pub mod study;
 pub mod table;
 pub mod volume;

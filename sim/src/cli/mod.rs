@@ -8,6 +8,8 @@ mod output;
 mod plan;
 mod progress;
 mod render;
+mod sweep;
+mod sweep_table;
 mod table;
 mod tables;
 mod turntable;
@@ -88,6 +90,8 @@ enum Command {
     Inspect(inspect::Args),
     Table(table::Args),
     Turntable(turntable::Args),
+    Sweep(sweep::Args),
+    SweepMerge(sweep::MergeArgs),
 }
 
 impl Cli {
@@ -101,6 +105,8 @@ impl Cli {
             Some(Command::Inspect(args)) => args.run(),
             Some(Command::Table(args)) => args.run(),
             Some(Command::Turntable(args)) => args.run(),
+            Some(Command::Sweep(args)) => args.run(),
+            Some(Command::SweepMerge(args)) => args.run(),
         }
     }
 }

@@ -6,10 +6,11 @@ use slicecast_sim::compare::image::ImageFigures;
 use slicecast_sim::compare::stages::StageReport;
 use slicecast_sim::compare::statistics::Figures;
 
-fn table(header: &[&str]) -> Table {
+/// An empty table under a header, its first column to the left, the others to the right.
+pub fn header(columns: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::ASCII_MARKDOWN);
-    table.set_header(header);
+    table.set_header(columns);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
@@ -17,7 +18,7 @@ fn table(header: &[&str]) -> Table {
 }
 
 /// A figure with three significant digits, in few characters.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
         v if v < 0.001 => format!("{value:.1e}"),
@@ -34,7 +35,7 @@ fn bits(figures: &Figures) -> String {
 
 /// Errors of every stage on its own inputs, beside what Squeeze requires.
 pub fn local(stages: &[StageReport]) -> Table {
-    let mut table = table(&[
+    let mut table = header(&[
         "stage, local error",
         "format",
         "samples",
@@ -73,7 +74,7 @@ pub fn local(stages: &[StageReport]) -> Table {
 
 /// Errors of every stage against the model from the beginning.
 pub fn carried(stages: &[StageReport]) -> Table {
-    let mut table = table(&[
+    let mut table = header(&[
         "stage, carried error",
         "format",
         "samples",
@@ -103,7 +104,7 @@ pub fn carried(stages: &[StageReport]) -> Table {
 
 /// Errors of pictures, a line each.
 pub fn images(lines: &[(String, ImageFigures)]) -> Table {
-    let mut table = table(&["8-bit values", "values", "equal %", "max step", "mean step", "PSNR dB"]);
+    let mut table = header(&["8-bit values", "values", "equal %", "max step", "mean step", "PSNR dB"]);
     for (name, f) in lines {
         table.add_row([
             name.clone(),

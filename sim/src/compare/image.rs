@@ -1,12 +1,12 @@
 //! Errors of pictures, in steps of 8-bit output.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::engine::{BaseImage, Rgb};
 use crate::model::ModelImage;
 
 /// How far a picture is from the model's, over red, green and blue of the pixels that anything contributes to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImageFigures {
     /// Values compared.
     pub values: u64,

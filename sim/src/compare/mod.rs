@@ -96,11 +96,16 @@ fn pipeline_positions(plan: Plan) -> impl Fn(usize, usize, usize) -> [f64; 3] + 
     }
 }
 
-struct Compare<'a> {
-    prepared: &'a Prepared<'a>,
-    model: &'a Model<'a>,
-    slices: &'a [Slice<'a>],
-    progress: &'a (dyn Fn(usize, usize) + Sync),
+/// A comparison of any pipeline that suits a prepared scene with a model of it.
+pub struct Compare<'a> {
+    /// The scene.
+    pub prepared: &'a Prepared<'a>,
+    /// The model.
+    pub model: &'a Model<'a>,
+    /// The volume's slices in the view's order.
+    pub slices: &'a [Slice<'a>],
+    /// Told how many steps of how many are done.
+    pub progress: &'a (dyn Fn(usize, usize) + Sync),
 }
 
 impl Job for Compare<'_> {

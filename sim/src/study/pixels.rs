@@ -1,0 +1,442 @@
+//! Compositing of a study: the recurrences that Squeeze proposes, compares with or would have met.
+//!
+//! | type | front to back | rounding |
+//! |---|---|---|
+//! | [`Product`] | `C += (c a) T; T = T t` (Squeeze, equation 9) | each product truncated, or half up |
+//! | [`Telescoping`] | `w = T a; T -= w; C += c w` | each product truncated, or half up |
+//! | `Dithered` (core) | the same | an offset that changes from plane to plane |
+//! | [`Carrying`] | the same | what a product loses is added to the next one |
+//! | [`Scaled`] | as [`Product`], on a scale whose largest code is 1.0 | corrected after Blinn (equation 1), or one shift |
+//!
+//! Every one keeps to the rules of `slicecast::composite`: nothing leaves 0 to 1, and but for the uncorrected scale an
+//! opacity of 0 changes nothing. Rounded products and Blinn's can add up to one unit more than 1.0 and are saturated.
+
+use std::marker::PhantomData;
+
+use slicecast::composite::{Channel, Dither, Dithered, Pixel, Recurrence, Telescoping31, Truncating15, Unorm16};
+use slicecast::format::Opacity;
+
+use super::channels::{Binary, Carry, Full, Short};
+
+/// A recurrence that a study can name.
+pub trait Described: Recurrence {
+    /// How products lose their low bits.
+    const ROUNDING: &'static str;
+    /// Bits of the channel: behind the point, or all of them where the largest code is 1.0.
+    const BITS: u32;
+}
+
+impl Described for Truncating15 {
+    const ROUNDING: &'static str = "truncated";
+    const BITS: u32 = 15;
+}
+
+impl Described for Telescoping31 {
+    const ROUNDING: &'static str = "telescoping";
+    const BITS: u32 = 31;
+}
+
+impl Described for Dithered<Unorm16> {
+    const ROUNDING: &'static str = "dithered";
+    const BITS: u32 = 16;
+}
+
+impl<const F: u32> Described for Dithered<Short<F>> {
+    const ROUNDING: &'static str = "dithered";
+    const BITS: u32 = F;
+}
+
+/// `a b` with `bits` low bits cut off, or rounded to nearest, halves up.
+#[inline(always)]
+fn product<const ROUND: bool>(a: u32, b: u32, bits: u32) -> u32 {
+    let half = if ROUND { 1 << (bits - 1) } else { 0 };
+    ((u64::from(a) * u64::from(b) + half) >> bits) as u32
+}
+
+/// Squeeze's recurrence (equation 9; back to front equation 6) in 1.F, colours of `CB` bits.
+///
+/// Opacities are cut to F + 1 bits and halved where products are truncated, as in core's `Truncating15`; rounded to F
+/// bits where they are rounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Product<C, const ROUND: bool, const CB: u32>(PhantomData<C>);
+
+impl<C: Binary, const ROUND: bool, const CB: u32> Product<C, ROUND, CB> {
+    /// Transparency and opacity of a sample, 1.F.
+    #[inline(always)]
+    fn sample(opacity: Opacity) -> (u32, u32) {
+        let (one, a) = (C::ONE.bits(), u64::from(opacity.to_bits()));
+        if ROUND {
+            let a = ((2 * a + (1 << (31 - C::FRACTION))) >> (32 - C::FRACTION)) as u32;
+            (one - a, a)
+        } else {
+            let a = (a << 1) >> (31 - C::FRACTION);
+            (((u64::from(one) * 2 - a) >> 1) as u32, (a >> 1) as u32)
+        }
+    }
+
+    #[inline(always)]
+    fn sum(a: u32, b: u32) -> C {
+        C::from_bits((a + b).min(C::ONE.bits()))
+    }
+}
+
+impl<C: Binary, const ROUND: bool, const CB: u32> Recurrence for Product<C, ROUND, CB> {
+    type Channel = C;
+    const FLOOR: C = C::LEAST;
+    const TELESCOPING: bool = false;
+    const COLOUR_BITS: u32 = CB;
+
+    #[inline(always)]
+    fn read(opacity: Opacity) -> Opacity {
+        // As `sample` has it: F bits rounded, F + 1 truncated.
+        let (cut, half) = if ROUND {
+            (31 - C::FRACTION, 1 << (31 - C::FRACTION) >> 1)
+        } else {
+            (30u32.saturating_sub(C::FRACTION), 0)
+        };
+        Opacity::from_bits((opacity.to_bits() + half) >> cut << cut)
+    }
+
+    #[inline(always)]
+    fn over(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
+        let (t, a) = Self::sample(opacity);
+        let before = pixel.transparency.bits();
+        let mut out = pixel;
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            let given = product::<ROUND>(product::<ROUND>(c, a, CB), before, C::FRACTION);
+            *o = Self::sum(o.bits(), given);
+        }
+        out.transparency = C::from_bits(product::<ROUND>(before, t, C::FRACTION));
+        out
+    }
+
+    #[inline(always)]
+    fn under(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
+        let (t, a) = Self::sample(opacity);
+        let mut out = pixel;
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            let behind = product::<ROUND>(o.bits(), t, C::FRACTION);
+            *o = Self::sum(behind, product::<ROUND>(c, a, CB));
+        }
+        out.transparency = C::from_bits(product::<ROUND>(pixel.transparency.bits(), t, C::FRACTION));
+        out
+    }
+}
+
+impl<C: Binary, const ROUND: bool, const CB: u32> Described for Product<C, ROUND, CB> {
+    const ROUNDING: &'static str = if ROUND { "rounded" } else { "truncated" };
+    const BITS: u32 = C::FRACTION;
+}
+
+/// The telescoping recurrence with opacities of 31 bits; each product truncated or rounded half up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Telescoping<C, const ROUND: bool, const CB: u32>(PhantomData<C>);
+
+impl<C: Binary, const ROUND: bool, const CB: u32> Recurrence for Telescoping<C, ROUND, CB> {
+    type Channel = C;
+    const FLOOR: C = C::LEAST;
+    const TELESCOPING: bool = true;
+    const COLOUR_BITS: u32 = CB;
+
+    #[inline(always)]
+    fn read(opacity: Opacity) -> Opacity {
+        opacity
+    }
+
+    #[inline(always)]
+    fn over(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
+        let w = product::<ROUND>(pixel.transparency.bits(), opacity.to_bits(), 31);
+        let mut out = pixel;
+        out.transparency = C::from_bits(pixel.transparency.bits() - w);
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            *o = C::from_bits(o.bits() + product::<ROUND>(c, w, CB));
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn under(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
+        let a = opacity.to_bits();
+        let t = pixel.transparency.bits();
+        let mut out = pixel;
+        out.transparency = C::from_bits(t - product::<ROUND>(t, a, 31));
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            let given = product::<ROUND>(product::<ROUND>(c, C::ONE.bits(), CB), a, 31);
+            *o = C::from_bits((o.bits() - product::<ROUND>(o.bits(), a, 31) + given).min(C::ONE.bits()));
+        }
+        out
+    }
+}
+
+impl<C: Binary, const ROUND: bool, const CB: u32> Described for Telescoping<C, ROUND, CB> {
+    const ROUNDING: &'static str = if ROUND { "telescoping, rounded" } else { "telescoping" };
+    const BITS: u32 = C::FRACTION;
+}
+
+/// The telescoping recurrence that keeps what each product loses (16 bits of it) and adds it to the next one.
+///
+/// `t = T a + rest; w = floor(t); T -= w; rest = t - w`, and alike `C += floor(c w + rest)`. w <= T, because
+/// `rest < 1` ulp and T is whole; an opacity of 0 gives w = 0 and leaves the rest alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Carrying<const F: u32>;
+
+impl<const F: u32> Recurrence for Carrying<F> {
+    type Channel = Carry<F>;
+    const FLOOR: Carry<F> = Carry::LEAST;
+    const TELESCOPING: bool = true;
+    const COLOUR_BITS: u32 = 15;
+
+    #[inline(always)]
+    fn read(opacity: Opacity) -> Opacity {
+        opacity
+    }
+
+    #[inline(always)]
+    fn over(pixel: Pixel<Carry<F>>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<Carry<F>> {
+        let before = pixel.transparency;
+        let taken = u64::from(before.value) * u64::from(opacity.to_bits()) + (u64::from(before.rest) << 15);
+        let w = (taken >> 31) as u16;
+        let mut out = pixel;
+        out.transparency = Carry {
+            value: before.value - w,
+            rest: (taken >> 15) as u16,
+        };
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            // In units of 2^-(F + 16): the product has 15 bits behind the point of w.
+            let given = ((u64::from(c) * u64::from(w)) << 1) + u64::from(o.rest);
+            *o = Carry {
+                value: o.value + (given >> 16) as u16,
+                rest: given as u16,
+            };
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn under(pixel: Pixel<Carry<F>>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<Carry<F>> {
+        // Nothing is carried back to front: both terms of a mixture would need a rest of their own.
+        let plain = Pixel {
+            colour: pixel.colour.map(|c| Short::<F>::from_bits(c.bits())),
+            transparency: Short::<F>::from_bits(pixel.transparency.bits()),
+        };
+        let out = Telescoping::<Short<F>, false, 15>::under(plain, colour, opacity, Dither::of_plane(0));
+        Pixel {
+            colour: out.colour.map(|c| Carry::from_bits(c.bits())),
+            transparency: Carry::from_bits(out.transparency.bits()),
+        }
+    }
+}
+
+impl<const F: u32> Described for Carrying<F> {
+    const ROUNDING: &'static str = "residual carry";
+    const BITS: u32 = F;
+}
+
+/// [`Product`] on a scale whose largest code is 1.0 (Squeeze, section 3): `CORRECTED` after Blinn, equation 1, or with
+/// one multiply and one shift, which makes 1.0 times 1.0 less than 1.0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scaled<C, const CORRECTED: bool>(PhantomData<C>);
+
+impl<C: Full, const CORRECTED: bool> Scaled<C, CORRECTED> {
+    #[inline(always)]
+    fn product(a: u32, b: u32) -> u32 {
+        let exact = u64::from(a) * u64::from(b);
+        let scaled = if CORRECTED {
+            let sum = exact + (1 << (C::BITS - 1));
+            (sum + (sum >> C::BITS)) >> C::BITS
+        } else {
+            exact >> C::BITS
+        };
+        scaled as u32
+    }
+
+    /// A fraction of `bits` bits on this scale, to nearest.
+    #[inline(always)]
+    fn scale(value: u32, bits: u32) -> u32 {
+        ((u64::from(value) * u64::from(C::ONE.bits()) + (1 << (bits - 1))) >> bits) as u32
+    }
+
+    #[inline(always)]
+    fn sum(a: u32, b: u32) -> C {
+        C::from_bits((a + b).min(C::ONE.bits()))
+    }
+}
+
+impl<C: Full, const CORRECTED: bool> Recurrence for Scaled<C, CORRECTED> {
+    type Channel = C;
+    const FLOOR: C = C::LEAST;
+    const TELESCOPING: bool = false;
+    const COLOUR_BITS: u32 = 15;
+
+    #[inline(always)]
+    fn read(opacity: Opacity) -> Opacity {
+        let code = u64::from(Self::scale(opacity.to_bits(), 31));
+        // Back to 1.31, to nearest; the divisor is a constant of the type.
+        let one = u64::from(C::ONE.bits());
+        Opacity::from_bits((((code << 32) + one) / (2 * one)) as u32)
+    }
+
+    #[inline(always)]
+    fn over(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
+        let a = Self::scale(opacity.to_bits(), 31);
+        let before = pixel.transparency.bits();
+        let mut out = pixel;
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            let given = Self::product(Self::product(Self::scale(c, 15), a), before);
+            *o = Self::sum(o.bits(), given);
+        }
+        out.transparency = C::from_bits(Self::product(before, C::ONE.bits() - a));
+        out
+    }
+
+    #[inline(always)]
+    fn under(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
+        let a = Self::scale(opacity.to_bits(), 31);
+        let t = C::ONE.bits() - a;
+        let mut out = pixel;
+        for (o, c) in out.colour.iter_mut().zip(colour) {
+            let behind = Self::product(o.bits(), t);
+            *o = Self::sum(behind, Self::product(Self::scale(c, 15), a));
+        }
+        out.transparency = C::from_bits(Self::product(pixel.transparency.bits(), t));
+        out
+    }
+}
+
+impl<C: Full, const CORRECTED: bool> Described for Scaled<C, CORRECTED> {
+    const ROUNDING: &'static str = if CORRECTED {
+        "full scale, Blinn"
+    } else {
+        "full scale, one shift"
+    };
+    const BITS: u32 = C::BITS;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::channels::{Byte, Long, Packed};
+    use super::*;
+    use proptest::prelude::*;
+
+    type Samples = Vec<([u32; 3], Opacity)>;
+
+    fn samples() -> impl Strategy<Value = Samples> {
+        let colour = prop::array::uniform3(prop_oneof![0u32..=32768, Just(32768), Just(0)]);
+        let opacity = prop_oneof![0u32..=1 << 31, 0u32..200_000, Just(1u32 << 31), Just(0)];
+        prop::collection::vec((colour, opacity.prop_map(Opacity::from_bits)), 0..120)
+    }
+
+    fn ray<R: Recurrence>(samples: &Samples) -> Vec<Pixel<R::Channel>> {
+        let mut pixel = Pixel::<R::Channel>::clear();
+        let mut all = vec![pixel];
+        for (k, &(c, a)) in samples.iter().enumerate() {
+            pixel = R::over(
+                pixel,
+                c.map(|c| c << (R::COLOUR_BITS - 15)),
+                a,
+                Dither::of_plane(k as u32),
+            );
+            all.push(pixel);
+        }
+        all
+    }
+
+    /// Nothing leaves 0 to 1, transparency never rises, nothing changes at an opacity of 0 or behind a finished ray.
+    fn keeps_the_rules<R: Recurrence>(samples: &Samples) -> Result<(), TestCaseError> {
+        let one = R::Channel::ONE;
+        for (before, (sample, k)) in ray::<R>(samples).into_iter().zip(samples.iter().zip(0..)) {
+            let (c, a) = (sample.0.map(|c| c << (R::COLOUR_BITS - 15)), sample.1);
+            let dither = Dither::of_plane(k);
+            let after = R::over(before, c, a, dither);
+            prop_assert!(after.transparency <= before.transparency);
+            prop_assert!(after.colour.iter().all(|c| *c <= one));
+            prop_assert_eq!(R::over(before, c, Opacity::ZERO, dither), before);
+            prop_assert_eq!(
+                R::under(before, c, Opacity::ZERO, dither).colour.map(Channel::bits),
+                before.colour.map(Channel::bits)
+            );
+            let finished = Pixel {
+                transparency: R::Channel::default(),
+                ..before
+            };
+            prop_assert_eq!(R::over(finished, c, a, dither), finished);
+            prop_assert!(R::under(before, c, a, dither).colour.iter().all(|c| *c <= one));
+        }
+        Ok(())
+    }
+
+    /// How far the last pixel is from f64, in units of the channel.
+    fn away<R: Recurrence>(samples: &Samples) -> f64 {
+        let one = f64::from(R::Channel::ONE.bits());
+        let mut model = crate::model::Pixel::TRANSPARENT;
+        for (c, a) in samples {
+            let opacity = f64::from(a.to_bits()) / 2147483648.0;
+            model = model.front_to_back(c.map(|c| f64::from(c) / 32768.0), opacity);
+        }
+        let last = ray::<R>(samples)[samples.len()];
+        let value = |c: R::Channel| f64::from(c.bits());
+        (0..3)
+            .map(|c| (value(last.colour[c]) - model.colour[c] * one).abs())
+            .fold((value(last.transparency) - model.transparency * one).abs(), f64::max)
+    }
+
+    proptest! {
+        #[test]
+        fn every_recurrence_keeps_the_rules(samples in samples()) {
+            keeps_the_rules::<Product<Short<8>, false, 15>>(&samples)?;
+            keeps_the_rules::<Product<Short<8>, true, 15>>(&samples)?;
+            keeps_the_rules::<Product<Long<16>, true, 15>>(&samples)?;
+            keeps_the_rules::<Product<u32, false, 31>>(&samples)?;
+            keeps_the_rules::<Product<u32, true, 31>>(&samples)?;
+            keeps_the_rules::<Telescoping<Short<12>, false, 15>>(&samples)?;
+            keeps_the_rules::<Telescoping<Packed<23>, true, 31>>(&samples)?;
+            keeps_the_rules::<Carrying<8>>(&samples)?;
+            keeps_the_rules::<Carrying<15>>(&samples)?;
+            keeps_the_rules::<Dithered<Short<10>>>(&samples)?;
+            keeps_the_rules::<Scaled<Byte, true>>(&samples)?;
+            keeps_the_rules::<Scaled<Unorm16, true>>(&samples)?;
+        }
+
+        #[test]
+        fn at_the_same_width_the_same_bits_as_core(samples in samples()) {
+            let study = ray::<Product<u16, false, 15>>(&samples);
+            prop_assert_eq!(study, ray::<Truncating15>(&samples));
+            let study = ray::<Telescoping<u32, false, 31>>(&samples);
+            prop_assert_eq!(study, ray::<Telescoping31>(&samples));
+            for &(_, a) in &samples {
+                prop_assert_eq!(Product::<u16, false, 15>::read(a), Truncating15::read(a));
+            }
+        }
+
+        /// A step of a truncated product errs by less than 3 ulp, a rounded one by 2, a telescoping one by 2.
+        #[test]
+        fn errors_grow_with_the_steps_and_no_faster(samples in samples()) {
+            let steps = samples.len() as f64;
+            prop_assert!(away::<Product<Short<10>, false, 15>>(&samples) <= 3.0 * steps + 1.0);
+            prop_assert!(away::<Product<Short<10>, true, 15>>(&samples) <= 2.0 * steps + 1.0);
+            prop_assert!(away::<Telescoping<Short<10>, false, 15>>(&samples) <= 2.0 * steps + 1.0);
+            prop_assert!(away::<Telescoping<Packed<23>, true, 31>>(&samples) <= 2.0 * steps + 1.0);
+            prop_assert!(away::<Scaled<Byte, true>>(&samples) <= 3.0 * steps + 1.0);
+        }
+    }
+
+    /// What one step loses is there in the next: white fog keeps C + T = 1, and T stays within a unit of the exact
+    /// value after any number of equal steps, where truncation drifts by one a step.
+    #[test]
+    fn residual_carry_does_not_drift() {
+        let fog: Samples = vec![([32768; 3], Opacity::from_bits(1 << 19)); 4096];
+        assert!(away::<Carrying<12>>(&fog) < 2.0, "{}", away::<Carrying<12>>(&fog));
+        assert!(away::<Telescoping<Short<12>, false, 15>>(&fog) > 500.0);
+        for pixel in ray::<Carrying<12>>(&fog) {
+            assert_eq!(pixel.colour[0].bits() + pixel.transparency.bits(), 4096);
+        }
+    }
+
+    /// Squeeze, section 3: 255 * 255 >> 8 is 254, so complete transparency turns to opacity within 255 samples.
+    #[test]
+    fn one_shift_on_the_full_scale_loses_transparency() {
+        let clear: Samples = vec![([32768; 3], Opacity::ZERO); 255];
+        assert_eq!(ray::<Scaled<Byte, false>>(&clear)[255].transparency.bits(), 0);
+        assert_eq!(ray::<Scaled<Byte, true>>(&clear)[255].transparency.bits(), 255);
+    }
+}
