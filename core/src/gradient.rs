@@ -18,13 +18,13 @@
 //! Overflow: none, |G| <= 8190 * 2^15 < 2^28.01. State: none.
 
 use crate::format::Intensity;
-use crate::product::round15;
+use crate::lanes::Lanes;
 
 /// Difference of two rows of samples: `next - previous`. All rows equally long.
-#[inline]
-pub fn difference_row(next: &[i32], previous: &[i32], out: &mut [i32]) {
-    for ((o, &n), &p) in out.iter_mut().zip(next).zip(previous) {
-        *o = n - p;
+#[inline(always)]
+pub fn difference_row<V: Lanes>(next: &[i32], previous: &[i32], out: &mut [i32]) {
+    for at in (0..out.len()).step_by(V::COUNT) {
+        (V::load(next, at) - V::load(previous, at)).store(out, at);
     }
 }
 
@@ -32,16 +32,16 @@ pub fn difference_row(next: &[i32], previous: &[i32], out: &mut [i32]) {
 ///
 /// Range: |G| < 2^29, f <= 1.
 #[inline(always)]
-pub const fn space(component: i32, factor: Intensity) -> i32 {
-    round15(component, factor.to_bits() as i32)
+pub fn space<V: Lanes>(component: V, factor: Intensity) -> V {
+    component.round15(V::splat(i32::from(factor.to_bits())))
 }
 
 /// Applies [`space`] along a row; a factor of 1 leaves it alone.
-#[inline]
-pub fn space_row(row: &mut [i32], factor: Intensity) {
+#[inline(always)]
+pub fn space_row<V: Lanes>(row: &mut [i32], factor: Intensity) {
     if factor != Intensity::ONE {
-        for g in row {
-            *g = space(*g, factor);
+        for at in (0..row.len()).step_by(V::COUNT) {
+            space(V::load(row, at), factor).store(row, at);
         }
     }
 }
