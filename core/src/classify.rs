@@ -100,6 +100,11 @@ pub trait AlphaCode: Copy + Send + Sync + 'static {
     const PLANE_BYTES: usize;
     /// The square root of an entry's opacity, 0.16.
     fn root(entry: u32, plane: Self::Plane<'_>, index: usize) -> u16;
+    /// The opacity that a root stands for. A code that holds no root (for studies) replaces it.
+    #[inline(always)]
+    fn opacity(root: u16) -> Opacity {
+        opacity_of_root(root)
+    }
 }
 
 /// The square root in 8 bits, inside the 32-bit entry.
@@ -210,7 +215,7 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
 
     #[cfg(test)]
     fn opacity_at(&self, index: usize) -> u32 {
-        opacity_of_root(self.root_at(index)).to_bits()
+        A::opacity(self.root_at(index)).to_bits()
     }
 
     #[cfg(test)]
@@ -277,14 +282,14 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
         Opacity::from_bits(if L::LINEAR {
             let (index, f) = split::<P>(bits);
             let (a, b) = (self.root_at(index), self.root_at(index + 1));
-            let opacity = |root| opacity_of_root(root).to_bits();
+            let opacity = |root| A::opacity(root).to_bits();
             if SMALL && a == b {
                 opacity(a)
             } else {
                 mix(opacity(a) as i32, opacity(b) as i32, f, P::SAMPLE_BITS) as u32
             }
         } else {
-            opacity_of_root(self.root_at(nearest::<P>(bits))).to_bits()
+            A::opacity(self.root_at(nearest::<P>(bits))).to_bits()
         })
     }
 

@@ -46,6 +46,37 @@ pub fn space_row<V: Lanes>(row: &mut [i32], factor: Intensity) {
     }
 }
 
+/// A gradient of which the largest component keeps `bits` bits (1 to 15) and the others the same scale; to nearest on
+/// magnitudes, saturated. 15 bits are all that normalisation reads. For studies ([`Precision::GRADIENT_BITS`]).
+///
+/// [`Precision::GRADIENT_BITS`]: crate::precision::Precision::GRADIENT_BITS
+#[inline(always)]
+pub fn coarsen<V: Lanes>(gradient: [V; 3], bits: u32) -> [V; 3] {
+    let [x, y, z] = gradient;
+    let zero = V::splat(0);
+    let cut = (V::splat(32 - bits as i32) - (x.abs() | y.abs() | z.abs()).leading_zeros()).at_least(zero);
+    [coarse(x, cut, bits), coarse(y, cut, bits), coarse(z, cut, bits)]
+}
+
+#[inline(always)]
+fn coarse<V: Lanes>(c: V, cut: V, bits: u32) -> V {
+    let half = V::splat(1).shl_each(cut).shr_unsigned(1);
+    let kept = (c.abs() + half).shr_each(cut).at_most(V::splat((1 << bits) - 1));
+    kept.shl_each(cut).with_sign_of(c)
+}
+
+/// Applies [`coarsen`] along rows, in place. All rows equally long.
+#[inline(always)]
+pub fn coarsen_row<V: Lanes>(g: [&mut [i32]; 3], bits: u32) {
+    let [x, y, z] = g;
+    for at in (0..x.len()).step_by(V::COUNT) {
+        let [a, b, c] = coarsen([V::load(x, at), V::load(y, at), V::load(z, at)], bits);
+        a.store(x, at);
+        b.store(y, at);
+        c.store(z, at);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,6 +87,28 @@ mod tests {
         fn spacing_is_the_nearest_product(g in -(1i32 << 29)..(1 << 29), f in 1u16..=32768) {
             let exact = (i64::from(g) * i64::from(f) + (1 << 14)) >> 15;
             prop_assert_eq!(i64::from(space(g, Intensity::from_bits(f))), exact);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn coarse_gradients_keep_their_bits(g in prop::array::uniform3(-(1i32 << 28)..(1 << 28)), shift in 0u32..28, bits in 1u32..=15) {
+            let g = g.map(|c| c >> shift);
+            let out = coarsen(g, bits);
+            let top = |v: [i32; 3]| 32 - v.iter().fold(0, |m, c| m | c.unsigned_abs()).leading_zeros();
+            let cut = top(g).saturating_sub(bits);
+            for (c, o) in g.iter().zip(out) {
+                // Half a unit of what is kept, or a whole one where the largest component saturates.
+                prop_assert_eq!(o & ((1 << cut) - 1), 0);
+                let error = f64::from(o - c).abs() / f64::from(1 << cut);
+                prop_assert!(error <= 0.5 || error <= 1.0 && o.unsigned_abs() >> cut == (1 << bits) - 1, "{g:?} {out:?}");
+            }
+            prop_assert_eq!(top(out), top(g));
+            prop_assert_eq!(coarsen(g.map(|c| -c), bits), out.map(|c| -c));
+            // What normalisation reads of 15 bits is what it reads of the whole gradient.
+            if bits == 15 {
+                prop_assert_eq!(crate::normalise::block(out), crate::normalise::block(g));
+            }
         }
     }
 

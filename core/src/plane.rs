@@ -15,7 +15,7 @@ use core::ops::Range;
 
 use crate::classify::{Classifier, Support};
 use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence, fold_row};
-use crate::gradient::{difference_row, space_row};
+use crate::gradient::{coarsen_row, difference_row, space_row};
 use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, z_difference_row, z_row};
 use crate::lanes::Lanes;
 use crate::locate::{Cell, Plane, cell, inside};
@@ -603,6 +603,9 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
     ) {
         let [gx, gy, gz] = self.g.each_mut().map(|g| part_mut(g, 0..self.len));
         let r = part_mut(self.r, 0..self.len);
+        if P::GRADIENT_BITS < 15 {
+            coarsen_row::<V>([&mut *gx, &mut *gy, &mut *gz], P::GRADIENT_BITS);
+        }
         tap.gradients(at, [gx, gy, gz]);
         normalise_row::<V>([&mut *gx, &mut *gy, &mut *gz], r);
         tap.normals(at, [gx, gy, gz], r);

@@ -32,7 +32,7 @@ use heapless::Vec;
 use crate::format::{Coefficient, Cosine, Vector};
 use crate::lanes::{Lanes, Wide as _};
 use crate::normalise::Normal;
-use crate::precision::{NormalForm, Precision, Shading};
+use crate::precision::{NormalForm, Power, Precision, Shading};
 
 /// The largest number of lights.
 pub const LIGHTS_MAX: usize = 8;
@@ -401,8 +401,27 @@ pub fn dot<P: Precision>(normal: Normal, vector: [i32; 3]) -> Cosine {
     Cosine::from_bits(dot_lanes::<P, i32>(normal.g, normal.r as i32, vector) as u32)
 }
 
+/// The normal N = -g r / 2^35 with each component to the nearest of so many fraction bits (1 to 15), at most 1; opposite
+/// gradients have opposite normals.
+#[inline(always)]
+pub fn formed_nearest<V: Lanes>(g: [V; 3], r: V, bits: u32) -> [V; 3] {
+    let [x, y, z] = g;
+    [
+        nearest_component(x, r, bits),
+        nearest_component(y, r, bits),
+        nearest_component(z, r, bits),
+    ]
+}
+
+#[inline(always)]
+fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
+    let product = g.abs().product(r) + V::Wide::splat(1 << (34 - bits));
+    let magnitude = product.shr(35 - bits).narrow().at_most(V::splat(1 << bits));
+    magnitude.with_sign_of(V::splat(0) - g)
+}
+
 /// `max(0, N . L)` with N = -g r / 2^35, 1.31. `Formed` normals are truncated first, and so are their products, at 16
-/// fraction bits. The vector has the precision's bits ([`keep_vector`]).
+/// fraction bits; `Nearest` ones are rounded first. The vector has the precision's bits ([`keep_vector`]).
 #[inline(always)]
 pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, vector: [i32; 3]) -> V {
     let zero = V::splat(0);
@@ -429,6 +448,17 @@ pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, vector: [i32; 3]) -> V
             let [x, y, z] = formed(g, r, bits);
             let sum = ((x * lx) >> (bits - 1)) + ((y * ly) >> (bits - 1)) + ((z * lz) >> (bits - 1));
             sum.at_least(zero).at_most(V::splat(1 << 16)) << 15
+        }
+        NormalForm::Nearest(bits) => {
+            // |sum| < 2^30 + 2^16 for unit vectors; wrapping keeps others from a panic.
+            let [x, y, z] = formed_nearest(g, r, bits);
+            let sum = x
+                .wrapping_mul(lx)
+                .wrapping_add(y.wrapping_mul(ly))
+                .wrapping_add(z.wrapping_mul(lz));
+            // bits + 15 fraction bits, brought to 31; a rounded normal may be longer than 1.
+            let dot = V::Wide::of(sum.at_least(zero)).shl(16 - bits);
+            dot.at_most(V::Wide::splat(1 << 31)).narrow()
         }
     }
 }
@@ -470,23 +500,31 @@ pub fn power<P: Precision>(x: Cosine, n: u32) -> Cosine {
     Cosine::from_bits(power_lanes::<P, i32>(x.to_bits() as i32, n) as u32)
 }
 
-/// `x^(2^n)` by squaring; 1 stays 1. Squeeze, section 4.2.2.
+/// `x^(2^n)` by squaring, or what a study puts in its place; 1 stays 1. Squeeze, section 4.2.2.
 #[inline(always)]
 pub fn power_lanes<P: Precision, V: Lanes>(x: V, n: u32) -> V {
-    match P::SHADING {
-        Shading::Rounded16 | Shading::Rounded31 => {
+    match P::POWER {
+        Power::Rounded31 => {
             let mut x = V::Wide::of(x);
             for _ in 0..n {
                 x = (x.square() + V::Wide::splat(1 << 30)).shr(31);
             }
             x.narrow()
         }
-        Shading::Truncated16 => {
+        Power::Truncated16 => {
             let mut x = V::Wide::of(x.shr_unsigned(15));
             for _ in 0..n {
                 x = x.square().shr(16);
             }
             x.narrow() << 15
+        }
+        Power::Parabola => {
+            let one = V::splat(i32::MIN);
+            let fall = one
+                .wrapping_sub(x.at_most_unsigned(one))
+                .product(V::splat((1 << n) + 1))
+                .shr(1);
+            one.wrapping_sub(fall.at_most(V::Wide::splat(1 << 31)).narrow())
         }
     }
 }
@@ -678,6 +716,71 @@ mod tests {
             assert_eq!(power::<Compact>(Cosine::ONE, n), Cosine::ONE);
             assert_eq!(power::<Paper>(Cosine::ONE, n), Cosine::ONE);
             assert_eq!(power::<Compact>(Cosine::ZERO, n), Cosine::ZERO);
+        }
+    }
+
+    /// A precision of a study: nearest normals of so many bits, and the parabola.
+    #[derive(Clone, Copy, Debug, Default)]
+    struct Study<const BITS: u32>;
+
+    impl<const BITS: u32> Precision for Study<BITS> {
+        type Sample = crate::format::Sample12;
+        type Pixel = crate::composite::Truncating15;
+        const NAME: &'static str = "study";
+        const WEIGHT_BITS: u32 = 16;
+        const LERP_BITS: u32 = 16;
+        const LERP_ROUNDING: crate::format::Rounding = crate::format::Rounding::Nearest;
+        const NORMAL: NormalForm = NormalForm::Nearest(BITS);
+        const SHADING: Shading = Shading::Rounded16;
+        const POWER: Power = Power::Parabola;
+    }
+
+    /// The dot product's bound, in units of the normal's last place.
+    fn nearest_dot<const BITS: u32>(normal: Normal, vector: [f64; 3]) -> f64 {
+        let kept_vector = keep_vector::<Study<BITS>>(unit(vector));
+        let got = dot::<Study<BITS>>(normal, kept_vector).to_num::<f64>();
+        let n = normal.g.map(|c| -f64::from(c) * f64::from(normal.r) / 2f64.powi(35));
+        let exact = dot64(n, kept::<Study<BITS>>(kept_vector)).clamp(0.0, 1.0);
+        (got - exact).abs() * f64::from(1 << BITS)
+    }
+
+    proptest! {
+        #[test]
+        fn nearest_normals_are_within_half_a_unit((normal, _) in sample(), v in vector()) {
+            // Three components of half a unit each, weighted by a unit vector: sqrt(3) / 2.
+            for error in [nearest_dot::<4>(normal, v), nearest_dot::<10>(normal, v), nearest_dot::<15>(normal, v)] {
+                prop_assert!(error <= 0.867, "{error}");
+            }
+            let mirrored = Normal { g: normal.g.map(|c| -c), ..normal };
+            prop_assert_eq!(formed_nearest(mirrored.g, mirrored.r as i32, 9), formed_nearest(normal.g, normal.r as i32, 9).map(|c| -c));
+        }
+
+        #[test]
+        fn rows_of_a_study_are_the_scalar(scene in scene(3), samples in prop::collection::vec(sample(), 0..34)) {
+            let phong = make::<Study<6>>(&scene);
+            let column = |f: &dyn Fn(&Sample) -> i32| samples.iter().map(f).collect::<StdVec<_>>();
+            let g = [0, 1, 2].map(|a| column(&|s| s.0.g[a]));
+            let r = column(&|s| s.0.r as i32);
+            let mut c = [0, 1, 2].map(|a| column(&|s| s.1[a] as i32));
+            let [cr, cg, cb] = &mut c;
+            Shader::<Study<6>>::shade_row::<i32>(&phong, [&g[0], &g[1], &g[2]], &r, [cr, cg, cb]);
+            for (i, (normal, colour)) in samples.iter().enumerate() {
+                let out = phong.shade(*normal, *colour).map(|c| c as i32);
+                prop_assert_eq!([c[0][i], c[1][i], c[2][i]], out);
+            }
+        }
+    }
+
+    #[test]
+    fn the_parabola_has_its_top_and_its_foot_where_it_should() {
+        let at = |x: f64, n: u32| power::<Study<15>>(Cosine::from_num(x), n).to_num::<f64>();
+        for n in 0..=8 {
+            let slope = (f64::from(n).exp2() + 1.0) / 2.0;
+            assert_eq!(at(1.0, n), 1.0);
+            for x in [0.0, 0.5, 1.0 - 0.5 / slope, 1.0 - 1.0 / slope, 0.99] {
+                let exact = (1.0 - (1.0 - x) * slope).max(0.0);
+                assert!((at(x, n) - exact).abs() < 1e-6, "{x} {n}");
+            }
         }
     }
 
