@@ -21,7 +21,7 @@ use core::marker::PhantomData;
 
 use crate::format::Opacity;
 use crate::precision::Precision;
-use crate::product::{SCALAR, part};
+use crate::product::{SCALAR, mix};
 use crate::slice::RowRange;
 
 /// Entries of a table: one for each 12-bit code.
@@ -89,6 +89,14 @@ impl Support {
         }
         let (low, high) = (u32::from(range.low >> 6).min(63), u32::from(range.high >> 6).min(63));
         self.0 << (63 - high) >> (63 - high) >> low != 0
+    }
+
+    /// A sample up to which none is visible: the code before the first block; -1 if the first block is.
+    #[inline]
+    fn dark<P: Precision>(self) -> i32 {
+        // No block at all: 4096, which nothing reaches.
+        let first = (self.0.trailing_zeros() << 6) as i32;
+        ((first - 1) << P::SAMPLE_BITS).max(-1)
     }
 }
 
@@ -238,22 +246,16 @@ fn nearest<P: Precision>(bits: i32) -> usize {
     ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS) as usize
 }
 
-/// `a + (b - a) f / 2^bits` to nearest: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 15.
-#[inline(always)]
-fn mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
-    a.wrapping_add(part(b.wrapping_sub(a) as i32, f, bits) as u32)
-}
-
 /// `a + (b - a) f` to nearest, for colours (whose difference may reach 1).
 #[inline(always)]
 fn mix_colour<P: Precision>(a: u32, b: u32, f: i32) -> u32 {
-    let half = 1 << P::SAMPLE_BITS >> 1;
+    let (f, one) = (f as u32, 1 << P::SAMPLE_BITS);
     if P::COLOUR_BITS == 15 {
-        // 15 and 15 bits: 32 suffice.
-        (a as i32 + (((b as i32 - a as i32) * f + half) >> P::SAMPLE_BITS)) as u32
+        // 16 and 15 bits: 32 suffice.
+        (a * (one - f) + b * f + (one >> 1)) >> P::SAMPLE_BITS
     } else {
-        let product = (i64::from(b) - i64::from(a)) * i64::from(f);
-        (i64::from(a) + ((product + i64::from(half)) >> P::SAMPLE_BITS)) as u32
+        let product = |c: u32, f: u32| u64::from(c) * u64::from(f);
+        ((product(a, one - f) + product(b, f) + u64::from(one >> 1)) >> P::SAMPLE_BITS) as u32
     }
 }
 
@@ -295,6 +297,18 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
 
     fn support(&self) -> Support {
         self.support
+    }
+
+    #[inline]
+    fn opacity_row(&self, samples: &[i32], out: &mut [i32]) {
+        let dark = self.support.dark::<P>();
+        for (o, &s) in out.iter_mut().zip(samples) {
+            *o = if SCALAR && s <= dark {
+                0
+            } else {
+                Classifier::<P>::opacity(self, sample::<P>(s)).to_bits() as i32
+            };
+        }
     }
 }
 

@@ -19,7 +19,7 @@ use core::ops::Range;
 
 use crate::format::Weight;
 use crate::precision::Precision;
-use crate::product::scale16;
+use crate::product::{between16, scale16};
 
 /// Sixteen-bit weight with the bits that a precision does not have cut off.
 #[inline(always)]
@@ -29,7 +29,7 @@ fn cut<P: Precision>(weight: Weight) -> i32 {
 
 #[inline(always)]
 fn lerp_z(near: i32, far: i32, w: i32) -> i32 {
-    (near << 16) + (far - near) * w
+    between16(near, far, w)
 }
 
 #[inline(always)]
@@ -64,6 +64,13 @@ pub fn trilinear<P: Precision>(voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3])
 #[inline]
 pub fn z_row<P: Precision>(near: &[u16], far: &[u16], weight: Weight, out: &mut [i32]) {
     let w = cut::<P>(weight);
+    if w == 0 {
+        // A plane that lies in a slice: all of them at one plane a voxel.
+        for (o, &n) in out.iter_mut().zip(near) {
+            *o = i32::from(n) << 16;
+        }
+        return;
+    }
     for ((o, &n), &f) in out.iter_mut().zip(near).zip(far) {
         *o = lerp_z(i32::from(n), i32::from(f), w);
     }
@@ -132,6 +139,9 @@ impl Difference<'_> {
 #[inline]
 pub fn z_difference_row<P: Precision>(near: Difference<'_>, far: Difference<'_>, weight: Weight, out: &mut [i32]) {
     let w = cut::<P>(weight);
+    if w == 0 {
+        return slice_difference_row(near, out);
+    }
     let near_rows = near.minuend.iter().zip(near.subtrahend);
     let far_rows = far.minuend.iter().zip(far.subtrahend);
     let rows = out.iter_mut().zip(near_rows).zip(far_rows);
@@ -145,6 +155,16 @@ pub fn z_difference_row<P: Precision>(near: Difference<'_>, far: Difference<'_>,
         for ((o, (&a, &b)), (&c, &d)) in rows {
             *o = lerp_z(difference(a, b) * near.scale, difference(c, d) * far.scale, w);
         }
+    }
+}
+
+/// [`z_difference_row`] in a slice.
+#[inline]
+fn slice_difference_row(near: Difference<'_>, out: &mut [i32]) {
+    let rows = out.iter_mut().zip(near.minuend.iter().zip(near.subtrahend));
+    let scale = near.scale << 16;
+    for (o, (&a, &b)) in rows {
+        *o = (i32::from(a) - i32::from(b)) * scale;
     }
 }
 
@@ -168,6 +188,25 @@ pub fn x_row<P: Precision>(row: &[i32], weight: Weight, out: &mut [i32]) {
     }
     if let (Some(&last), Some(o)) = (row.last(), out.get_mut(right.len())) {
         *o = lerp_x::<P>(last, last, w);
+    }
+}
+
+/// [`y_row`] and [`x_row`] in one pass, for machines without vectors: what lies between them stays in a register.
+/// `a` and `b` equally long.
+#[inline]
+pub fn yx_row<P: Precision>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2], out: &mut [i32]) {
+    let (wx, wy) = (cut::<P>(wx), cut::<P>(wy));
+    let (Some((&a0, a)), Some((&b0, b))) = (a.split_first(), b.split_first()) else {
+        return;
+    };
+    let mut left = lerp_y::<P>(a0, b0, wy);
+    for ((o, &a), &b) in out.iter_mut().zip(a).zip(b) {
+        let right = lerp_y::<P>(a, b, wy);
+        *o = lerp_x::<P>(left, right, wx);
+        left = right;
+    }
+    if let Some(o) = out.get_mut(a.len()) {
+        *o = lerp_x::<P>(left, left, wx);
     }
 }
 
@@ -217,7 +256,9 @@ mod tests {
         }
 
         #[test]
-        fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>()) {
+        fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>(), in_slice in any::<bool>()) {
+            let [x, y, z] = w;
+            let w = [x, y, if in_slice { 0 } else { z }];
             rows::<Paper>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
             rows::<Compact>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
             rows::<Wide>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
@@ -240,6 +281,9 @@ mod tests {
         z_row::<P>(&n1, &f1, wz, &mut z1);
         y_row::<P>(&z0, &z1, wy, &mut y);
         x_row::<P>(&y, wx, &mut s);
+        let mut fused = vec![0; length];
+        yx_row::<P>(&z0, &z1, [wx, wy], &mut fused);
+        prop_assert_eq!(&fused, &s);
         for i in 0..length {
             let j = (i + 1).min(length - 1);
             let pair = |r: &[u16]| [r[i] as i16, r[j] as i16];

@@ -16,11 +16,12 @@ use core::ops::Range;
 use crate::classify::{Classifier, Support};
 use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence, fold_row};
 use crate::gradient::{difference_row, space_row};
-use crate::interpolate::{Difference, extend_ends, extend_row, x_row, y_row, z_difference_row, z_row};
+use crate::interpolate::{Difference, extend_ends, extend_row, x_row, y_row, yx_row, z_difference_row, z_row};
 use crate::locate::{Cell, Plane, cell, inside};
 use crate::normalise::normalise_row;
 use crate::plan::Plan;
 use crate::precision::Precision;
+use crate::product::SCALAR;
 use crate::project::{Extreme, keep_row, resolve};
 use crate::rows::{part, part_mut, take};
 use crate::shade::Shader;
@@ -154,6 +155,17 @@ impl Meeting {
         // Not `clamp`, which may panic.
         (row.min(last).max(0) as usize, (row + 1).min(last).max(0) as usize)
     }
+
+    /// Interpolates between two rows and then along the result, by way of `between` where that suits the machine.
+    #[inline(always)]
+    fn yx_row<P: Precision>(&self, a: &[i32], b: &[i32], between: &mut [i32], out: &mut [i32]) {
+        if SCALAR {
+            yx_row::<P>(a, b, [self.x.weight, self.y.weight], out);
+        } else {
+            y_row::<P>(a, b, self.y.weight, between);
+            x_row::<P>(between, self.x.weight, out);
+        }
+    }
 }
 
 /// Calls `visit` for every row of the image that the plane meets: number of the row, its elements, and the voxel row
@@ -238,14 +250,11 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
         self.make_z(meeting, window, next);
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
-        y_row::<P>(pick(row), pick(next), meeting.y.weight, self.y);
+        let (a, b) = (pick(row), pick(next));
         if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
-            if LIT {
-                x_row::<P>(self.y, meeting.x.weight, out);
-            } else {
-                let voxels = 1..self.y.len().saturating_sub(1);
-                x_row::<P>(part(self.y, voxels.clone()), meeting.x.weight, part_mut(out, voxels));
-            }
+            let places = if LIT { 0..a.len() } else { 1..a.len().saturating_sub(1) };
+            let [a, b] = [a, b].map(|row| part(row, places.clone()));
+            meeting.yx_row::<P>(a, b, part_mut(self.y, places.clone()), part_mut(out, places));
             *key = row;
         }
     }
@@ -533,8 +542,7 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
             let (near, far) = (near.columns(columns.clone()), far.columns(columns.clone()));
             z_difference_row::<P>(near, far, meeting.z.weight, out);
         }
-        y_row::<P>(a, b, meeting.y.weight, y);
-        x_row::<P>(y, meeting.x.weight, gz);
+        meeting.yx_row::<P>(a, b, y, gz);
 
         let [fx, fy, fz] = plan.spacing();
         space_row(gx, fx);

@@ -42,25 +42,51 @@ const fn upper15(g: i32, f: i32) -> i32 {
     (((g << 2) as i64 * (f << 15) as i64 + (1 << 31)) >> 32) as i32
 }
 
-/// `floor((d * f + 2^(bits - 1)) / 2^bits)`: 0 <= f < 2^bits, bits 1 to 15.
+/// `(a << 16) + (b - a) w`, exact: |a|, |b| < 2^14, 0 <= w < 2^16.
 #[inline(always)]
-pub(crate) fn part(d: i32, f: i32, bits: u32) -> i32 {
+pub(crate) fn between16(a: i32, b: i32, w: i32) -> i32 {
     if SCALAR {
-        whole_part(d, f, bits)
+        two_products(a, b, w)
     } else {
-        split_part(d, f, bits)
+        one_product(a, b, w)
     }
 }
 
 #[inline(always)]
-fn split_part(d: i32, f: i32, bits: u32) -> i32 {
-    let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
-    (((d >> 16) * f) << (16 - bits)) + low
+fn one_product(a: i32, b: i32, w: i32) -> i32 {
+    (a << 16) + (b - a) * w
+}
+
+/// Where a product and a sum are one instruction.
+#[inline(always)]
+fn two_products(a: i32, b: i32, w: i32) -> i32 {
+    a * ((1 << 16) - w) + b * w
+}
+
+/// `a + floor(((b - a) f + 2^(bits - 1)) / 2^bits)`: |b - a| < 2^31, 0 <= f < 2^bits, bits 1 to 15.
+#[inline(always)]
+pub(crate) fn mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
+    if SCALAR {
+        upper_mix(a, b, f, bits)
+    } else {
+        split_mix(a, b, f, bits)
+    }
 }
 
 #[inline(always)]
-fn whole_part(d: i32, f: i32, bits: u32) -> i32 {
-    ((i64::from(d) * i64::from(f) + (1 << bits >> 1)) >> bits) as i32
+fn split_mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
+    let d = b.wrapping_sub(a) as i32;
+    let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
+    a.wrapping_add(((((d >> 16) * f) << (16 - bits)) + low) as u32)
+}
+
+/// The fraction as a signed number that fills 32 bits: from one half on it counts backwards from b.
+#[inline(always)]
+fn upper_mix(a: u32, b: u32, f: i32, bits: u32) -> u32 {
+    let f = f << (32 - bits);
+    let (end, d) = (if f < 0 { b } else { a }, b.wrapping_sub(a) as i32);
+    let sum = (i64::from(end as i32) << 32).wrapping_add(i64::from(d) * i64::from(f) + (1 << 31));
+    (sum >> 32) as u32
 }
 
 #[cfg(test)]
@@ -92,9 +118,21 @@ mod tests {
 
     proptest! {
         #[test]
-        fn both_parts_are_the_same_bits(d in any::<i32>(), f in 0i32..1 << 15, bits in prop_oneof![Just(12u32), Just(15)]) {
-            let f = f & ((1 << bits) - 1);
-            prop_assert_eq!(split_part(d, f, bits), whole_part(d, f, bits));
+        fn both_mixes_are_the_same_bits(
+            a in 0u32..=1 << 31, b in 0u32..=1 << 31, f in 0i32..1 << 15, bits in prop_oneof![Just(12u32), Just(15)],
+        ) {
+            // Two values that are 2^31 apart do not occur: no entry is quite opaque.
+            let (b, f) = (b.min(a.saturating_add((1 << 31) - 1)), f & ((1 << bits) - 1));
+            let a = a.min(b.saturating_add((1 << 31) - 1));
+            let product = (i64::from(b) - i64::from(a)) * i64::from(f);
+            let exact = i64::from(a) + ((product + (1 << bits >> 1)) >> bits);
+            prop_assert_eq!(i64::from(split_mix(a, b, f, bits)), exact);
+            prop_assert_eq!(i64::from(upper_mix(a, b, f, bits)), exact);
+        }
+
+        #[test]
+        fn both_ways_between_are_the_same_bits(a in -8190i32..=8190, b in -8190i32..=8190, w in 0i32..65536) {
+            prop_assert_eq!(one_product(a, b, w), two_products(a, b, w));
         }
     }
 

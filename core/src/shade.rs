@@ -296,9 +296,10 @@ impl<P: Precision> Phong<P> {
         }
         let mut out = [0; 3];
         for (((o, c), d), s) in out.iter_mut().zip(colour).zip(diffuse).zip(specular) {
-            let m = (d.saturating_add(1 << 14) >> 15).min(1 << 16);
-            let sum = (c * m).saturating_add(s).saturating_add(1 << 15);
-            *o = (sum >> 16).min(1 << 15);
+            let m = (d.min(1 << 31) + (1 << 14)) >> 15;
+            // O m and as much of the highlight as there is room for below 1.
+            let diffuse = c * m;
+            *o = (diffuse + s.min((1 << 31) - diffuse) + (1 << 15)) >> 16;
         }
         out
     }
@@ -407,7 +408,9 @@ pub fn dot<P: Precision>(normal: Normal, vector: [i32; 3]) -> Cosine {
                 ((sum.max(0) as u64 + (1 << 8)) >> 9, 25)
             };
             let product = d * u64::from(normal.r) + (1 << (cut - 1));
-            Cosine::from_bits((product >> cut).min(1 << 31) as u32)
+            // At least 1 where the upper half says so: 2^31 after the cut.
+            let beyond = (product >> 32) as u32 >= 1 << (cut - 1);
+            Cosine::from_bits(if beyond { 1 << 31 } else { (product >> cut) as u32 })
         }
         NormalForm::Formed(bits) => {
             let mut sum = 0i32;
@@ -455,9 +458,14 @@ fn reflected_off<P: Precision>(nv: Cosine, nl: Cosine, vl: i64) -> Cosine {
 pub fn power<P: Precision>(x: Cosine, n: u32) -> Cosine {
     match P::SHADING {
         Shading::Rounded16 | Shading::Rounded31 => {
+            if x == Cosine::ONE {
+                return x;
+            }
+            // Twice the square, whose upper half is rounded by the top bit of the lower.
             let mut x = x.to_bits();
             for _ in 0..n {
-                x = ((u64::from(x) * u64::from(x) + (1 << 30)) >> 31) as u32;
+                let square = u64::from(x << 1) * u64::from(x);
+                x = (square >> 32) as u32 + (square as u32 >> 31);
             }
             Cosine::from_bits(x)
         }
@@ -603,6 +611,44 @@ mod tests {
             let normal = normalise([g[0], g[1], depth]);
             within::<Compact>(&make(&scene), normal, [0; 3], 1.0)?;
             within::<Wide>(&make(&scene), normal, [0; 3], 4.0 + 4.25 * 256.0)?;
+        }
+
+        #[test]
+        fn powers_are_rounded_squares(x in prop_oneof![0u32..=1 << 31, (1 << 31) - 9..=1u32 << 31], n in 0u32..=8) {
+            let squared = (0..n).fold(u64::from(x), |x, _| (x * x + (1 << 30)) >> 31);
+            prop_assert_eq!(u64::from(power::<Compact>(Cosine::from_bits(x), n).to_bits()), squared);
+        }
+
+        /// Vectors of any length, too: a product beyond 1 is 1.
+        #[test]
+        fn dots_are_rounded_and_clamped(g in prop::array::uniform3(-32767i32..=32767), v in prop::array::uniform3(-32768i32..=32768)) {
+            let normal = normalise(g);
+            let sum: i64 = normal.g.iter().zip(v).map(|(g, l)| -i64::from(*g) * i64::from(l)).sum();
+            prop_assume!(i32::try_from(sum).is_ok());
+            let exact = (sum.max(0) * i64::from(normal.r) + (1 << 18)) >> 19;
+            prop_assert_eq!(i64::from(dot::<Compact>(normal, v).to_bits()), exact.min(1 << 31));
+            let fine: i64 = sum.max(0) << 15;
+            let exact = (((fine + (1 << 8)) >> 9) * i64::from(normal.r) + (1 << 24)) >> 25;
+            prop_assert_eq!(i64::from(dot::<Wide>(normal, v.map(|c| c << 15)).to_bits()), exact.min(1 << 31));
+        }
+
+        #[test]
+        fn sums_of_lights_are_clamped(
+            c in 0u32..=1 << 15, ambient in 0u32..=1 << 31, lights in 0usize..=8, k in 0u32..=1 << 31, out in any::<bool>(),
+        ) {
+            // The light and the eye straight ahead of the surface, or behind it: x and y are 1 or 0.
+            let ahead = unit([0.0, 0.0, -1.0]);
+            let k = Coefficient::from_bits(k);
+            let light = Light { direction: ahead, half: ahead, diffuse: [k; 3], specular: [k; 3] };
+            let ambient = Coefficient::from_bits(ambient);
+            let phong =
+                Phong::<Compact>::new([ambient; 3], &std::vec![light; lights], ahead, Highlight::HalfVector, 0).unwrap();
+            let normal = Normal { g: [0, 0, if out { -1 } else { 1 } << 14], r: 1 << 21 };
+            let x = if out { 0 } else { 1u64 << 16 };
+            let sum = lights as u64 * u64::from(keep::<Compact>(k)) * x;
+            let m = (((u64::from(keep::<Compact>(ambient)) << 16) + sum + (1 << 14)) >> 15).min(1 << 16);
+            let expected = ((u64::from(c) * m + sum + (1 << 15)) >> 16).min(1 << 15);
+            prop_assert_eq!(phong.shade(normal, [c; 3]).map(u64::from), [expected; 3]);
         }
 
         #[test]
