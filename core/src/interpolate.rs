@@ -28,11 +28,6 @@ fn cut<P: Precision>(weight: Weight) -> i32 {
 }
 
 #[inline(always)]
-fn lerp_z<V: Lanes>(near: V, far: V, w: V) -> V {
-    (near << 16) + (far - near) * w
-}
-
-#[inline(always)]
 fn lerp_y<P: Precision, V: Lanes>(a: V, b: V, w: V) -> V {
     if P::LERP_BITS == 16 {
         a + (b - a).scale16(w, P::LERP_ROUNDING.bias(16))
@@ -55,17 +50,26 @@ pub fn trilinear<P: Precision>(voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3])
     let [near, far] = voxels;
     let [[n00, n01], [n10, n11]] = near.map(|row| row.map(i32::from));
     let [[f00, f01], [f10, f11]] = far.map(|row| row.map(i32::from));
-    let left = lerp_y::<P, i32>(lerp_z(n00, f00, wz), lerp_z(n10, f10, wz), wy);
-    let right = lerp_y::<P, i32>(lerp_z(n01, f01, wz), lerp_z(n11, f11, wz), wy);
+    let left = lerp_y::<P, i32>(n00.between16(f00, wz), n10.between16(f10, wz), wy);
+    let right = lerp_y::<P, i32>(n01.between16(f01, wz), n11.between16(f11, wz), wy);
     fixed::traits::Fixed::from_bits(lerp_x::<P, i32>(left, right, wx))
 }
 
 /// z interpolation of a row of voxels. `out`: s15.16, as long as the rows.
 #[inline(always)]
 pub fn z_row<P: Precision, V: Lanes>(near: &[u16], far: &[u16], weight: Weight, out: &mut [i32]) {
+    if weight == Weight::ZERO {
+        // A plane that lies in a slice: all of them at one plane a voxel.
+        for at in (0..out.len()).step_by(V::COUNT) {
+            (V::load_voxels(near, at) << 16).store(out, at);
+        }
+        return;
+    }
     let w = V::splat(cut::<P>(weight));
     for at in (0..out.len()).step_by(V::COUNT) {
-        lerp_z(V::load_voxels(near, at), V::load_voxels(far, at), w).store(out, at);
+        V::load_voxels(near, at)
+            .between16(V::load_voxels(far, at), w)
+            .store(out, at);
     }
 }
 
@@ -142,6 +146,13 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
     weight: Weight,
     out: &mut [i32],
 ) {
+    if weight == Weight::ZERO {
+        let scale = V::splat(near.scale << 16);
+        for at in (0..out.len()).step_by(V::COUNT) {
+            (near.lanes::<V>(at) * scale).store(out, at);
+        }
+        return;
+    }
     let w = V::splat(cut::<P>(weight));
     let scales = [near.scale, far.scale];
     for at in (0..out.len()).step_by(V::COUNT) {
@@ -151,7 +162,7 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
             a = a * V::splat(near.scale);
             b = b * V::splat(far.scale);
         }
-        lerp_z(a, b, w).store(out, at);
+        a.between16(b, w).store(out, at);
     }
 }
 
@@ -216,7 +227,9 @@ mod tests {
         }
 
         #[test]
-        fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>()) {
+        fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>(), in_slice in any::<bool>()) {
+            let [x, y, z] = w;
+            let w = [x, y, if in_slice { 0 } else { z }];
             rows::<Paper>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
             rows::<Compact>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
             rows::<Wide>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
