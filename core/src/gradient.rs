@@ -18,13 +18,13 @@
 //! Overflow: none, |G| <= 8190 * 2^15 < 2^28.01. State: none.
 
 use crate::format::Intensity;
-use crate::product::round15;
+use crate::lanes::Lanes;
 
 /// Difference of two rows of samples: `next - previous`. All rows equally long.
-#[inline]
-pub fn difference_row(next: &[i32], previous: &[i32], out: &mut [i32]) {
-    for ((o, &n), &p) in out.iter_mut().zip(next).zip(previous) {
-        *o = n - p;
+#[inline(always)]
+pub fn difference_row<V: Lanes>(next: &[i32], previous: &[i32], out: &mut [i32]) {
+    for at in (0..out.len()).step_by(V::COUNT) {
+        (V::load(next, at) - V::load(previous, at)).store(out, at);
     }
 }
 
@@ -32,16 +32,16 @@ pub fn difference_row(next: &[i32], previous: &[i32], out: &mut [i32]) {
 ///
 /// Range: |G| < 2^29, f <= 1.
 #[inline(always)]
-pub const fn space(component: i32, factor: Intensity) -> i32 {
-    round15(component, factor.to_bits() as i32)
+pub fn space<V: Lanes>(component: V, factor: Intensity) -> V {
+    component.round15(V::splat(i32::from(factor.to_bits())))
 }
 
 /// Applies [`space`] along a row; a factor of 1 leaves it alone.
-#[inline]
-pub fn space_row(row: &mut [i32], factor: Intensity) {
+#[inline(always)]
+pub fn space_row<V: Lanes>(row: &mut [i32], factor: Intensity) {
     if factor != Intensity::ONE {
-        for g in row {
-            *g = space(*g, factor);
+        for at in (0..row.len()).step_by(V::COUNT) {
+            space(V::load(row, at), factor).store(row, at);
         }
     }
 }
@@ -50,24 +50,30 @@ pub fn space_row(row: &mut [i32], factor: Intensity) {
 /// magnitudes, saturated. 15 bits are all that normalisation reads. For studies ([`Precision::GRADIENT_BITS`]).
 ///
 /// [`Precision::GRADIENT_BITS`]: crate::precision::Precision::GRADIENT_BITS
-#[inline]
-pub fn coarsen(gradient: [i32; 3], bits: u32) -> [i32; 3] {
-    let [x, y, z] = gradient.map(i32::unsigned_abs);
-    let cut = (32 - (x | y | z).leading_zeros()).saturating_sub(bits);
-    let half = (1u32 << cut) >> 1;
-    gradient.map(|c| {
-        let kept = (c.unsigned_abs() + half) >> cut;
-        let magnitude = (kept.min((1 << bits) - 1) << cut) as i32;
-        if c < 0 { -magnitude } else { magnitude }
-    })
+#[inline(always)]
+pub fn coarsen<V: Lanes>(gradient: [V; 3], bits: u32) -> [V; 3] {
+    let [x, y, z] = gradient;
+    let zero = V::splat(0);
+    let cut = (V::splat(32 - bits as i32) - (x.abs() | y.abs() | z.abs()).leading_zeros()).at_least(zero);
+    [coarse(x, cut, bits), coarse(y, cut, bits), coarse(z, cut, bits)]
+}
+
+#[inline(always)]
+fn coarse<V: Lanes>(c: V, cut: V, bits: u32) -> V {
+    let half = V::splat(1).shl_each(cut).shr_unsigned(1);
+    let kept = (c.abs() + half).shr_each(cut).at_most(V::splat((1 << bits) - 1));
+    kept.shl_each(cut).with_sign_of(c)
 }
 
 /// Applies [`coarsen`] along rows, in place. All rows equally long.
-#[inline]
-pub fn coarsen_row(g: [&mut [i32]; 3], bits: u32) {
+#[inline(always)]
+pub fn coarsen_row<V: Lanes>(g: [&mut [i32]; 3], bits: u32) {
     let [x, y, z] = g;
-    for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
-        [*x, *y, *z] = coarsen([*x, *y, *z], bits);
+    for at in (0..x.len()).step_by(V::COUNT) {
+        let [a, b, c] = coarsen([V::load(x, at), V::load(y, at), V::load(z, at)], bits);
+        a.store(x, at);
+        b.store(y, at);
+        c.store(z, at);
     }
 }
 

@@ -5,6 +5,7 @@
 //! never read again).
 
 use crate::format::VOXEL_MAX;
+use crate::lanes::SMALL;
 
 /// Smallest and largest voxel of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,10 +30,21 @@ impl RowRange {
     }
 
     fn of(row: &[u16]) -> Self {
-        row.iter().fold(Self::EMPTY, |r, &v| Self {
-            low: r.low.min(v),
-            high: r.high.max(v),
-        })
+        if SMALL {
+            return Self::of_pairs(row);
+        }
+        row.iter().fold(Self::EMPTY, |r, &v| r.union(Self { low: v, high: v }))
+    }
+
+    /// Two at a time, which are ordered first: three comparisons in place of four.
+    fn of_pairs(row: &[u16]) -> Self {
+        let (pairs, rest) = row.as_chunks::<2>();
+        let rest = rest.iter().map(|&v| Self { low: v, high: v });
+        let pairs = pairs.iter().map(|&[a, b]| {
+            let (low, high) = if a < b { (a, b) } else { (b, a) };
+            Self { low, high }
+        });
+        pairs.chain(rest).fold(Self::EMPTY, Self::union)
     }
 }
 
@@ -221,6 +233,22 @@ impl<'a> Window<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ranges_are_found_in_pairs_too() {
+        let row: std::vec::Vec<u16> = (0..40u16).map(|i| i.wrapping_mul(24_593) >> 4).collect();
+        for first in 0..34 {
+            for len in 0..7 {
+                let row = &row[first..(first + len).min(row.len())];
+                let (low, high) = (row.iter().copied().min(), row.iter().copied().max());
+                let expected = RowRange {
+                    low: low.unwrap_or(u16::MAX),
+                    high: high.unwrap_or(0),
+                };
+                assert_eq!((RowRange::of(row), RowRange::of_pairs(row)), (expected, expected));
+            }
+        }
+    }
 
     #[test]
     fn a_strided_slice_is_measured_row_by_row() {

@@ -250,8 +250,10 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         // Where a slice is refused its slot is left with wrong ranges, but the next good one overwrites them.
         Slice::measure(voxels, width, height, width, ranges.unwrap_or(&mut []))?;
         let kept = self.memory.slices.get_mut(slot * len..(slot + 1) * len);
-        for (to, from) in kept.unwrap_or(&mut []).iter_mut().zip(voxels) {
-            *to = *from;
+        if let Some(kept) = kept
+            && kept.len() == len
+        {
+            kept.copy_from_slice(voxels);
         }
         self.pushed += 1;
         self.fold_ready(tap);
@@ -311,7 +313,8 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                         first: self.first,
                         data,
                     };
-                    self.pipeline.fold(&self.plan, &plane, &window, rows, scratch, tap);
+                    self.pipeline
+                        .fold::<i32, T>(&self.plan, &plane, &window, rows, scratch, tap);
                 }
             }
             self.folded += 1;

@@ -12,17 +12,17 @@ use crate::toolchain::{build, need_program};
 const LIMIT: Duration = Duration::from_secs(120);
 const WARNINGS: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
-/// Builds and runs the example on an Arm machine; returns the number of failures.
+/// Builds and runs the example on a machine; returns the number of failures.
 ///
 /// # Errors
 /// If it cannot be built.
 pub fn on_machine(workshop: &Workshop, machine: &Machine, library: &Path) -> Result<u32, Failure> {
-    need_program("arm-none-eabi-gcc")?;
+    need_program(machine.gcc)?;
     let program = workshop.directory().join(format!("{}-c.elf", machine.name));
     let sources = workshop.root.join("host-tests/firmware");
-    let mut command = Command::new("arm-none-eabi-gcc");
+    let mut command = Command::new(machine.gcc);
     command
-        .args(machine.gcc)
+        .args(machine.gcc_flags)
         .args(WARNINGS)
         .args(["-O2", "-ffreestanding", "-nostdlib", "-Wl,--gc-sections"]);
     command

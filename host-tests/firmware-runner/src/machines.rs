@@ -15,8 +15,10 @@ pub struct Machine {
     pub target: &'static str,
     /// The compiler's name of the processor, where the target does not say it all.
     pub cpu: Option<&'static str>,
-    /// The same for `arm-none-eabi-gcc`.
-    pub gcc: &'static [&'static str],
+    /// The C compiler,
+    pub gcc: &'static str,
+    /// and what it calls the processor.
+    pub gcc_flags: &'static [&'static str],
     /// Whether f32 is the machine's own.
     pub hard_float: bool,
 }
@@ -29,7 +31,8 @@ pub const MACHINES: [Machine; 5] = [
         qemu: "qemu-system-arm",
         target: "thumbv7m-none-eabi",
         cpu: None,
-        gcc: &["-mcpu=cortex-m3", "-mthumb"],
+        gcc: "arm-none-eabi-gcc",
+        gcc_flags: &["-mcpu=cortex-m3", "-mthumb"],
         hard_float: false,
     },
     Machine {
@@ -38,7 +41,8 @@ pub const MACHINES: [Machine; 5] = [
         qemu: "qemu-system-arm",
         target: "thumbv7em-none-eabihf",
         cpu: Some("cortex-m4"),
-        gcc: &["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard"],
+        gcc: "arm-none-eabi-gcc",
+        gcc_flags: &["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard"],
         hard_float: true,
     },
     Machine {
@@ -47,7 +51,8 @@ pub const MACHINES: [Machine; 5] = [
         qemu: "qemu-system-arm",
         target: "thumbv7em-none-eabihf",
         cpu: Some("cortex-m7"),
-        gcc: &["-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=hard"],
+        gcc: "arm-none-eabi-gcc",
+        gcc_flags: &["-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=hard"],
         hard_float: true,
     },
     Machine {
@@ -56,7 +61,8 @@ pub const MACHINES: [Machine; 5] = [
         qemu: "qemu-system-arm",
         target: "thumbv8m.main-none-eabihf",
         cpu: Some("cortex-m33"),
-        gcc: &["-mcpu=cortex-m33", "-mthumb", "-mfloat-abi=hard"],
+        gcc: "arm-none-eabi-gcc",
+        gcc_flags: &["-mcpu=cortex-m33", "-mthumb", "-mfloat-abi=hard"],
         hard_float: true,
     },
     Machine {
@@ -65,7 +71,8 @@ pub const MACHINES: [Machine; 5] = [
         qemu: "qemu-system-riscv32",
         target: "riscv32imac-unknown-none-elf",
         cpu: None,
-        gcc: &[],
+        gcc: "riscv64-unknown-elf-gcc",
+        gcc_flags: &["-march=rv32imac_zicsr", "-mabi=ilp32"],
         hard_float: false,
     },
 ];

@@ -59,6 +59,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let machines = chosen(&arguments.machines)?;
     for machine in &machines {
         need_program(machine.qemu)?;
+        need_program(machine.gcc)?;
     }
     let root = root()?;
     let directory = root.join("target/firmware");
@@ -93,9 +94,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         failed += queue(&programs, machine, &references)?;
         let library = proofs::library(&workshop.toolchain, &workshop.root, machine.target, machine.cpu)?;
         failed += proofs::prove(&workshop, machine, &library)?;
-        if machine.is_arm() {
-            failed += c::on_machine(&workshop, machine, &library)?;
-        }
+        failed += c::on_machine(&workshop, machine, &library)?;
     }
     failed += c::on_host(&workshop)?;
     for target in BUILT_ONLY {
@@ -152,7 +151,7 @@ fn bits(programs: &Path, machine: &Machine, references: &References) -> Result<u
     let finished = execute(machine, &programs.join("bits"), false)?;
     let report: Report = parse(&finished.out)?;
     let mut failed = 0;
-    for scene in ["small", "large"] {
+    for scene in ["small", "large", "dense"] {
         for kind in Kind::all() {
             let (host, _) = &references[&(scene, kind)];
             let name = format!("{scene} {}", kind.name());

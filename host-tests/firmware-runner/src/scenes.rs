@@ -363,8 +363,8 @@ pub fn source(scenes: &[Named], image_sum: impl Fn(&Named, Kind) -> u32) -> Resu
         );
     }
     out.push_str(
-        "/// The scenes whose bits are compared.\npub static SCENES: [&SceneData; 2] = [SMALL, LARGE];\n\
-         /// The sums that their images must have.\npub static EXPECTED: [[u32; 6]; 2] = [SMALL_EXPECTED, LARGE_EXPECTED];\n\
+        "/// The scenes whose bits are compared.\npub static SCENES: [&SceneData; 3] = [SMALL, LARGE, DENSE];\n\
+         /// The sums that their images must have.\npub static EXPECTED: [[u32; 6]; 3] = [SMALL_EXPECTED, LARGE_EXPECTED, DENSE_EXPECTED];\n\
          /// The scenes whose cost is measured.\npub static COSTED: [&SceneData; 2] = [DENSE, LARGE];\n",
     );
     Ok(out)

@@ -32,10 +32,11 @@ pub struct Toolchain {
 }
 
 /// Names of the packages that provide what a command needs.
-const PACKAGES: [(&str, &str); 3] = [
+const PACKAGES: [(&str, &str); 4] = [
     ("qemu-system-arm", "qemu-system-arm"),
     ("qemu-system-riscv32", "qemu-system-misc"),
     ("arm-none-eabi-gcc", "gcc-arm-none-eabi"),
+    ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf"),
 ];
 
 /// Makes sure that a program is there, installing its Debian package where that can be done.

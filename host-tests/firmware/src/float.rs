@@ -1,7 +1,7 @@
 //! The same pipeline in f32, for comparison: what an engineer would write for a machine with floating point. The stages,
 //! their order, their row structure and what they skip are those of slicecast; only the numbers differ.
 
-use slicecast::classify::{ENTRIES, intensity_of_byte, opacity_of_root};
+use slicecast::classify::{ENTRIES, opacity_of_root};
 use slicecast::locate::{Plane, cell, plane};
 use slicecast::plan::{Phase, Plan};
 use slicecast_firmware_shared::scene::{Lighting, SceneData};
@@ -72,13 +72,13 @@ pub fn render(scene: &SceneData, lit: bool, b: &mut Buffers, mark: &mut impl FnM
     let Ok(plan) = scene.plan() else { return false };
     for (t, (entry, low)) in b.table.iter_mut().zip(scene.entries16.iter().zip(scene.plane16)) {
         let [red, green, blue, high] = entry.to_le_bytes();
-        let part = |c: u8| f32::from(intensity_of_byte(c).to_bits()) / 32768.0;
+        let part = |c: u8| f32::from(c) / 255.0;
         let opacity = opacity_of_root(u16::from_be_bytes([high, *low])).to_bits() as f32 / 2_147_483_648.0;
         *t = [part(red), part(green), part(blue), opacity];
     }
     b.image.fill([0.0, 0.0, 0.0, 1.0]);
-    let unit = |v: [i32; 3]| v.map(|c| c as f32 / 32768.0);
-    let share = |v: [u16; 3]| v.map(|c| f32::from(c) / 32768.0);
+    let unit = |v: [i32; 3]| v.map(|c| c as f32 / 1_073_741_824.0);
+    let share = |v: [u32; 3]| v.map(|c| c as f32 / 2_147_483_648.0);
     let Lighting {
         ambient,
         viewer,

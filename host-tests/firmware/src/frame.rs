@@ -43,21 +43,27 @@ pub fn measure<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, Cha
     sum.get()
 }
 
-/// The program of one pipeline.
+/// The program of one pipeline: precision, shader, and a channel of its image that is 0.
 #[macro_export]
 macro_rules! frame_program {
-    ($precision:ty, $shader:ty, $channel:ty, $zero:expr, $slices:literal, $rows:literal) => {
+    ($precision:ty, $shader:ty, $zero:expr) => {
+        use slicecast::plane::{ChannelOf, Pipeline};
         use slicecast_firmware::memory::Reserved;
         use slicecast_firmware::{frame, machine, scenes, stack};
+        use slicecast_firmware_shared::scene::PipelineOf;
 
         #[cfg(target_arch = "arm")]
         use cortex_m_rt::entry;
         #[cfg(target_arch = "riscv32")]
         use riscv_rt::entry;
 
-        static MEMORY: static_cell::ConstStaticCell<
-            Reserved<$channel, { $slices * 64 * 64 }, { $slices * 64 }, { $rows * 66 }, { 4 * 128 * 128 }>,
-        > = static_cell::ConstStaticCell::new(Reserved::new($zero));
+        type Frame = PipelineOf<'static, $precision, $shader>;
+        const SLICES: usize = <Frame as Pipeline>::SLICES;
+        const ROWS: usize = <Frame as Pipeline>::SCRATCH_ROWS;
+        type Lent =
+            Reserved<ChannelOf<$precision>, { SLICES * 64 * 64 }, { SLICES * 64 }, { ROWS * 66 }, { 4 * 128 * 128 }>;
+
+        static MEMORY: static_cell::ConstStaticCell<Lent> = static_cell::ConstStaticCell::new(Reserved::new($zero));
 
         #[entry]
         fn main() -> ! {

@@ -310,9 +310,9 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
             };
             let fixed = match P::NORMAL {
                 NormalForm::Deferred => normal.g.map(|g| -f64::from(g) * f64::from(normal.r) * 2f64.powi(-35)),
-                NormalForm::Formed(bits) => formed(normal, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32))),
+                NormalForm::Formed(bits) => formed(normal.g, r, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32))),
                 NormalForm::Nearest(bits) => {
-                    formed_nearest(normal, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32)))
+                    formed_nearest(normal.g, r, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32)))
                 }
             };
             self.normals.push(fixed);

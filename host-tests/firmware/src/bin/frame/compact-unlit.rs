@@ -2,10 +2,4 @@
 #![no_std]
 #![no_main]
 
-slicecast_firmware::frame_program!(
-    slicecast::precision::Compact,
-    slicecast::shade::Unlit,
-    slicecast::composite::Unorm16, slicecast::composite::Unorm16(0),
-    2,
-    8
-);
+slicecast_firmware::frame_program!(slicecast::precision::Compact, slicecast::shade::Unlit, slicecast::composite::Unorm16(0));

@@ -2,10 +2,4 @@
 #![no_std]
 #![no_main]
 
-slicecast_firmware::frame_program!(
-    slicecast::precision::Paper,
-    slicecast::shade::Phong<slicecast::precision::Paper>,
-    u16,
-    4,
-    17
-);
+slicecast_firmware::frame_program!(slicecast::precision::Paper, slicecast::shade::Phong<slicecast::precision::Paper>, 0);

@@ -2,10 +2,4 @@
 #![no_std]
 #![no_main]
 
-slicecast_firmware::frame_program!(
-    slicecast::precision::Wide,
-    slicecast::shade::Phong<slicecast::precision::Wide>,
-    u32,
-    4,
-    17
-);
+slicecast_firmware::frame_program!(slicecast::precision::Wide, slicecast::shade::Phong<slicecast::precision::Wide>, 0);

@@ -2,4 +2,4 @@
 #![no_std]
 #![no_main]
 
-slicecast_firmware::frame_program!(slicecast::precision::Wide, slicecast::shade::Unlit, u32, 0, 2, 8);
+slicecast_firmware::frame_program!(slicecast::precision::Wide, slicecast::shade::Unlit, 0);
