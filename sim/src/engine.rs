@@ -41,6 +41,9 @@ pub enum RenderError {
         /// What this program allows.
         limit: u64,
     },
+    /// A projection has no integral.
+    #[error("a projection keeps one sample a ray; the converged integral is that of a composited scene")]
+    Projection,
     /// The threads could not be started.
     #[error("the threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -210,7 +213,6 @@ pub fn fold_tiles<L: Pipeline, T: Tap + Send>(
     let row_len = L::CHANNELS * base_width as usize;
     let tile_rows = tile_rows.clamp(1, base_height as usize);
     let [slice_width, _, _] = plan.dims();
-    let planes = plan.planes();
     let tiles_per_phase = (base_height as usize).div_ceil(tile_rows);
     let total = tiles_per_phase * plan.phases() as usize;
     let done = std::sync::atomic::AtomicUsize::new(0);
@@ -230,23 +232,37 @@ pub fn fold_tiles<L: Pipeline, T: Tap + Send>(
                     rows: (data.len() / row_len) as u32,
                 };
                 let mut tap = tap(tile);
-                let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
-                for step in 0..planes {
-                    let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
-                    let plane = plane(plan, plan.phase(phase), index);
-                    if let Some(window) = Window::at(cell(plane.z).index, slice) {
-                        let rows = Rows {
-                            first: tile.first,
-                            data: &mut *data,
-                        };
-                        pipeline.fold::<i32, T>(plan, &plane, &window, rows, scratch, &mut tap);
-                    }
-                }
+                fold_tile(plan, pipeline, slices, tile, data, scratch, &mut tap);
                 progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
                 tap
             },
         )
         .collect()
+}
+
+/// Folds all planes into the rows of a tile, under a tap. `scratch` holds at least [`scratch_len`] words.
+pub fn fold_tile<L: Pipeline, T: Tap>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    tile: Tile,
+    data: &mut [L::Element],
+    scratch: &mut [i32],
+    tap: &mut T,
+) {
+    let planes = plan.planes();
+    let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
+    for step in 0..planes {
+        let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
+        let plane = plane(plan, plan.phase(tile.phase), index);
+        if let Some(window) = Window::at(cell(plane.z).index, slice) {
+            let rows = Rows {
+                first: tile.first,
+                data: &mut *data,
+            };
+            pipeline.fold::<i32, T>(plan, &plane, &window, rows, scratch, tap);
+        }
+    }
 }
 
 /// Renders through the stream layer, one slice at a time.

@@ -2,12 +2,15 @@
 
 mod compare;
 mod default;
+mod explain;
+mod hard;
 mod inputs;
 mod inspect;
 mod output;
 mod plan;
 mod progress;
 mod render;
+mod report;
 mod sweep;
 mod sweep_table;
 mod table;
@@ -92,6 +95,9 @@ enum Command {
     Turntable(turntable::Args),
     Sweep(sweep::Args),
     SweepMerge(sweep::MergeArgs),
+    Hard(hard::Args),
+    Explain(explain::Args),
+    Report(report::Args),
 }
 
 impl Cli {
@@ -107,6 +113,9 @@ impl Cli {
             Some(Command::Turntable(args)) => args.run(),
             Some(Command::Sweep(args)) => args.run(),
             Some(Command::SweepMerge(args)) => args.run(),
+            Some(Command::Hard(args)) => args.run(),
+            Some(Command::Explain(args)) => args.run(),
+            Some(Command::Report(args)) => args.run(),
         }
     }
 }

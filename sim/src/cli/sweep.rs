@@ -105,7 +105,7 @@ pub struct Args {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "vary")]
     only: Vec<String>,
     /// Frames of each configuration that are timed; the fastest counts.
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
     /// Threads that render the frames that are timed.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]

@@ -1,10 +1,10 @@
 //! Error figures as text tables.
 
 use comfy_table::{CellAlignment, Table, presets};
-use slicecast_sim::compare::Comparison;
 use slicecast_sim::compare::image::ImageFigures;
 use slicecast_sim::compare::stages::StageReport;
 use slicecast_sim::compare::statistics::Figures;
+use slicecast_sim::compare::{Comparison, Split};
 
 /// An empty table under a header, its first column to the left, the others to the right.
 pub fn header(columns: &[&str]) -> Table {
@@ -123,5 +123,14 @@ pub fn image_lines(name: &str, comparison: &Comparison) -> [(String, ImageFigure
     [
         (format!("{name}, base plane"), comparison.image),
         (format!("{name}, picture"), comparison.picture),
+    ]
+}
+
+/// The lines of a split error in [`images`].
+pub fn split_lines(split: &Split) -> [(String, ImageFigures); 3] {
+    [
+        ("arithmetic: pipeline, f64 at exact positions".into(), split.arithmetic),
+        ("algorithm: f64, converged integral".into(), split.algorithm),
+        ("both: pipeline, converged integral".into(), split.both),
     ]
 }

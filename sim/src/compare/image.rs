@@ -68,6 +68,20 @@ pub fn base_figures(fixed: &BaseImage, model: &ModelImage) -> ImageFigures {
     sums.figures()
 }
 
+/// Compares two models' base-plane images: premultiplied colour.
+pub fn model_figures(first: &ModelImage, second: &ModelImage) -> ImageFigures {
+    let mut sums = Sums::default();
+    for index in 0..second.t.len() {
+        if first.t[index] == 1.0 && second.t[index] == 1.0 {
+            continue;
+        }
+        for c in 0..3 {
+            sums.add(first.rgb[c][index] * 255.0, second.rgb[c][index] * 255.0);
+        }
+    }
+    sums.figures()
+}
+
 /// Compares the viewer's pictures in front of a background, both as 8-bit values. `model` is warped.
 pub fn picture_figures(fixed: &Rgb, model: &ModelImage, background: [f64; 3]) -> ImageFigures {
     let mut sums = Sums::default();

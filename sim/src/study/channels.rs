@@ -5,7 +5,7 @@
 //! | [`Short`] | 1.F, F at most 15 | 2 | 2^F |
 //! | [`Packed`] | 1.F, F at most 23 | 3 | 2^F |
 //! | [`Long`] | 1.F, F at most 31 | 4 | 2^F |
-//! | [`Carry`] | 1.F, F at most 15, and the 16 bits below it | 4 | 2^F |
+//! | [`Carry`] | 1.F, F at most 15, and 16 bits below it | 4 | 2^(F + 16) |
 //! | [`Byte`] | 8 bits | 1 | 255 |
 //!
 //! Core's own are 1.15 (`u16`), `Unorm16` and 1.31 (`u32`).
@@ -129,34 +129,28 @@ impl<const F: u32> Binary for Packed<F> {
     const FRACTION: u32 = F;
 }
 
-/// 1.F and what its last rounding left over, in units of 2^-(F + 16). The picture is made of the value alone.
+/// 1.F in the upper 16 bits, and below it what its last rounding left over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Carry<const F: u32> {
-    /// The value, 1.F.
-    pub value: u16,
-    /// What was left over.
-    pub rest: u16,
+#[repr(transparent)]
+pub struct Carry<const F: u32>(u32);
+
+impl<const F: u32> Carry<F> {
+    /// One unit of the value.
+    pub const ULP: Self = Self(1 << 16);
 }
 
 impl<const F: u32> Channel for Carry<F> {
     const NAME: &'static str = name(F);
-    const ONE: Self = Self { value: 1 << F, rest: 0 };
-    const LEAST: Self = Self { value: 1, rest: 0 };
+    const ONE: Self = Self(1 << (F + 16));
+    const LEAST: Self = Self(1);
     #[inline(always)]
     fn bits(self) -> u32 {
-        u32::from(self.value)
+        self.0
     }
     #[inline(always)]
     fn from_bits(bits: u32) -> Self {
-        Self {
-            value: bits as u16,
-            rest: 0,
-        }
+        Self(bits)
     }
-}
-
-impl<const F: u32> Binary for Carry<F> {
-    const FRACTION: u32 = F;
 }
 
 /// Eight bits of which 255 is 1.0.
@@ -206,7 +200,7 @@ mod tests {
         holds::<Packed<16>>(3, 0..=65536);
         holds::<Packed<23>>(3, (0..=1 << 23).step_by(64));
         holds::<Long<16>>(4, 0..=65536);
-        holds::<Carry<12>>(4, 0..=4096);
+        holds::<Carry<12>>(4, (0..=1 << 28).step_by(1 << 14));
         holds::<Byte>(1, 0..=255);
     }
 }

@@ -2,22 +2,26 @@
 
 use std::time::{Duration, Instant};
 
-use slicecast::classify::Lookup;
-use slicecast::composite::FrontToBack;
+use rayon::prelude::*;
+use slicecast::classify::{Classifier, Lookup};
+use slicecast::composite::{Channel, FrontToBack};
 use slicecast::locate::plane;
 use slicecast::plan::Plan;
-use slicecast::plane::{Composite, Pipeline};
+use slicecast::plane::{ChannelOf, Composite, Pipeline, clear, scratch_len};
 use slicecast::precision::Precision;
 use slicecast::shade::{Shader, Unlit};
 use slicecast::slice::Slice;
-use slicecast::tap::NoTap;
+use slicecast::tap::{NoTap, Tap};
 
 use super::codes::Coded;
+use super::pixels::Described;
 use crate::camera::CameraError;
-use crate::compare::{Compare, Comparison};
-use crate::engine::{Prepared, RenderError, TILE_ROWS, fold_tiles, new_image};
-use crate::model::Model;
-use crate::pipelines::Job;
+use crate::compare::Tiles;
+use crate::compare::image::{ImageFigures, base_figures};
+use crate::compare::lockstep::Lockstep;
+use crate::compare::stages::{StageErrors, StageReport};
+use crate::engine::{BaseImage, Prepared, RenderError, TILE_ROWS, Tile, fold_tile};
+use crate::model::{Model, Pixel};
 use crate::table::{Correction, fill};
 
 /// A scene that configurations are run on.
@@ -31,28 +35,160 @@ pub struct Bench<'a> {
     pub slices: &'a [Slice<'a>],
 }
 
-/// The functions of a configuration: one instantiation each.
-#[derive(Clone, Copy, Debug)]
-pub struct Runner {
-    compare: fn(Bench<'_>) -> Result<Comparison, RenderError>,
-    time: fn(Bench<'_>) -> Result<Duration, RenderError>,
+/// What a comparison of a configuration found.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Errors of the base-plane image.
+    pub image: ImageFigures,
+    /// Errors of every stage.
+    pub stages: Vec<StageReport>,
+    /// The base-plane image.
+    pub base: BaseImage,
 }
 
-impl Runner {
-    /// Those of a pipeline type.
-    pub fn of<P: Precision, A: Coded, L: Lookup>() -> Self {
-        Self {
-            compare: |bench| with_pipeline::<P, A, L, _>(bench.prepared, bench.comparison())?,
-            time: |bench| with_pipeline::<P, A, L, _>(bench.prepared, Timing(bench))?,
+/// A tile of a configuration's image beside the model's.
+struct Compared {
+    tile: Tile,
+    /// Red, green, blue and transparency, row after row.
+    planes: [Vec<u32>; 4],
+    errors: StageErrors,
+    model: Vec<Pixel>,
+}
+
+/// A pipeline whose type is forgotten. What is behind it is compiled once a configuration and lighting: one tile with a
+/// tap and one without.
+trait Bound: Sync {
+    /// Name, 1.0 and shown bits of a channel.
+    fn format(&self) -> (&'static str, u32, u32);
+    /// Renders a tile and looks at nothing.
+    fn render(&self, bench: Bench<'_>, tile: Tile);
+    /// Renders a tile beside the model.
+    fn compare(&self, bench: Bench<'_>, tile: Tile) -> Compared;
+    /// The figures of what was gathered.
+    fn report(&self, errors: &StageErrors) -> Vec<StageReport>;
+}
+
+impl<L: Pipeline<Element = ChannelOf<<L as Pipeline>::Precision>>> Bound for L
+where
+    <L::Precision as Precision>::Pixel: Described,
+{
+    fn format(&self) -> (&'static str, u32, u32) {
+        let shown = <<L::Precision as Precision>::Pixel as Described>::SHOWN;
+        (L::Element::NAME, L::Element::ONE.bits(), shown)
+    }
+
+    fn render(&self, bench: Bench<'_>, tile: Tile) {
+        std::hint::black_box(fold(self, bench, tile, &mut NoTap));
+    }
+
+    fn compare(&self, bench: Bench<'_>, tile: Tile) -> Compared {
+        let blend = bench.prepared.scene.blend;
+        let mut lockstep = Lockstep::new::<L::Precision>(bench.model, &bench.prepared.setup, blend, tile);
+        let data = fold(self, bench, tile, &mut lockstep);
+        let (tile, errors, model) = lockstep.finish();
+        let mut planes = [const { Vec::new() }; 4];
+        let [width, _] = bench.prepared.setup.plan.base();
+        for (run, elements) in data.chunks(width as usize).enumerate() {
+            planes[run % 4].extend(elements.iter().map(|element| element.bits()));
         }
+        Compared {
+            tile,
+            planes,
+            errors,
+            model,
+        }
+    }
+
+    fn report(&self, errors: &StageErrors) -> Vec<StageReport> {
+        errors.report::<L::Precision>()
+    }
+}
+
+/// All planes of a tile.
+fn fold<L: Pipeline, T: Tap>(pipeline: &L, bench: Bench<'_>, tile: Tile, tap: &mut T) -> Vec<L::Element> {
+    let plan = &bench.prepared.setup.plan;
+    let [width, _] = plan.base();
+    let [slice_width, _, _] = plan.dims();
+    let mut data = vec![L::empty(0); L::CHANNELS * width as usize * tile.rows as usize];
+    clear::<L>(plan, &mut data);
+    let mut scratch = vec![0; scratch_len::<L>(slice_width)];
+    fold_tile(plan, pipeline, bench.slices, tile, &mut data, &mut scratch, tap);
+    data
+}
+
+/// The tiles of a frame.
+fn tiles(plan: &Plan) -> Vec<Tile> {
+    let [_, height] = plan.base();
+    let of_phase = |phase| {
+        (0..height).step_by(TILE_ROWS).map(move |first| Tile {
+            phase,
+            first,
+            rows: (TILE_ROWS as u32).min(height - first),
+        })
+    };
+    (0..plan.phases()).flat_map(of_phase).collect()
+}
+
+/// Lends a configuration's pipeline.
+type With = fn(&Prepared<'_>, &mut dyn FnMut(&dyn Bound)) -> Result<(), RenderError>;
+
+/// What runs a configuration.
+#[derive(Clone, Copy, Debug)]
+pub struct Runner(With);
+
+impl Runner {
+    /// That of a pipeline type.
+    pub fn of<P: Precision<Pixel: Described>, A: Coded, L: Lookup>() -> Self {
+        Self(with_pipeline::<P, A, L>)
+    }
+
+    fn with<R>(&self, prepared: &Prepared<'_>, work: impl FnOnce(&dyn Bound) -> R) -> Result<R, RenderError> {
+        let (mut work, mut result) = (Some(work), None);
+        (self.0)(prepared, &mut |bound| result = work.take().map(|work| work(bound)))?;
+        // What lends a pipeline without an error has called the function.
+        Ok(result.expect("a pipeline was lent"))
     }
 
     /// Every error, against the model.
     ///
     /// # Errors
     /// [`RenderError`] if the scene does not fit the pipeline.
-    pub fn compare(&self, bench: Bench<'_>) -> Result<Comparison, RenderError> {
-        (self.compare)(bench)
+    pub fn compare(&self, bench: Bench<'_>) -> Result<Measured, RenderError> {
+        let plan = &bench.prepared.setup.plan;
+        let ((format, one, shown), stages, compared) = self.with(bench.prepared, |bound| {
+            let tiles = tiles(plan);
+            let compared: Vec<_> = tiles.into_par_iter().map(|tile| bound.compare(bench, tile)).collect();
+            let mut errors = StageErrors::default();
+            compared.iter().for_each(|tile| errors.merge(&tile.errors));
+            (bound.format(), bound.report(&errors), compared)
+        })?;
+        let rays = plan.sampling().rays_per_voxel as usize;
+        let [width, _] = plan.base();
+        let size = bench.model.lattice().size;
+        let mut model = Tiles::new(size, width as usize, rays);
+        let mut planes = [(); 4].map(|()| vec![0; size[0] * size[1]]);
+        for tile in compared {
+            model.place(plan, tile.tile, &tile.model);
+            let phase = plan.phase(tile.tile.phase);
+            for (plane, bits) in planes.iter_mut().zip(&tile.planes) {
+                for (index, bits) in bits.iter().enumerate() {
+                    let u = index % width as usize * rays + phase.u as usize;
+                    let v = (index / width as usize + tile.tile.first as usize) * rays + phase.v as usize;
+                    plane[v * size[0] + u] = bits & shown;
+                }
+            }
+        }
+        let base = BaseImage {
+            size,
+            format,
+            one,
+            planes,
+        };
+        Ok(Measured {
+            image: base_figures(&base, &model.image()),
+            stages,
+            base,
+        })
     }
 
     /// How long one frame takes on rayon's current threads, from the first plane to the last: without filling the
@@ -61,64 +197,43 @@ impl Runner {
     /// # Errors
     /// As [`Runner::compare`].
     pub fn time(&self, bench: Bench<'_>) -> Result<Duration, RenderError> {
-        (self.time)(bench)
+        let tiles = tiles(&bench.prepared.setup.plan);
+        self.with(bench.prepared, |bound| {
+            let start = Instant::now();
+            tiles.into_par_iter().for_each(|tile| bound.render(bench, tile));
+            start.elapsed()
+        })
     }
 }
 
-impl<'a> Bench<'a> {
-    fn comparison(self) -> Compare<'a> {
-        Compare {
-            prepared: self.prepared,
-            model: self.model,
-            slices: self.slices,
-            progress: &|_, _| (),
-        }
-    }
-}
-
-/// Does a job with a configuration's pipeline.
-fn with_pipeline<P: Precision, A: Coded, L: Lookup, J: Job>(
+/// Lends the pipeline of a type.
+fn with_pipeline<P: Precision<Pixel: Described>, A: Coded, L: Lookup>(
     prepared: &Prepared<'_>,
-    job: J,
-) -> Result<J::Output, RenderError> {
+    work: &mut dyn FnMut(&dyn Bound),
+) -> Result<(), RenderError> {
     let (scene, setup) = (prepared.scene, &prepared.setup);
     let correction = Correction::Step(setup.step_length);
     let mapping = &prepared.volume.mapping;
     let filled = fill(&scene.transfer, mapping, correction, A::encode, A::decode);
     let table = A::classifier::<L>(&filled);
-    Ok(match &setup.material {
+    match &setup.material {
         Some(material) => {
             let phong = material.phong::<P>().map_err(CameraError::from)?;
-            job.run(&early(Composite::<P, _, _, FrontToBack>::new(table, phong), prepared))
+            work(&early(Composite::<P, _, _, FrontToBack>::new(table, phong), prepared));
         }
-        None => job.run(&early(Composite::<P, _, _, FrontToBack>::new(table, Unlit), prepared)),
-    })
+        None => work(&early(Composite::<P, _, _, FrontToBack>::new(table, Unlit), prepared)),
+    }
+    Ok(())
 }
 
 /// Ends rays early if the scene asks for it.
-fn early<P: Precision, C: slicecast::classify::Classifier<P>, S: Shader<P>>(
+fn early<P: Precision, C: Classifier<P>, S: Shader<P>>(
     pipeline: Composite<P, C, S, FrontToBack>,
     prepared: &Prepared<'_>,
 ) -> Composite<P, C, S, FrontToBack> {
     match prepared.scene.early_termination {
         Some(bits) => pipeline.with_early_termination(bits),
         None => pipeline,
-    }
-}
-
-struct Timing<'a>(Bench<'a>);
-
-impl Job for Timing<'_> {
-    type Output = Result<Duration, RenderError>;
-
-    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
-        let plan = &self.0.prepared.setup.plan;
-        let mut image = new_image::<L>(plan)?;
-        let start = Instant::now();
-        fold_tiles(plan, pipeline, self.0.slices, &mut image, TILE_ROWS, &|_, _| (), |_| {
-            NoTap
-        });
-        Ok(start.elapsed())
     }
 }
 

@@ -21,6 +21,7 @@ pub mod catalogue;
 pub mod channels;
 pub mod codes;
 pub mod formats;
+pub mod hard;
 pub mod measure;
 pub mod parameters;
 pub mod pareto;

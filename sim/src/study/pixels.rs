@@ -15,6 +15,7 @@ use std::marker::PhantomData;
 
 use slicecast::composite::{Channel, Dither, Dithered, Pixel, Recurrence, Telescoping31, Truncating15, Unorm16};
 use slicecast::format::Opacity;
+use slicecast::lanes::{Lanes, Wide};
 
 use super::channels::{Binary, Carry, Full, Short};
 
@@ -24,6 +25,8 @@ pub trait Described: Recurrence {
     const ROUNDING: &'static str;
     /// Bits of the channel: behind the point, or all of them where the largest code is 1.0.
     const BITS: u32;
+    /// The bits of a channel that make the picture; the others are the arithmetic's own.
+    const SHOWN: u32 = u32::MAX;
 }
 
 impl Described for Truncating15 {
@@ -48,9 +51,21 @@ impl<const F: u32> Described for Dithered<Short<F>> {
 
 /// `a b` with `bits` low bits cut off, or rounded to nearest, halves up.
 #[inline(always)]
-fn product<const ROUND: bool>(a: u32, b: u32, bits: u32) -> u32 {
-    let half = if ROUND { 1 << (bits - 1) } else { 0 };
-    ((u64::from(a) * u64::from(b) + half) >> bits) as u32
+fn product<V: Lanes, const ROUND: bool>(a: V, b: V, bits: u32) -> V {
+    let half = if ROUND { 1 << bits >> 1 } else { 0 };
+    (a.product(b) + V::Wide::splat(half)).shr(bits).narrow()
+}
+
+/// 1.0 of a channel.
+#[inline(always)]
+fn one<V: Lanes, C: Channel>() -> V {
+    V::splat(C::ONE.bits() as i32)
+}
+
+/// A sum that stops at 1.0.
+#[inline(always)]
+fn sum<V: Lanes, C: Channel>(a: V, b: V) -> V {
+    a.wrapping_add(b).at_most_unsigned(one::<V, C>())
 }
 
 /// Squeeze's recurrence (equation 9; back to front equation 6) in 1.F, colours of `CB` bits.
@@ -63,20 +78,17 @@ pub struct Product<C, const ROUND: bool, const CB: u32>(PhantomData<C>);
 impl<C: Binary, const ROUND: bool, const CB: u32> Product<C, ROUND, CB> {
     /// Transparency and opacity of a sample, 1.F.
     #[inline(always)]
-    fn sample(opacity: Opacity) -> (u32, u32) {
-        let (one, a) = (C::ONE.bits(), u64::from(opacity.to_bits()));
-        if ROUND {
-            let a = ((2 * a + (1 << (31 - C::FRACTION))) >> (32 - C::FRACTION)) as u32;
-            (one - a, a)
+    fn sample<V: Lanes>(opacity: V) -> (V, V) {
+        let one = one::<V, C>();
+        if ROUND || C::FRACTION == 31 {
+            let cut = 31 - C::FRACTION;
+            let half = if ROUND { 1 << cut >> 1 } else { 0 };
+            let a = opacity.wrapping_add(V::splat(half)).shr_unsigned(cut);
+            (one.wrapping_sub(a), a)
         } else {
-            let a = (a << 1) >> (31 - C::FRACTION);
-            (((u64::from(one) * 2 - a) >> 1) as u32, (a >> 1) as u32)
+            let a = opacity.shr_unsigned(30 - C::FRACTION);
+            ((one << 1).wrapping_sub(a).shr_unsigned(1), a.shr_unsigned(1))
         }
-    }
-
-    #[inline(always)]
-    fn sum(a: u32, b: u32) -> C {
-        C::from_bits((a + b).min(C::ONE.bits()))
     }
 }
 
@@ -98,28 +110,35 @@ impl<C: Binary, const ROUND: bool, const CB: u32> Recurrence for Product<C, ROUN
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
+    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let (t, a) = Self::sample(opacity);
-        let before = pixel.transparency.bits();
-        let mut out = pixel;
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            let given = product::<ROUND>(product::<ROUND>(c, a, CB), before, C::FRACTION);
-            *o = Self::sum(o.bits(), given);
+        let before = pixel.transparency;
+        let given = |c: V| product::<V, ROUND>(product::<V, ROUND>(c, a, CB), before, C::FRACTION);
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+        Pixel {
+            colour: [
+                sum::<V, C>(r, given(cr)),
+                sum::<V, C>(g, given(cg)),
+                sum::<V, C>(b, given(cb)),
+            ],
+            transparency: product::<V, ROUND>(before, t, C::FRACTION),
         }
-        out.transparency = C::from_bits(product::<ROUND>(before, t, C::FRACTION));
-        out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
+    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let (t, a) = Self::sample(opacity);
-        let mut out = pixel;
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            let behind = product::<ROUND>(o.bits(), t, C::FRACTION);
-            *o = Self::sum(behind, product::<ROUND>(c, a, CB));
+        let behind = |old: V| product::<V, ROUND>(old, t, C::FRACTION);
+        let given = |c: V| product::<V, ROUND>(c, a, CB);
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+        Pixel {
+            colour: [
+                sum::<V, C>(behind(r), given(cr)),
+                sum::<V, C>(behind(g), given(cg)),
+                sum::<V, C>(behind(b), given(cb)),
+            ],
+            transparency: behind(pixel.transparency),
         }
-        out.transparency = C::from_bits(product::<ROUND>(pixel.transparency.bits(), t, C::FRACTION));
-        out
     }
 }
 
@@ -131,6 +150,14 @@ impl<C: Binary, const ROUND: bool, const CB: u32> Described for Product<C, ROUND
 /// The telescoping recurrence with opacities of 31 bits; each product truncated or rounded half up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Telescoping<C, const ROUND: bool, const CB: u32>(PhantomData<C>);
+
+/// `C - C a + c a` on a channel's scale, colours of `cb` bits.
+#[inline(always)]
+fn mixed<V: Lanes, C: Channel, const ROUND: bool>(old: V, colour: V, opacity: V, cb: u32) -> V {
+    let own = product::<V, ROUND>(colour, one::<V, C>(), cb);
+    let left = old.wrapping_sub(product::<V, ROUND>(old, opacity, 31));
+    sum::<V, C>(left, product::<V, ROUND>(own, opacity, 31))
+}
 
 impl<C: Binary, const ROUND: bool, const CB: u32> Recurrence for Telescoping<C, ROUND, CB> {
     type Channel = C;
@@ -144,27 +171,31 @@ impl<C: Binary, const ROUND: bool, const CB: u32> Recurrence for Telescoping<C, 
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
-        let w = product::<ROUND>(pixel.transparency.bits(), opacity.to_bits(), 31);
-        let mut out = pixel;
-        out.transparency = C::from_bits(pixel.transparency.bits() - w);
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o = C::from_bits(o.bits() + product::<ROUND>(c, w, CB));
+    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+        let w = product::<V, ROUND>(pixel.transparency, opacity, 31);
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+        Pixel {
+            colour: [
+                r.wrapping_add(product::<V, ROUND>(cr, w, CB)),
+                g.wrapping_add(product::<V, ROUND>(cg, w, CB)),
+                b.wrapping_add(product::<V, ROUND>(cb, w, CB)),
+            ],
+            transparency: pixel.transparency.wrapping_sub(w),
         }
-        out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
-        let a = opacity.to_bits();
-        let t = pixel.transparency.bits();
-        let mut out = pixel;
-        out.transparency = C::from_bits(t - product::<ROUND>(t, a, 31));
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            let given = product::<ROUND>(product::<ROUND>(c, C::ONE.bits(), CB), a, 31);
-            *o = C::from_bits((o.bits() - product::<ROUND>(o.bits(), a, 31) + given).min(C::ONE.bits()));
+    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+        let t = pixel.transparency;
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+        Pixel {
+            colour: [
+                mixed::<V, C, ROUND>(r, cr, opacity, CB),
+                mixed::<V, C, ROUND>(g, cg, opacity, CB),
+                mixed::<V, C, ROUND>(b, cb, opacity, CB),
+            ],
+            transparency: t.wrapping_sub(product::<V, ROUND>(t, opacity, 31)),
         }
-        out
     }
 }
 
@@ -175,14 +206,15 @@ impl<C: Binary, const ROUND: bool, const CB: u32> Described for Telescoping<C, R
 
 /// The telescoping recurrence that keeps what each product loses (16 bits of it) and adds it to the next one.
 ///
-/// `t = T a + rest; w = floor(t); T -= w; rest = t - w`, and alike `C += floor(c w + rest)`. w <= T, because
-/// `rest < 1` ulp and T is whole; an opacity of 0 gives w = 0 and leaves the rest alone.
+/// `t = T a + rest; w = floor(t); T -= w; rest = t - w`, and alike `C += floor(c w + rest)`, which is one sum of value
+/// and rest. w <= T, because `rest < 1` ulp and T is whole; an opacity of 0 gives w = 0 and leaves the rest alone.
+/// Back to front value and rest are one number of F + 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Carrying<const F: u32>;
 
 impl<const F: u32> Recurrence for Carrying<F> {
     type Channel = Carry<F>;
-    const FLOOR: Carry<F> = Carry::LEAST;
+    const FLOOR: Carry<F> = Carry::ULP;
     const TELESCOPING: bool = true;
     const COLOUR_BITS: u32 = 15;
 
@@ -192,37 +224,36 @@ impl<const F: u32> Recurrence for Carrying<F> {
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<Carry<F>>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<Carry<F>> {
-        let before = pixel.transparency;
-        let taken = u64::from(before.value) * u64::from(opacity.to_bits()) + (u64::from(before.rest) << 15);
-        let w = (taken >> 31) as u16;
-        let mut out = pixel;
-        out.transparency = Carry {
-            value: before.value - w,
-            rest: (taken >> 15) as u16,
-        };
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            // In units of 2^-(F + 16): the product has 15 bits behind the point of w.
-            let given = ((u64::from(c) * u64::from(w)) << 1) + u64::from(o.rest);
-            *o = Carry {
-                value: o.value + (given >> 16) as u16,
-                rest: given as u16,
-            };
+    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+        let low = V::splat(0xffff);
+        let value = pixel.transparency.shr_unsigned(16);
+        let taken = value.product(opacity) + V::Wide::of(pixel.transparency & low).shl(15);
+        let w = taken.shr(31).narrow();
+        let rest = taken.shr(15).narrow() & low;
+        // In units of 2^-(F + 16): the product has 15 bits behind the point of w.
+        let given = |c: V| c.product(w).shl(1).narrow();
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+        Pixel {
+            colour: [
+                r.wrapping_add(given(cr)),
+                g.wrapping_add(given(cg)),
+                b.wrapping_add(given(cb)),
+            ],
+            transparency: (value.wrapping_sub(w) << 16) | rest,
         }
-        out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<Carry<F>>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<Carry<F>> {
-        // Nothing is carried back to front: both terms of a mixture would need a rest of their own.
-        let plain = Pixel {
-            colour: pixel.colour.map(|c| Short::<F>::from_bits(c.bits())),
-            transparency: Short::<F>::from_bits(pixel.transparency.bits()),
-        };
-        let out = Telescoping::<Short<F>, false, 15>::under(plain, colour, opacity, Dither::of_plane(0));
+    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+        let t = pixel.transparency;
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
-            colour: out.colour.map(|c| Carry::from_bits(c.bits())),
-            transparency: Carry::from_bits(out.transparency.bits()),
+            colour: [
+                mixed::<V, Carry<F>, false>(r, cr, opacity, 15),
+                mixed::<V, Carry<F>, false>(g, cg, opacity, 15),
+                mixed::<V, Carry<F>, false>(b, cb, opacity, 15),
+            ],
+            transparency: t.wrapping_sub(product::<V, false>(t, opacity, 31)),
         }
     }
 }
@@ -230,6 +261,7 @@ impl<const F: u32> Recurrence for Carrying<F> {
 impl<const F: u32> Described for Carrying<F> {
     const ROUNDING: &'static str = "residual carry";
     const BITS: u32 = F;
+    const SHOWN: u32 = 0xffff_0000;
 }
 
 /// [`Product`] on a scale whose largest code is 1.0 (Squeeze, section 3): `CORRECTED` after Blinn, equation 1, or with
@@ -239,26 +271,21 @@ pub struct Scaled<C, const CORRECTED: bool>(PhantomData<C>);
 
 impl<C: Full, const CORRECTED: bool> Scaled<C, CORRECTED> {
     #[inline(always)]
-    fn product(a: u32, b: u32) -> u32 {
-        let exact = u64::from(a) * u64::from(b);
+    fn product<V: Lanes>(a: V, b: V) -> V {
+        let exact = a.product(b);
         let scaled = if CORRECTED {
-            let sum = exact + (1 << (C::BITS - 1));
-            (sum + (sum >> C::BITS)) >> C::BITS
+            let sum = exact + V::Wide::splat(1 << (C::BITS - 1));
+            sum + sum.shr(C::BITS)
         } else {
-            exact >> C::BITS
+            exact
         };
-        scaled as u32
+        scaled.shr(C::BITS).narrow()
     }
 
     /// A fraction of `bits` bits on this scale, to nearest.
     #[inline(always)]
-    fn scale(value: u32, bits: u32) -> u32 {
-        ((u64::from(value) * u64::from(C::ONE.bits()) + (1 << (bits - 1))) >> bits) as u32
-    }
-
-    #[inline(always)]
-    fn sum(a: u32, b: u32) -> C {
-        C::from_bits((a + b).min(C::ONE.bits()))
+    fn scale<V: Lanes>(value: V, bits: u32) -> V {
+        product::<V, true>(value, one::<V, C>(), bits)
     }
 }
 
@@ -270,36 +297,42 @@ impl<C: Full, const CORRECTED: bool> Recurrence for Scaled<C, CORRECTED> {
 
     #[inline(always)]
     fn read(opacity: Opacity) -> Opacity {
-        let code = u64::from(Self::scale(opacity.to_bits(), 31));
+        let code = Self::scale::<i32>(opacity.to_bits() as i32, 31) as u64;
         // Back to 1.31, to nearest; the divisor is a constant of the type.
         let one = u64::from(C::ONE.bits());
         Opacity::from_bits((((code << 32) + one) / (2 * one)) as u32)
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
-        let a = Self::scale(opacity.to_bits(), 31);
-        let before = pixel.transparency.bits();
-        let mut out = pixel;
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            let given = Self::product(Self::product(Self::scale(c, 15), a), before);
-            *o = Self::sum(o.bits(), given);
+    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+        let a = Self::scale(opacity, 31);
+        let before = pixel.transparency;
+        let given = |c: V| Self::product(Self::product(Self::scale(c, 15), a), before);
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+        Pixel {
+            colour: [
+                sum::<V, C>(r, given(cr)),
+                sum::<V, C>(g, given(cg)),
+                sum::<V, C>(b, given(cb)),
+            ],
+            transparency: Self::product(before, one::<V, C>().wrapping_sub(a)),
         }
-        out.transparency = C::from_bits(Self::product(before, C::ONE.bits() - a));
-        out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<C> {
-        let a = Self::scale(opacity.to_bits(), 31);
-        let t = C::ONE.bits() - a;
-        let mut out = pixel;
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            let behind = Self::product(o.bits(), t);
-            *o = Self::sum(behind, Self::product(Self::scale(c, 15), a));
+    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+        let a = Self::scale(opacity, 31);
+        let t = one::<V, C>().wrapping_sub(a);
+        let given = |c: V| Self::product(Self::scale(c, 15), a);
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+        Pixel {
+            colour: [
+                sum::<V, C>(Self::product(r, t), given(cr)),
+                sum::<V, C>(Self::product(g, t), given(cg)),
+                sum::<V, C>(Self::product(b, t), given(cb)),
+            ],
+            transparency: Self::product(pixel.transparency, t),
         }
-        out.transparency = C::from_bits(Self::product(pixel.transparency.bits(), t));
-        out
     }
 }
 
@@ -428,7 +461,8 @@ mod tests {
         assert!(away::<Carrying<12>>(&fog) < 2.0, "{}", away::<Carrying<12>>(&fog));
         assert!(away::<Telescoping<Short<12>, false, 15>>(&fog) > 500.0);
         for pixel in ray::<Carrying<12>>(&fog) {
-            assert_eq!(pixel.colour[0].bits() + pixel.transparency.bits(), 4096);
+            let (c, t) = (pixel.colour[0].bits(), pixel.transparency.bits());
+            assert_eq!((c >> 16) + (t >> 16), 4096);
         }
     }
 

@@ -205,7 +205,7 @@ impl Writer {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::super::parameters::Name;
     use super::*;
 

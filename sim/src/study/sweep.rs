@@ -1,17 +1,18 @@
 //! All configurations on one scene: errors once, speeds in turns.
 //!
 //! Configurations are taken in batches. The errors of a batch are gathered first; then its frames are rendered in
-//! turns, round after round, together with the base configuration, and the fastest of each counts. A speed is also
-//! related to the base's of the same batch, so that rows of several runs and machines can stand in one table.
+//! turns, round after round, each after a frame of the base configuration, and the fastest of each counts. A speed is
+//! also related to that of the base's frames beside it, so that rows of several runs and machines can stand in one
+//! table.
 
 use std::time::Duration;
 
 use super::catalogue::{BASE, Configuration};
-use super::measure::{Bench, samples};
+use super::measure::{Bench, Measured, samples};
 use super::parameters::Name;
 use super::pareto::{Point, front};
 use super::rows::{Row, StageRow};
-use crate::compare::{Comparison, ModelPositions, model};
+use crate::compare::{ModelPositions, model};
 use crate::engine::{Prepared, RenderError, on_threads};
 use crate::oriented::with_slices;
 use crate::scene::Blend;
@@ -180,12 +181,11 @@ pub fn run<E: From<SweepError>>(
         }
         let mut steps = |share: usize| progress(done + share * batch.len() / options.rounds.max(1) as usize, total);
         let pairs: Vec<_> = benches.iter().map(|(index, stepped)| (&all[*index], stepped)).collect();
-        let times = timed(prepared, base, &pairs, &model, options, &mut steps).map_err(SweepError::Render)?;
+        let times = timed((base, prepared), &pairs, &model, options, &mut steps).map_err(SweepError::Render)?;
         done += batch.len();
-        let (base_time, own) = times.split_first().map_or((Duration::ZERO, &[][..]), |(b, o)| (*b, o));
-        for (row, time) in rows.iter_mut().zip(own) {
-            row.samples_per_second = samples / time.as_secs_f64();
-            row.relative_speed = base_time.as_secs_f64() / time.as_secs_f64();
+        for (row, [own, base]) in rows.iter_mut().zip(times) {
+            row.samples_per_second = samples / own.as_secs_f64();
+            row.relative_speed = base.as_secs_f64() / own.as_secs_f64();
             row.rounds = options.rounds;
             row.threads = options.timing_threads;
         }
@@ -201,27 +201,29 @@ fn stepped<'a>(prepared: &Prepared<'a>, configuration: &Configuration) -> Prepar
     stepped
 }
 
-/// The fastest frame of the base and of each configuration, in turns.
+/// The fastest frame of each configuration and of the base, in turns: each frame of a configuration follows one of the
+/// base.
 fn timed(
-    prepared: &Prepared<'_>,
-    base: &Configuration,
+    base: (&Configuration, &Prepared<'_>),
     batch: &[(&Configuration, &Prepared<'_>)],
     model: &crate::model::Model<'_>,
     options: Options,
     steps: &mut (dyn FnMut(usize) + Send),
-) -> Result<Vec<Duration>, RenderError> {
+) -> Result<Vec<[Duration; 2]>, RenderError> {
     on_threads(Some(options.timing_threads), || {
+        let prepared = base.1;
         with_slices(prepared.volume, prepared.setup.plan.view(), |slices| {
-            let mut fastest = vec![Duration::MAX; batch.len() + 1];
+            let mut fastest = vec![[Duration::MAX; 2]; batch.len()];
             for round in 0..options.rounds {
-                let turns = std::iter::once((base, prepared)).chain(batch.iter().copied());
-                for (slot, (configuration, prepared)) in fastest.iter_mut().zip(turns) {
-                    let bench = Bench {
-                        prepared,
-                        model,
-                        slices,
-                    };
-                    *slot = (*slot).min(configuration.runner.time(bench)?);
+                for (slots, own) in fastest.iter_mut().zip(batch) {
+                    for (slot, (configuration, prepared)) in slots.iter_mut().zip([*own, base]) {
+                        let bench = Bench {
+                            prepared,
+                            model,
+                            slices,
+                        };
+                        *slot = (*slot).min(configuration.runner.time(bench)?);
+                    }
                 }
                 steps(round as usize + 1);
             }
@@ -232,7 +234,7 @@ fn timed(
 }
 
 /// The row of a comparison; the speed is still to come.
-fn row(key: &str, index: usize, configuration: &Configuration, comparison: &Comparison) -> Row {
+fn row(key: &str, index: usize, configuration: &Configuration, comparison: &Measured) -> Row {
     let stages = comparison.stages.iter().map(|stage| StageRow {
         name: stage.name.to_owned(),
         format: stage.format.clone(),
