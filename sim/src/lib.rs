@@ -1,9 +1,12 @@
 //! The host side of slicecast: real volumes in, pictures and error figures out.
 
+#![deny(unsafe_code)]
+
 pub mod camera;
 pub mod compare;
 pub mod engine;
 pub mod exchange;
+pub mod expanded;
 pub mod explain;
 pub mod export;
 pub mod model;
@@ -12,6 +15,7 @@ pub mod pipelines;
 pub mod presets;
 pub mod report;
 pub mod scene;
+pub mod simd;
 pub mod study;
 pub mod table;
 pub mod volume;
