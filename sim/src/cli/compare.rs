@@ -13,7 +13,7 @@ use slicecast_sim::scene::{AlphaCodeName, LookupName};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
-use super::output::{Folder, write_file};
+use super::output::{Folder, check_free, write_file};
 use super::progress::with_bar;
 use super::tables;
 
@@ -107,16 +107,7 @@ pub fn figured<'a>(prepared: &'a Prepared<'_>, comparison: &'a Comparison, posit
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(path) = self
-            .json
-            .as_ref()
-            .filter(|path| !self.force && path.symlink_metadata().is_ok())
-        {
-            return Err(Failure::input(format!(
-                "{} exists; --force replaces it",
-                path.display()
-            )));
-        }
+        check_free(&self.json, self.force)?;
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;
         let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());

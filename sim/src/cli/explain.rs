@@ -7,7 +7,7 @@ use slicecast_sim::explain::{ExplainError, Explanation, explain, ray_of};
 
 use super::Failure;
 use super::inputs::{SceneArgs, VolumeArgs};
-use super::output::write_file;
+use super::output::{check_free, write_file};
 use super::tables::{header, short};
 
 impl From<ExplainError> for Failure {
@@ -61,14 +61,7 @@ pub struct Args {
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        for path in [&self.csv, &self.json].into_iter().flatten() {
-            if !self.force && path.symlink_metadata().is_ok() {
-                return Err(Failure::input(format!(
-                    "{} exists; --force replaces it",
-                    path.display()
-                )));
-            }
-        }
+        check_free([&self.csv, &self.json].into_iter().flatten(), self.force)?;
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;
         let prepared = Prepared::new(&scene, &loaded.volume)?;

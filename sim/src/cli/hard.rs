@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use slicecast_sim::study::hard::{Case, Size, run};
 
 use super::Failure;
-use super::output::write_file;
+use super::output::{check_free, write_file};
 use super::progress::with_bar;
 use super::tables::{header, short};
 
@@ -32,16 +32,7 @@ const NAMED: [&str; 3] = ["paper", "compact", "wide"];
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(path) = self
-            .json
-            .as_ref()
-            .filter(|p| !self.force && p.symlink_metadata().is_ok())
-        {
-            return Err(Failure::input(format!(
-                "{} exists; --force replaces it",
-                path.display()
-            )));
-        }
+        check_free(&self.json, self.force)?;
         let cases = with_bar("hard cases", |progress| run(Size::Full, progress))?;
         print(&cases, self.all);
         if let Some(path) = &self.json {

@@ -12,7 +12,7 @@ use slicecast_sim::study::{catalogue, sweep};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
-use super::output::write_file;
+use super::output::{check_free, write_file};
 use super::progress::with_bar;
 use super::sweep::read_all;
 
@@ -49,12 +49,7 @@ pub struct Args {
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        if !self.force && self.output.symlink_metadata().is_ok() {
-            return Err(Failure::input(format!(
-                "{} exists; --force replaces it",
-                self.output.display()
-            )));
-        }
+        check_free([&self.output], self.force)?;
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;
         if scene.blend != Blend::FrontToBack {

@@ -9,7 +9,7 @@ use slicecast_sim::study::sweep::{self, Options, SweepError, merge, shard};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
-use super::output::write_file;
+use super::output::{check_free, write_file};
 use super::progress::with_bar;
 use super::sweep_table;
 
@@ -57,15 +57,7 @@ struct Tables {
 impl Tables {
     /// Refuses now what [`Tables::write`] would refuse later.
     fn check(&self) -> Result<(), Failure> {
-        for path in [&self.csv, &self.json].into_iter().flatten() {
-            if !self.force && path.symlink_metadata().is_ok() {
-                return Err(Failure::input(format!(
-                    "{} exists; --force replaces it",
-                    path.display()
-                )));
-            }
-        }
-        Ok(())
+        check_free([&self.csv, &self.json].into_iter().flatten(), self.force)
     }
 
     /// Prints the table and writes the files.

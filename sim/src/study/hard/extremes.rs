@@ -4,7 +4,7 @@
 //! reduced form of this file, run as a test, ends with a panic where one does not. What is counted here besides are
 //! results outside the range that the contract states.
 
-use slicecast::composite::{Channel, Dither, Pixel, Recurrence};
+use slicecast::composite::{Channel, Dither, Pixel};
 use slicecast::format::{Coefficient, Cosine, Intensity, Opacity, Vector, Weight};
 use slicecast::gradient::{coarsen, space};
 use slicecast::interpolate::trilinear;
@@ -16,7 +16,7 @@ use super::scenes::{compared, scene, volume};
 use super::{Case, Size};
 use crate::scene::{PrecisionName, View};
 use crate::study::channels::{Byte, Packed, Short};
-use crate::study::pixels::{Carrying, Product, Scaled, Telescoping};
+use crate::study::pixels::{Carrying, Described, Product, Scaled, Telescoping};
 
 /// Values tried and values out of range.
 #[derive(Clone, Copy, Default)]
@@ -128,7 +128,7 @@ fn shading<P: Precision>(tally: &mut Tally) {
 }
 
 /// Every pair of extreme pixels and samples, both ways.
-fn compositing<R: Recurrence>(tally: &mut Tally) {
+fn compositing<R: Described>(tally: &mut Tally) {
     let one = R::Channel::ONE.bits();
     let opacities = [
         0u32,
@@ -162,7 +162,8 @@ fn compositing<R: Recurrence>(tally: &mut Tally) {
                         let over = R::over(pixel, [colour; 3], opacity, dither);
                         let under = R::under(pixel, [colour; 3], opacity, dither);
                         let bounded = |p: Pixel<R::Channel>| {
-                            p.colour.iter().all(|c| c.bits() <= one) && p.transparency.bits() <= t
+                            let left = p.transparency.bits() & R::SHOWN;
+                            p.colour.iter().all(|c| c.bits() <= one) && left <= t & R::SHOWN
                         };
                         tally.check(bounded(over) && bounded(under));
                     }
