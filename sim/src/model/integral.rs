@@ -11,8 +11,9 @@
 //! ```
 //!
 //! The ray is cut where it crosses from one cell of voxels to the next. Within a cell a part is accepted when halving it
-//! changes neither colour nor transparency, and when all of it lies on one straight piece of the transfer function;
-//! otherwise it is halved, up to [`DEPTH_MAX`] times. Optical depths are summed by Simpson's rule.
+//! changes neither colour nor transparency by a thousandth of 1/255, and when all of it lies on one straight piece of the
+//! transfer function; otherwise it is halved, up to [`SMOOTH_DEPTH_MAX`] times where the function is straight and
+//! [`DEPTH_MAX`] times around its corners. Optical depths are summed by Simpson's rule.
 //!
 //! The integral ends at the centres of the outermost voxels. The discrete model has planes there, each as thick as a
 //! step: half a step on either side counts as error of the algorithm.
@@ -23,11 +24,15 @@ use super::interpolate::Cell;
 use super::render::Model;
 use super::warp::ModelImage;
 
-/// Halvings of a cell; what is then left of a step in the transfer function is 2^-14 of a voxel.
+/// Halvings of a cell where the transfer function has a corner or a step; what is then left of it is 2^-14 of a voxel.
 const DEPTH_MAX: u32 = 14;
 
-/// The change of a pixel that is not worth another halving: 1/255 of a thousandth, over the whole ray.
-const TOLERANCE: f64 = 1e-3 / 255.0 / 256.0;
+/// Halvings where it is straight. More would follow normals that turn over within a hundredth of a voxel, where the
+/// gradient vanishes.
+const SMOOTH_DEPTH_MAX: u32 = 5;
+
+/// The change of a pixel that is not worth another halving, in a cell: below a thousandth of 1/255.
+const TOLERANCE: f64 = 1e-3 / 255.0;
 
 /// An opacity of 1 would be an infinite extinction.
 const OPACITY_MAX: f64 = 1.0 - 1e-12;
@@ -170,15 +175,16 @@ impl Ray<'_> {
             .map(|c| (both.colour[c] - whole.colour[c]).abs())
             .fold((both.transparency - whole.transparency).abs(), f64::max);
         let straight = left.iter().chain(&right).all(|point| point.piece == first.piece);
-        if depth == 0 || straight && change <= tolerance {
+        let smooth_end = straight && depth <= DEPTH_MAX - SMOOTH_DEPTH_MAX;
+        if depth == 0 || smooth_end || straight && change <= tolerance {
             return both;
         }
         let [a, b] = halves;
-        let near = self.refine([from, middle], left, a, tolerance / 2.0, depth - 1);
+        let near = self.refine([from, middle], left, a, tolerance, depth - 1);
         if near.transparency < 1e-9 {
             return near;
         }
-        behind(near, self.refine([middle, to], right, b, tolerance / 2.0, depth - 1))
+        behind(near, self.refine([middle, to], right, b, tolerance, depth - 1))
     }
 }
 
