@@ -119,6 +119,7 @@ impl Args {
         }
         let all = catalogue::all();
         let chosen: Vec<usize> = (0..all.len()).collect();
+        let chosen = sweep::applicable(&all, &chosen, prepared.scene.lighting.is_some());
         let options = sweep::Options {
             rounds: 5,
             timing_threads: 1,

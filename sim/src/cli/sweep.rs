@@ -120,9 +120,6 @@ impl Args {
     pub fn run(self) -> Result<(), Failure> {
         let all = catalogue::all();
         let mut chosen = self.chosen(&all)?;
-        if let Some((number, count)) = self.shard {
-            chosen = shard(&chosen, number, count);
-        }
         if self.list {
             println!("{}", sweep_table::list(chosen.iter().map(|index| &all[*index])));
             return Ok(());
@@ -131,6 +128,17 @@ impl Args {
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;
         let prepared = Prepared::new(&scene, &loaded.volume)?;
+        let asked = chosen.len();
+        chosen = sweep::applicable(&all, &chosen, scene.lighting.is_some());
+        if chosen.len() < asked {
+            eprintln!(
+                "note: the scene is unlit: {} configurations vary shading alone and are left out",
+                asked - chosen.len()
+            );
+        }
+        if let Some((number, count)) = self.shard {
+            chosen = shard(&chosen, number, count);
+        }
         let key = sweep::key(&prepared);
         let (mut writer, known) = match &self.rows {
             Some(path) => {

@@ -182,7 +182,7 @@ fn stages(contents: &Contents<'_>) -> Result<Markup, String> {
     Ok(html! {
         section {
             h2 { "Error of every stage" }
-            p { "Each stage on its own, already rounded inputs, against f64. The dark stroke is what Squeeze requires (its section 5)." }
+            p { "Each stage on its own, already rounded inputs, against f64. The stroke across the bars is what Squeeze requires (its section 5)." }
             ul.key {
                 @for (place, (name, _)) in contents.comparisons.iter().enumerate() {
                     li { i style=(format!("--c: var(--series-{})", place + 1)) {} (name) }

@@ -105,6 +105,25 @@ fn has(configuration: &Configuration, name: Name, value: &str) -> bool {
     }
 }
 
+/// Without what varies shading alone, where there is none: it would be the base over and over.
+pub fn applicable(all: &[Configuration], chosen: &[usize], lit: bool) -> Vec<usize> {
+    let base = all.iter().find(|c| c.name == BASE);
+    let shading = |name: &Name| ["gradient", "normal", "shading", "power"].contains(&name.stage());
+    let idle = |configuration: &Configuration| {
+        let mut changes = configuration
+            .parameters
+            .iter()
+            .filter(|(name, value)| base.is_some_and(|base| base.parameter(*name) != value))
+            .peekable();
+        changes.peek().is_some() && changes.all(|(name, _)| shading(name))
+    };
+    chosen
+        .iter()
+        .copied()
+        .filter(|index| lit || !idle(&all[*index]))
+        .collect()
+}
+
 /// What identifies the inputs of a row: the volume, the scene and the program's version.
 pub fn key(prepared: &Prepared<'_>) -> String {
     let mut voxels = crc32fast::Hasher::new();
@@ -349,6 +368,19 @@ mod tests {
             let message = chosen(text).unwrap_err();
             assert!(message.contains(part), "{message}");
         }
+    }
+
+    #[test]
+    fn unlit_scenes_leave_out_what_varies_shading() {
+        let all = catalogue::all();
+        let chosen: Vec<usize> = (0..all.len()).collect();
+        assert_eq!(applicable(&all, &chosen, true), chosen);
+        let left = names(&all, &applicable(&all, &chosen, false));
+        assert_eq!(left.len(), all.len() - 15);
+        for name in ["paper", "compact", "wide", "weight-6", "deep-23"] {
+            assert!(left.iter().any(|l| l == name), "{name}");
+        }
+        assert!(!left.iter().any(|l| l.starts_with("normal-") || l.starts_with("power-")));
     }
 
     #[test]

@@ -131,7 +131,7 @@ fn anisotropy() -> Result<Case, RenderError> {
     scene.lighting = lit(0.0, 0);
     scene.view = View {
         azimuth: 20.0,
-        elevation: 35.0,
+        elevation: -35.0,
         roll: 0.0,
     };
     // World gradient (7, 5, 11); the light stands where the viewer does.
