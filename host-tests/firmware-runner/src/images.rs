@@ -119,7 +119,7 @@ pub fn parse(output: &str) -> Result<Report, Failure> {
                 }
                 None => false,
             },
-            ("bands" | "queue", Some(case)) => {
+            ("bands" | "queue" | "f32", Some(case)) => {
                 case.notes.push(line.to_owned());
                 true
             }
