@@ -20,8 +20,8 @@
 use core::marker::PhantomData;
 
 use crate::format::Opacity;
+use crate::lanes::{Lanes, SMALL, Wide as _};
 use crate::precision::Precision;
-use crate::product::{SCALAR, mix};
 use crate::slice::RowRange;
 
 /// Entries of a table: one for each 12-bit code.
@@ -42,7 +42,7 @@ pub trait Classifier<P: Precision>: Sync {
 
     /// Opacities of a row, as the bits of 1.31 in an `i32` lane. Both rows equally long.
     #[inline]
-    fn opacity_row(&self, samples: &[i32], out: &mut [i32]) {
+    fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
         for (o, &s) in out.iter_mut().zip(samples) {
             *o = self.opacity(sample::<P>(s)).to_bits() as i32;
         }
@@ -50,7 +50,7 @@ pub trait Classifier<P: Precision>: Sync {
 
     /// Colours of a row. All rows equally long.
     #[inline]
-    fn colour_row(&self, samples: &[i32], out: [&mut [i32]; 3]) {
+    fn colour_row<V: Lanes>(&self, samples: &[i32], out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
         for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(samples) {
             [*r, *g, *b] = self.colour(sample::<P>(s)).map(|c| c as i32);
@@ -90,14 +90,6 @@ impl Support {
         let (low, high) = (u32::from(range.low >> 6).min(63), u32::from(range.high >> 6).min(63));
         self.0 << (63 - high) >> (63 - high) >> low != 0
     }
-
-    /// A sample up to which none is visible: the code before the first block; -1 if the first block is.
-    #[inline]
-    fn dark<P: Precision>(self) -> i32 {
-        // No block at all: 4096, which nothing reaches.
-        let first = (self.0.trailing_zeros() << 6) as i32;
-        ((first - 1) << P::SAMPLE_BITS).max(-1)
-    }
 }
 
 /// How an entry holds the square root of its opacity.
@@ -108,6 +100,11 @@ pub trait AlphaCode: Copy + Send + Sync + 'static {
     const PLANE_BYTES: usize;
     /// The square root of an entry's opacity, 0.16.
     fn root(entry: u32, plane: Self::Plane<'_>, index: usize) -> u16;
+    /// The opacity that a root stands for. A code that holds no root (for studies) replaces it.
+    #[inline(always)]
+    fn opacity(root: u16) -> Opacity {
+        opacity_of_root(root)
+    }
 }
 
 /// The square root in 8 bits, inside the 32-bit entry.
@@ -218,7 +215,7 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
 
     #[cfg(test)]
     fn opacity_at(&self, index: usize) -> u32 {
-        opacity_of_root(self.root_at(index)).to_bits()
+        A::opacity(self.root_at(index)).to_bits()
     }
 
     #[cfg(test)]
@@ -246,16 +243,35 @@ fn nearest<P: Precision>(bits: i32) -> usize {
     ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS) as usize
 }
 
+/// `a + (b - a) f / 2^bits` to nearest, for opacities: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 15.
+#[inline(always)]
+pub fn mix<V: Lanes>(a: V, b: V, f: V, bits: u32) -> V {
+    a.wrapping_add(b.wrapping_sub(a).part(f, bits))
+}
+
 /// `a + (b - a) f` to nearest, for colours (whose difference may reach 1).
 #[inline(always)]
-fn mix_colour<P: Precision>(a: u32, b: u32, f: i32) -> u32 {
-    let (f, one) = (f as u32, 1 << P::SAMPLE_BITS);
+pub fn mix_colour<P: Precision, V: Lanes>(a: V, b: V, f: V) -> V {
+    let half = 1 << P::SAMPLE_BITS >> 1;
     if P::COLOUR_BITS == 15 {
-        // 16 and 15 bits: 32 suffice.
-        (a * (one - f) + b * f + (one >> 1)) >> P::SAMPLE_BITS
+        // 15 and 15 bits: 32 suffice.
+        a + (((b - a) * f + V::splat(half)) >> P::SAMPLE_BITS)
     } else {
-        let product = |c: u32, f: u32| u64::from(c) * u64::from(f);
-        ((product(a, one - f) + product(b, f) + u64::from(one >> 1)) >> P::SAMPLE_BITS) as u32
+        let rest = V::splat(1 << P::SAMPLE_BITS) - f;
+        let sum = a.product(rest) + b.product(f) + V::Wide::splat(i64::from(half));
+        sum.shr(P::SAMPLE_BITS).narrow()
+    }
+}
+
+/// [`colour_of_byte`] of one of the four bytes of entries.
+#[inline(always)]
+pub fn colour_of_entry<V: Lanes>(entry: V, channel: u32, bits: u32) -> V {
+    let byte = entry.shr_unsigned(8 * channel) & V::splat(0xff);
+    if bits == 31 {
+        let low = (byte * V::splat(257) + V::splat(256)) >> 9;
+        byte.wrapping_mul(V::splat(8_421_504)).wrapping_add(low)
+    } else {
+        (byte * V::splat(257) + V::splat(1)) >> 1
     }
 }
 
@@ -266,14 +282,14 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
         Opacity::from_bits(if L::LINEAR {
             let (index, f) = split::<P>(bits);
             let (a, b) = (self.root_at(index), self.root_at(index + 1));
-            let opacity = |root| opacity_of_root(root).to_bits();
-            if SCALAR && a == b {
+            let opacity = |root| A::opacity(root).to_bits();
+            if SMALL && a == b {
                 opacity(a)
             } else {
-                mix(opacity(a), opacity(b), f, P::SAMPLE_BITS)
+                mix(opacity(a) as i32, opacity(b) as i32, f, P::SAMPLE_BITS) as u32
             }
         } else {
-            opacity_of_root(self.root_at(nearest::<P>(bits))).to_bits()
+            A::opacity(self.root_at(nearest::<P>(bits))).to_bits()
         })
     }
 
@@ -284,11 +300,11 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
             let (index, f) = split::<P>(bits);
             let (a, b) = (self.entry_at(index), self.entry_at(index + 1));
             let first = colours::<P>(a);
-            if SCALAR && (a ^ b) & 0x00ff_ffff == 0 {
+            if SMALL && (a ^ b) & 0x00ff_ffff == 0 {
                 first
             } else {
                 let ([r0, g0, b0], [r1, g1, b1]) = (first, colours::<P>(b));
-                [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour::<P>(a, b, f))
+                [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour::<P, i32>(a as i32, b as i32, f) as u32)
             }
         } else {
             colours::<P>(self.entry_at(nearest::<P>(bits)))
@@ -297,18 +313,6 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
 
     fn support(&self) -> Support {
         self.support
-    }
-
-    #[inline]
-    fn opacity_row(&self, samples: &[i32], out: &mut [i32]) {
-        let dark = self.support.dark::<P>();
-        for (o, &s) in out.iter_mut().zip(samples) {
-            *o = if SCALAR && s <= dark {
-                0
-            } else {
-                Classifier::<P>::opacity(self, sample::<P>(s)).to_bits() as i32
-            };
-        }
     }
 }
 
@@ -432,9 +436,9 @@ mod tests {
             let t = PointTable::<Sqrt8, Linear>::new(&entries, ());
             let mut a = std::vec![0; samples.len()];
             let mut c = [a.clone(), a.clone(), a.clone()];
-            Classifier::<Compact>::opacity_row(&t, &samples, &mut a);
+            Classifier::<Compact>::opacity_row::<i32>(&t, &samples, &mut a);
             let [r, g, b] = &mut c;
-            Classifier::<Compact>::colour_row(&t, &samples, [r, g, b]);
+            Classifier::<Compact>::colour_row::<i32>(&t, &samples, [r, g, b]);
             for (i, &s) in samples.iter().enumerate() {
                 let s = Sample12::from_bits(s);
                 prop_assert_eq!(a[i] as u32, Classifier::<Compact>::opacity(&t, s).to_bits());

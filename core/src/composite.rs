@@ -21,6 +21,7 @@ use core::marker::PhantomData;
 use core::ops::Range;
 
 use crate::format::Opacity;
+use crate::lanes::{Lanes, Wide as _};
 use crate::rows::take;
 
 /// An accumulator format: 0 to 1, both included, as whole multiples of 1 / [`Channel::ONE`].
@@ -89,7 +90,8 @@ impl Channel for Unorm16 {
     }
 }
 
-/// A ray's light so far: colour that has reached the eye, weighted by its opacity, and the transparency left.
+/// A ray's light so far: colour that has reached the eye, weighted by its opacity, and the transparency left. Of one
+/// ray (`C` a channel) or of several side by side (`C` the bits of their channels in lanes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pixel<C> {
     /// Red, green, blue.
@@ -105,6 +107,23 @@ impl<C: Channel> Pixel<C> {
         Self {
             colour: [C::default(); 3],
             transparency: C::ONE,
+        }
+    }
+
+    /// The bits of the channels.
+    #[inline(always)]
+    fn bits(self) -> Pixel<i32> {
+        Pixel {
+            colour: self.colour.map(|c| c.bits() as i32),
+            transparency: self.transparency.bits() as i32,
+        }
+    }
+
+    #[inline(always)]
+    fn of_bits(bits: Pixel<i32>) -> Self {
+        Self {
+            colour: bits.colour.map(|c| C::from_bits(c as u32)),
+            transparency: C::from_bits(bits.transparency as u32),
         }
     }
 }
@@ -145,12 +164,26 @@ pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
     /// The opacity as this pixel reads it: rounded to what its products can use.
     fn read(opacity: Opacity) -> Opacity;
 
-    /// A pixel with one more sample behind it (front to back). This function is the definition; it leaves out the
-    /// floor, which [`settle`] applies.
-    fn over(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel>;
+    /// Pixels with one more sample behind them (front to back). `colour` has `COLOUR_BITS`, `opacity` is 1.31. This
+    /// function is the definition; it leaves out the floor, which [`settle`] applies.
+    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V>;
 
-    /// A pixel with one more sample in front of it (back to front). The same picture up to rounding.
-    fn under(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel>;
+    /// Pixels with one more sample in front of them (back to front). The same picture up to rounding.
+    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V>;
+
+    /// [`Recurrence::over_lanes`] of one pixel.
+    #[inline(always)]
+    fn over(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel> {
+        let (colour, opacity) = (colour.map(|c| c as i32), opacity.to_bits() as i32);
+        Pixel::of_bits(Self::over_lanes(pixel.bits(), colour, opacity, dither))
+    }
+
+    /// [`Recurrence::under_lanes`] of one pixel.
+    #[inline(always)]
+    fn under(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel> {
+        let (colour, opacity) = (colour.map(|c| c as i32), opacity.to_bits() as i32);
+        Pixel::of_bits(Self::under_lanes(pixel.bits(), colour, opacity, dither))
+    }
 }
 
 /// Transparency with the floor applied.
@@ -174,8 +207,8 @@ pub struct Telescoping31;
 
 /// Product of two 1.31 numbers, truncated.
 #[inline(always)]
-fn product31(a: u32, b: u32) -> u32 {
-    ((u64::from(a) * u64::from(b)) >> 31) as u32
+fn product31<V: Lanes>(a: V, b: V) -> V {
+    a.product(b).shr(31).narrow()
 }
 
 impl Recurrence for Telescoping31 {
@@ -190,25 +223,28 @@ impl Recurrence for Telescoping31 {
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<u32>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
-        let w = product31(pixel.transparency, opacity.to_bits());
-        let mut out = pixel;
-        out.transparency -= w;
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o += product31(c, w);
+    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+        let w = product31(pixel.transparency, opacity);
+        let [r, g, b] = pixel.colour;
+        let [cr, cg, cb] = colour;
+        Pixel {
+            colour: [
+                r.wrapping_add(product31(cr, w)),
+                g.wrapping_add(product31(cg, w)),
+                b.wrapping_add(product31(cb, w)),
+            ],
+            transparency: pixel.transparency.wrapping_sub(w),
         }
-        out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<u32>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u32> {
-        let a = opacity.to_bits();
-        let mut out = pixel;
-        out.transparency -= product31(pixel.transparency, a);
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o = *o - product31(*o, a) + product31(c, a);
+    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+        let [r, g, b] = pixel.colour.map(|c| c.wrapping_sub(product31(c, opacity)));
+        let [cr, cg, cb] = colour.map(|c| product31(c, opacity));
+        Pixel {
+            colour: [r.wrapping_add(cr), g.wrapping_add(cg), b.wrapping_add(cb)],
+            transparency: pixel.transparency.wrapping_sub(product31(pixel.transparency, opacity)),
         }
-        out
     }
 }
 
@@ -226,9 +262,26 @@ pub struct Dithered<C>(PhantomData<C>);
 impl<C: Channel> Dithered<C> {
     /// The light that a sample takes: at most the transparency, and none at an opacity of 0.
     #[inline(always)]
-    fn taken(transparency: C, opacity: Opacity, dither: Dither) -> u32 {
-        let product = u64::from(transparency.bits()) * u64::from(opacity.to_bits());
-        ((product + (u64::from(2 * dither.transparency + 1) << 15)) >> 31) as u32
+    fn taken<V: Lanes>(transparency: V, opacity: V, dither: Dither) -> V {
+        let half = V::Wide::splat(i64::from(2 * dither.transparency + 1) << 15);
+        (transparency.product(opacity) + half).shr(31).narrow()
+    }
+}
+
+impl<C: Channel> Dithered<C> {
+    /// What a sample of this colour gives of the light that it takes.
+    #[inline(always)]
+    fn given<V: Lanes>(colour: V, taken: V, offset: V) -> V {
+        colour.wrapping_mul(taken).wrapping_add(offset).shr_unsigned(15)
+    }
+
+    /// `C + ((c - C) a + half) >> 31`, with C inside the shift so that nothing is negative.
+    #[inline(always)]
+    fn mixed<V: Lanes>(old: V, colour: V, opacity: V, half: V::Wide) -> V {
+        let scaled = colour.wrapping_mul(V::splat(C::ONE.bits() as i32));
+        let scaled = scaled.wrapping_add(V::splat(1 << 14)).shr_unsigned(15);
+        let sum = V::Wide::of(old).shl(31) + scaled.product(opacity) - old.product(opacity);
+        (sum + half).shr(31).narrow()
     }
 }
 
@@ -244,28 +297,33 @@ impl<C: Channel> Recurrence for Dithered<C> {
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
+    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V> {
         let w = Self::taken(pixel.transparency, opacity, dither);
-        let mut out = pixel;
-        out.transparency = C::from_bits(pixel.transparency.bits() - w);
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o = C::from_bits(o.bits() + ((c * w + dither.colour) >> 15));
+        let offset = V::splat(dither.colour as i32);
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+        Pixel {
+            colour: [
+                r + Self::given(cr, w, offset),
+                g + Self::given(cg, w, offset),
+                b + Self::given(cb, w, offset),
+            ],
+            transparency: pixel.transparency - w,
         }
-        out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<C>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<C> {
+    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V> {
         let w = Self::taken(pixel.transparency, opacity, dither);
-        let mut out = pixel;
-        out.transparency = C::from_bits(pixel.transparency.bits() - w);
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            let scaled = (c * C::ONE.bits() + (1 << 14)) >> 15;
-            let change = (i64::from(scaled) - i64::from(o.bits())) * i64::from(opacity.to_bits());
-            let bits = i64::from(o.bits()) + ((change + (i64::from(2 * dither.colour + 1) << 15)) >> 31);
-            *o = C::from_bits(bits as u32);
+        let half = V::Wide::splat(i64::from(2 * dither.colour + 1) << 15);
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+        Pixel {
+            colour: [
+                Self::mixed(r, cr, opacity, half),
+                Self::mixed(g, cg, opacity, half),
+                Self::mixed(b, cb, opacity, half),
+            ],
+            transparency: pixel.transparency - w,
         }
-        out
     }
 }
 
@@ -278,16 +336,16 @@ pub struct Truncating15;
 
 /// Product of two 1.15 numbers, truncated.
 #[inline(always)]
-fn product15(a: u32, b: u32) -> u32 {
+fn product15<V: Lanes>(a: V, b: V) -> V {
     (a * b) >> 15
 }
 
 impl Truncating15 {
     /// Transparency and opacity of a sample, 1.15.
     #[inline(always)]
-    fn sample(opacity: Opacity) -> (u32, u32) {
-        let a = opacity.to_bits() >> 15;
-        (((1 << 16) - a) >> 1, a >> 1)
+    fn sample<V: Lanes>(opacity: V) -> (V, V) {
+        let a = opacity.shr_unsigned(15);
+        ((V::splat(1 << 16) - a) >> 1, a >> 1)
     }
 }
 
@@ -303,26 +361,26 @@ impl Recurrence for Truncating15 {
     }
 
     #[inline(always)]
-    fn over(pixel: Pixel<u16>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
+    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let (t, a) = Self::sample(opacity);
-        let before = u32::from(pixel.transparency);
-        let mut out = pixel;
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o += product15(product15(c, a), before) as u16;
+        let before = pixel.transparency;
+        let [r, g, b] = pixel.colour;
+        let [cr, cg, cb] = colour.map(|c| product15(product15(c, a), before));
+        Pixel {
+            colour: [r + cr, g + cg, b + cb],
+            transparency: product15(before, t),
         }
-        out.transparency = product15(before, t) as u16;
-        out
     }
 
     #[inline(always)]
-    fn under(pixel: Pixel<u16>, colour: [u32; 3], opacity: Opacity, _: Dither) -> Pixel<u16> {
+    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let (t, a) = Self::sample(opacity);
-        let mut out = pixel;
-        for (o, c) in out.colour.iter_mut().zip(colour) {
-            *o = (product15(u32::from(*o), t) + product15(c, a)) as u16;
+        let [r, g, b] = pixel.colour.map(|old| product15(old, t));
+        let [cr, cg, cb] = colour.map(|c| product15(c, a));
+        Pixel {
+            colour: [r + cr, g + cg, b + cb],
+            transparency: product15(pixel.transparency, t),
         }
-        out.transparency = product15(u32::from(pixel.transparency), t) as u16;
-        out
     }
 }
 
@@ -330,14 +388,9 @@ impl Recurrence for Truncating15 {
 pub trait Order: Copy + Send + Sync + 'static {
     /// Whether planes go from the last to the first.
     const BACK_TO_FRONT: bool;
-    /// Folds one sample.
-    fn fold<R: Recurrence>(
-        pixel: Pixel<R::Channel>,
-        colour: [u32; 3],
-        opacity: Opacity,
-        dither: Dither,
-        floor: R::Channel,
-    ) -> Pixel<R::Channel>;
+    /// Folds one sample into each pixel.
+    fn fold<R: Recurrence, V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither, floor: V)
+    -> Pixel<V>;
 }
 
 /// Nearest plane first. The default.
@@ -351,15 +404,15 @@ pub struct BackToFront;
 impl Order for FrontToBack {
     const BACK_TO_FRONT: bool = false;
     #[inline(always)]
-    fn fold<R: Recurrence>(
-        pixel: Pixel<R::Channel>,
-        colour: [u32; 3],
-        opacity: Opacity,
+    fn fold<R: Recurrence, V: Lanes>(
+        pixel: Pixel<V>,
+        colour: [V; 3],
+        opacity: V,
         dither: Dither,
-        floor: R::Channel,
-    ) -> Pixel<R::Channel> {
-        let mut out = R::over(pixel, colour, opacity, dither);
-        out.transparency = settle(out.transparency, floor);
+        floor: V,
+    ) -> Pixel<V> {
+        let mut out = R::over_lanes(pixel, colour, opacity, dither);
+        out.transparency = out.transparency.at_least_then(floor, out.transparency);
         out
     }
 }
@@ -367,14 +420,8 @@ impl Order for FrontToBack {
 impl Order for BackToFront {
     const BACK_TO_FRONT: bool = true;
     #[inline(always)]
-    fn fold<R: Recurrence>(
-        pixel: Pixel<R::Channel>,
-        colour: [u32; 3],
-        opacity: Opacity,
-        dither: Dither,
-        _: R::Channel,
-    ) -> Pixel<R::Channel> {
-        R::under(pixel, colour, opacity, dither)
+    fn fold<R: Recurrence, V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither, _: V) -> Pixel<V> {
+        R::under_lanes(pixel, colour, opacity, dither)
     }
 }
 
@@ -416,31 +463,34 @@ impl<'a, C> PixelRow<'a, C> {
 }
 
 /// Folds one sample into each pixel of a row. `opacity`: bits of 1.31; `colour`: `COLOUR_BITS`. All rows equally long.
-#[inline]
-pub fn fold_row<R: Recurrence, O: Order>(
+#[inline(always)]
+pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
     row: &mut PixelRow<'_, R::Channel>,
     colour: [&[i32]; 3],
     opacity: &[i32],
     dither: Dither,
     floor: R::Channel,
 ) {
+    let floor = V::splat(floor.bits() as i32);
     let [red, green, blue] = &mut row.colour;
     let [cr, cg, cb] = colour;
-    let pixels = red
-        .iter_mut()
-        .zip(green.iter_mut())
-        .zip(blue.iter_mut())
-        .zip(row.transparency.iter_mut());
-    let samples = cr.iter().zip(cg).zip(cb).zip(opacity);
-    for ((((r, g), b), t), (((cr, cg), cb), a)) in pixels.zip(samples) {
+    let (bits, from_bits) = (R::Channel::bits, R::Channel::from_bits);
+    for at in (0..opacity.len()).step_by(V::COUNT) {
         let pixel = Pixel {
-            colour: [*r, *g, *b],
-            transparency: *t,
+            colour: [
+                V::load_as(red, at, bits),
+                V::load_as(green, at, bits),
+                V::load_as(blue, at, bits),
+            ],
+            transparency: V::load_as(row.transparency, at, bits),
         };
-        let colour = [*cr, *cg, *cb].map(|c| c as u32);
-        let out = O::fold::<R>(pixel, colour, Opacity::from_bits(*a as u32), dither, floor);
-        [*r, *g, *b] = out.colour;
-        *t = out.transparency;
+        let colour = [V::load(cr, at), V::load(cg, at), V::load(cb, at)];
+        let out = O::fold::<R, V>(pixel, colour, V::load(opacity, at), dither, floor);
+        let [r, g, b] = out.colour;
+        r.store_as(red, at, from_bits);
+        g.store_as(green, at, from_bits);
+        b.store_as(blue, at, from_bits);
+        out.transparency.store_as(row.transparency, at, from_bits);
     }
 }
 
@@ -470,6 +520,21 @@ mod tests {
 
     fn scaled<R: Recurrence>(colour: [u32; 3]) -> [u32; 3] {
         colour.map(|c| c << (R::COLOUR_BITS - 15))
+    }
+
+    /// One sample folded by the scalar functions and [`settle`].
+    fn folded<R: Recurrence, O: Order>(
+        pixel: Pixel<R::Channel>,
+        colour: [u32; 3],
+        opacity: Opacity,
+        dither: Dither,
+    ) -> Pixel<R::Channel> {
+        if O::BACK_TO_FRONT {
+            return R::under(pixel, colour, opacity, dither);
+        }
+        let mut out = R::over(pixel, colour, opacity, dither);
+        out.transparency = settle(out.transparency, R::FLOOR);
+        out
     }
 
     fn keeps_its_bounds<R: Recurrence>(samples: &[([u32; 3], Opacity)]) -> Result<(), TestCaseError> {
@@ -552,12 +617,12 @@ mod tests {
                 let (r, g, b) = (column(0), column(1), column(2));
                 let a: std::vec::Vec<i32> = samples.iter().map(|s| s.1.to_bits() as i32).collect();
                 let mut pixels = PixelRow::of_runs(&mut row, n, 0..n);
-                fold_row::<R, O>(&mut pixels, [&r, &g, &b], &a, dither, R::FLOOR);
+                fold_row::<R, O, i32>(&mut pixels, [&r, &g, &b], &a, dither, R::FLOOR);
                 for (i, &(c, a)) in samples.iter().enumerate() {
                     let pixel = Pixel {
                         colour: [before[i], before[n + i], before[2 * n + i]], transparency: before[3 * n + i],
                     };
-                    let out = O::fold::<R>(pixel, scaled::<R>(c), a, dither, R::FLOOR);
+                    let out = folded::<R, O>(pixel, scaled::<R>(c), a, dither);
                     prop_assert_eq!([row[i], row[n + i], row[2 * n + i]], out.colour);
                     prop_assert_eq!(row[3 * n + i], out.transparency);
                 }

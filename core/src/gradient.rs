@@ -18,13 +18,13 @@
 //! Overflow: none, |G| <= 8190 * 2^15 < 2^28.01. State: none.
 
 use crate::format::Intensity;
-use crate::product::round15;
+use crate::lanes::Lanes;
 
 /// Difference of two rows of samples: `next - previous`. All rows equally long.
-#[inline]
-pub fn difference_row(next: &[i32], previous: &[i32], out: &mut [i32]) {
-    for ((o, &n), &p) in out.iter_mut().zip(next).zip(previous) {
-        *o = n - p;
+#[inline(always)]
+pub fn difference_row<V: Lanes>(next: &[i32], previous: &[i32], out: &mut [i32]) {
+    for at in (0..out.len()).step_by(V::COUNT) {
+        (V::load(next, at) - V::load(previous, at)).store(out, at);
     }
 }
 
@@ -32,17 +32,48 @@ pub fn difference_row(next: &[i32], previous: &[i32], out: &mut [i32]) {
 ///
 /// Range: |G| < 2^29, f <= 1.
 #[inline(always)]
-pub const fn space(component: i32, factor: Intensity) -> i32 {
-    round15(component, factor.to_bits() as i32)
+pub fn space<V: Lanes>(component: V, factor: Intensity) -> V {
+    component.round15(V::splat(i32::from(factor.to_bits())))
 }
 
 /// Applies [`space`] along a row; a factor of 1 leaves it alone.
-#[inline]
-pub fn space_row(row: &mut [i32], factor: Intensity) {
+#[inline(always)]
+pub fn space_row<V: Lanes>(row: &mut [i32], factor: Intensity) {
     if factor != Intensity::ONE {
-        for g in row {
-            *g = space(*g, factor);
+        for at in (0..row.len()).step_by(V::COUNT) {
+            space(V::load(row, at), factor).store(row, at);
         }
+    }
+}
+
+/// A gradient of which the largest component keeps `bits` bits (1 to 15) and the others the same scale; to nearest on
+/// magnitudes, saturated. 15 bits are all that normalisation reads. For studies ([`Precision::GRADIENT_BITS`]).
+///
+/// [`Precision::GRADIENT_BITS`]: crate::precision::Precision::GRADIENT_BITS
+#[inline(always)]
+pub fn coarsen<V: Lanes>(gradient: [V; 3], bits: u32) -> [V; 3] {
+    let [x, y, z] = gradient;
+    let zero = V::splat(0);
+    let cut = (V::splat(32 - bits as i32) - (x.abs() | y.abs() | z.abs()).leading_zeros()).at_least(zero);
+    [coarse(x, cut, bits), coarse(y, cut, bits), coarse(z, cut, bits)]
+}
+
+#[inline(always)]
+fn coarse<V: Lanes>(c: V, cut: V, bits: u32) -> V {
+    let half = V::splat(1).shl_each(cut).shr_unsigned(1);
+    let kept = (c.abs() + half).shr_each(cut).at_most(V::splat((1 << bits) - 1));
+    kept.shl_each(cut).with_sign_of(c)
+}
+
+/// Applies [`coarsen`] along rows, in place. All rows equally long.
+#[inline(always)]
+pub fn coarsen_row<V: Lanes>(g: [&mut [i32]; 3], bits: u32) {
+    let [x, y, z] = g;
+    for at in (0..x.len()).step_by(V::COUNT) {
+        let [a, b, c] = coarsen([V::load(x, at), V::load(y, at), V::load(z, at)], bits);
+        a.store(x, at);
+        b.store(y, at);
+        c.store(z, at);
     }
 }
 
@@ -56,6 +87,28 @@ mod tests {
         fn spacing_is_the_nearest_product(g in -(1i32 << 29)..(1 << 29), f in 1u16..=32768) {
             let exact = (i64::from(g) * i64::from(f) + (1 << 14)) >> 15;
             prop_assert_eq!(i64::from(space(g, Intensity::from_bits(f))), exact);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn coarse_gradients_keep_their_bits(g in prop::array::uniform3(-(1i32 << 28)..(1 << 28)), shift in 0u32..28, bits in 1u32..=15) {
+            let g = g.map(|c| c >> shift);
+            let out = coarsen(g, bits);
+            let top = |v: [i32; 3]| 32 - v.iter().fold(0, |m, c| m | c.unsigned_abs()).leading_zeros();
+            let cut = top(g).saturating_sub(bits);
+            for (c, o) in g.iter().zip(out) {
+                // Half a unit of what is kept, or a whole one where the largest component saturates.
+                prop_assert_eq!(o & ((1 << cut) - 1), 0);
+                let error = f64::from(o - c).abs() / f64::from(1 << cut);
+                prop_assert!(error <= 0.5 || error <= 1.0 && o.unsigned_abs() >> cut == (1 << bits) - 1, "{g:?} {out:?}");
+            }
+            prop_assert_eq!(top(out), top(g));
+            prop_assert_eq!(coarsen(g.map(|c| -c), bits), out.map(|c| -c));
+            // What normalisation reads of 15 bits is what it reads of the whole gradient.
+            if bits == 15 {
+                prop_assert_eq!(crate::normalise::block(out), crate::normalise::block(g));
+            }
         }
     }
 

@@ -18,8 +18,8 @@
 use core::ops::Range;
 
 use crate::format::Weight;
+use crate::lanes::Lanes;
 use crate::precision::Precision;
-use crate::product::{between16, scale16};
 
 /// Sixteen-bit weight with the bits that a precision does not have cut off.
 #[inline(always)]
@@ -28,24 +28,24 @@ fn cut<P: Precision>(weight: Weight) -> i32 {
 }
 
 #[inline(always)]
-fn lerp_z(near: i32, far: i32, w: i32) -> i32 {
-    between16(near, far, w)
+fn lerp_z<V: Lanes>(near: V, far: V, w: V) -> V {
+    (near << 16) + (far - near) * w
 }
 
 #[inline(always)]
-fn lerp_y<P: Precision>(a: i32, b: i32, w: i32) -> i32 {
+fn lerp_y<P: Precision, V: Lanes>(a: V, b: V, w: V) -> V {
     if P::LERP_BITS == 16 {
-        a + scale16(b - a, w, P::LERP_ROUNDING.bias(16))
+        a + (b - a).scale16(w, P::LERP_ROUNDING.bias(16))
     } else {
         let cut = 16 - P::LERP_BITS;
-        (a + scale16(b - a, w, 0) + P::LERP_ROUNDING.bias(cut) as i32) >> cut << cut
+        ((a + (b - a).scale16(w, 0) + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut) << cut
     }
 }
 
 #[inline(always)]
-fn lerp_x<P: Precision>(a: i32, b: i32, w: i32) -> i32 {
+fn lerp_x<P: Precision, V: Lanes>(a: V, b: V, w: V) -> V {
     let cut = 16 - P::SAMPLE_BITS;
-    (a + scale16(b - a, w, 0) + P::LERP_ROUNDING.bias(cut) as i32) >> cut
+    (a + (b - a).scale16(w, 0) + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut
 }
 
 /// The value at a sample: `voxels[z][y][x]` are the corners of its cell (each -4095 to 8190), `weights` those of x, y
@@ -55,24 +55,17 @@ pub fn trilinear<P: Precision>(voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3])
     let [near, far] = voxels;
     let [[n00, n01], [n10, n11]] = near.map(|row| row.map(i32::from));
     let [[f00, f01], [f10, f11]] = far.map(|row| row.map(i32::from));
-    let left = lerp_y::<P>(lerp_z(n00, f00, wz), lerp_z(n10, f10, wz), wy);
-    let right = lerp_y::<P>(lerp_z(n01, f01, wz), lerp_z(n11, f11, wz), wy);
-    fixed::traits::Fixed::from_bits(lerp_x::<P>(left, right, wx))
+    let left = lerp_y::<P, i32>(lerp_z(n00, f00, wz), lerp_z(n10, f10, wz), wy);
+    let right = lerp_y::<P, i32>(lerp_z(n01, f01, wz), lerp_z(n11, f11, wz), wy);
+    fixed::traits::Fixed::from_bits(lerp_x::<P, i32>(left, right, wx))
 }
 
 /// z interpolation of a row of voxels. `out`: s15.16, as long as the rows.
-#[inline]
-pub fn z_row<P: Precision>(near: &[u16], far: &[u16], weight: Weight, out: &mut [i32]) {
-    let w = cut::<P>(weight);
-    if w == 0 {
-        // A plane that lies in a slice: all of them at one plane a voxel.
-        for (o, &n) in out.iter_mut().zip(near) {
-            *o = i32::from(n) << 16;
-        }
-        return;
-    }
-    for ((o, &n), &f) in out.iter_mut().zip(near).zip(far) {
-        *o = lerp_z(i32::from(n), i32::from(f), w);
+#[inline(always)]
+pub fn z_row<P: Precision, V: Lanes>(near: &[u16], far: &[u16], weight: Weight, out: &mut [i32]) {
+    let w = V::splat(cut::<P>(weight));
+    for at in (0..out.len()).step_by(V::COUNT) {
+        lerp_z(V::load_voxels(near, at), V::load_voxels(far, at), w).store(out, at);
     }
 }
 
@@ -124,6 +117,12 @@ pub struct Difference<'a> {
 }
 
 impl Difference<'_> {
+    /// Columns `at ..`, before scaling.
+    #[inline(always)]
+    fn lanes<V: Lanes>(&self, at: usize) -> V {
+        V::load_voxels(self.minuend, at) - V::load_voxels(self.subtrahend, at)
+    }
+
     /// Some of its columns.
     #[inline]
     pub fn columns(self, columns: Range<usize>) -> Self {
@@ -136,77 +135,38 @@ impl Difference<'_> {
 }
 
 /// z interpolation of a row of derivatives along z. `out`: s15.16, as long as the rows.
-#[inline]
-pub fn z_difference_row<P: Precision>(near: Difference<'_>, far: Difference<'_>, weight: Weight, out: &mut [i32]) {
-    let w = cut::<P>(weight);
-    if w == 0 {
-        return slice_difference_row(near, out);
-    }
-    let near_rows = near.minuend.iter().zip(near.subtrahend);
-    let far_rows = far.minuend.iter().zip(far.subtrahend);
-    let rows = out.iter_mut().zip(near_rows).zip(far_rows);
-    let difference = |a: u16, b: u16| i32::from(a) - i32::from(b);
-    if (near.scale, far.scale) == (1, 1) {
-        // Everywhere but at the faces.
-        for ((o, (&a, &b)), (&c, &d)) in rows {
-            *o = lerp_z(difference(a, b), difference(c, d), w);
+#[inline(always)]
+pub fn z_difference_row<P: Precision, V: Lanes>(
+    near: Difference<'_>,
+    far: Difference<'_>,
+    weight: Weight,
+    out: &mut [i32],
+) {
+    let w = V::splat(cut::<P>(weight));
+    let scales = [near.scale, far.scale];
+    for at in (0..out.len()).step_by(V::COUNT) {
+        let (mut a, mut b) = (near.lanes::<V>(at), far.lanes::<V>(at));
+        // At a face of the volume; everywhere else the scales are 1.
+        if scales != [1, 1] {
+            a = a * V::splat(near.scale);
+            b = b * V::splat(far.scale);
         }
-    } else {
-        for ((o, (&a, &b)), (&c, &d)) in rows {
-            *o = lerp_z(difference(a, b) * near.scale, difference(c, d) * far.scale, w);
-        }
+        lerp_z(a, b, w).store(out, at);
     }
 }
 
-/// [`z_difference_row`] in a slice.
-#[inline]
-fn slice_difference_row(near: Difference<'_>, out: &mut [i32]) {
-    let rows = out.iter_mut().zip(near.minuend.iter().zip(near.subtrahend));
-    let scale = near.scale << 16;
-    for (o, (&a, &b)) in rows {
-        *o = (i32::from(a) - i32::from(b)) * scale;
-    }
-}
-
-/// y interpolation between two rows. All rows s15.16 and equally long.
-#[inline]
-pub fn y_row<P: Precision>(a: &[i32], b: &[i32], weight: Weight, out: &mut [i32]) {
-    let w = cut::<P>(weight);
-    for ((o, &a), &b) in out.iter_mut().zip(a).zip(b) {
-        *o = lerp_y::<P>(a, b, w);
-    }
-}
-
-/// x interpolation along a row. `row`: s15.16; `out`: samples, as long as the row. The last sample has no right
-/// neighbour and takes its own value (it lies inside the volume only when the weight is zero).
-#[inline]
-pub fn x_row<P: Precision>(row: &[i32], weight: Weight, out: &mut [i32]) {
-    let w = cut::<P>(weight);
-    let right = row.get(1..).unwrap_or(&[]);
-    for ((o, &a), &b) in out.iter_mut().zip(row).zip(right) {
-        *o = lerp_x::<P>(a, b, w);
-    }
-    if let (Some(&last), Some(o)) = (row.last(), out.get_mut(right.len())) {
-        *o = lerp_x::<P>(last, last, w);
-    }
-}
-
-/// [`y_row`] and [`x_row`] in one pass, for machines without vectors: what lies between them stays in a register.
-/// `a` and `b` equally long.
-#[inline]
-pub fn yx_row<P: Precision>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2], out: &mut [i32]) {
-    let (wx, wy) = (cut::<P>(wx), cut::<P>(wy));
-    let (Some((&a0, a)), Some((&b0, b))) = (a.split_first(), b.split_first()) else {
-        return;
-    };
-    let mut left = lerp_y::<P>(a0, b0, wy);
-    for ((o, &a), &b) in out.iter_mut().zip(a).zip(b) {
-        let right = lerp_y::<P>(a, b, wy);
-        *o = lerp_x::<P>(left, right, wx);
-        left = right;
-    }
-    if let Some(o) = out.get_mut(a.len()) {
-        *o = lerp_x::<P>(left, left, wx);
+/// y interpolation between two rows, and x interpolation along the result. `a` and `b`: s15.16, as long as `out` or
+/// longer; `out`: samples. Behind the last element there are zeros: they are read with a weight of 0 only (a sample
+/// behind the last voxel lies outside the volume).
+#[inline(always)]
+pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2], out: &mut [i32]) {
+    let [wx, wy] = [wx, wy].map(|w| V::splat(cut::<P>(w)));
+    let mut here = lerp_y::<P, V>(V::load(a, 0), V::load(b, 0), wy);
+    for at in (0..out.len()).step_by(V::COUNT) {
+        let behind = at + V::COUNT;
+        let next = lerp_y::<P, V>(V::load(a, behind), V::load(b, behind), wy);
+        lerp_x::<P, V>(here, here.followed_by(next), wx).store(out, at);
+        here = next;
     }
 }
 
@@ -256,9 +216,7 @@ mod tests {
         }
 
         #[test]
-        fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>(), in_slice in any::<bool>()) {
-            let [x, y, z] = w;
-            let w = [x, y, if in_slice { 0 } else { z }];
+        fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>()) {
             rows::<Paper>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
             rows::<Compact>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
             rows::<Wide>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
@@ -276,17 +234,12 @@ mod tests {
         let mut row = || (0..length).map(|_| voxel()).collect::<std::vec::Vec<u16>>();
         let [n0, n1, f0, f1] = [row(), row(), row(), row()];
         let [wx, wy, wz] = weights;
-        let (mut z0, mut z1, mut y, mut s) = (vec![0; length], vec![0; length], vec![0; length], vec![0; length]);
-        z_row::<P>(&n0, &f0, wz, &mut z0);
-        z_row::<P>(&n1, &f1, wz, &mut z1);
-        y_row::<P>(&z0, &z1, wy, &mut y);
-        x_row::<P>(&y, wx, &mut s);
-        let mut fused = vec![0; length];
-        yx_row::<P>(&z0, &z1, [wx, wy], &mut fused);
-        prop_assert_eq!(&fused, &s);
+        let (mut z0, mut z1, mut s) = (vec![0; length], vec![0; length], vec![0; length]);
+        z_row::<P, i32>(&n0, &f0, wz, &mut z0);
+        z_row::<P, i32>(&n1, &f1, wz, &mut z1);
+        yx_row::<P, i32>(&z0, &z1, [wx, wy], &mut s);
         for i in 0..length {
-            let j = (i + 1).min(length - 1);
-            let pair = |r: &[u16]| [r[i] as i16, r[j] as i16];
+            let pair = |r: &[u16]| [r[i] as i16, r.get(i + 1).copied().unwrap_or(0) as i16];
             let v = [[pair(&n0), pair(&n1)], [pair(&f0), pair(&f1)]];
             prop_assert_eq!(s[i], trilinear::<P>(v, weights).to_bits());
         }
@@ -309,11 +262,10 @@ mod tests {
         };
         for bits in [0, 1, 32768, 65535] {
             let w = Weight::from_bits(bits);
-            let (mut a, mut b, mut y, mut s) = ([0; 2], [0; 2], [0; 2], [0; 2]);
-            z_difference_row::<Wide>(up, down, w, &mut a);
-            z_difference_row::<Wide>(down, up, w, &mut b);
-            y_row::<Wide>(&a, &b, w, &mut y);
-            x_row::<Wide>(&[y[0], -y[1]], w, &mut s);
+            let (mut a, mut b, mut s) = ([0; 2], [0; 2], [0; 2]);
+            z_difference_row::<Wide, i32>(up, down, w, &mut a);
+            z_difference_row::<Wide, i32>(down, up, w, &mut b);
+            yx_row::<Wide, i32>(&[a[0], -a[1]], &[b[0], -b[1]], [w, w], &mut s);
             let f = f64::from(bits) / 65536.0;
             let exact = 8190.0 * (1.0 - 2.0 * f) * (1.0 - 2.0 * f) * (1.0 - 2.0 * f);
             assert!((f64::from(s[0]) / 32768.0 - exact).abs() < 1e-4, "{bits}");

@@ -15,13 +15,13 @@ use core::ops::Range;
 
 use crate::classify::{Classifier, Support};
 use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence, fold_row};
-use crate::gradient::{difference_row, space_row};
-use crate::interpolate::{Difference, extend_ends, extend_row, x_row, y_row, yx_row, z_difference_row, z_row};
+use crate::gradient::{coarsen_row, difference_row, space_row};
+use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, z_difference_row, z_row};
+use crate::lanes::Lanes;
 use crate::locate::{Cell, Plane, cell, inside};
 use crate::normalise::normalise_row;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::product::SCALAR;
 use crate::project::{Extreme, keep_row, resolve};
 use crate::rows::{part, part_mut, take};
 use crate::shade::Shader;
@@ -48,8 +48,9 @@ pub trait Pipeline: Sync {
     /// What an element of an untouched image holds, for the run of that number.
     fn empty(channel: usize) -> Self::Element;
 
-    /// Folds a plane into rows. `scratch` holds at least [`scratch_len`] words; with less, nothing is folded.
-    fn fold<T: Tap>(
+    /// Folds a plane into rows, `V::COUNT` samples at a time; the bits do not depend on `V`. `scratch` holds at least
+    /// [`scratch_len`] words; with less, nothing is folded.
+    fn fold<V: Lanes, T: Tap>(
         &self,
         plan: &Plan,
         plane: &Plane,
@@ -75,7 +76,8 @@ impl<L: Pipeline> Pipeline for &L {
         L::empty(channel)
     }
 
-    fn fold<T: Tap>(
+    #[inline(always)]
+    fn fold<V: Lanes, T: Tap>(
         &self,
         plan: &Plan,
         plane: &Plane,
@@ -84,7 +86,7 @@ impl<L: Pipeline> Pipeline for &L {
         scratch: &mut [i32],
         tap: &mut T,
     ) {
-        L::fold(self, plan, plane, window, rows, scratch, tap);
+        L::fold::<V, T>(self, plan, plane, window, rows, scratch, tap);
     }
 
     fn pixel(&self, row: &[Self::Element], column: usize) -> Pixel<ChannelOf<Self::Precision>> {
@@ -155,29 +157,20 @@ impl Meeting {
         // Not `clamp`, which may panic.
         (row.min(last).max(0) as usize, (row + 1).min(last).max(0) as usize)
     }
-
-    /// Interpolates between two rows and then along the result, by way of `between` where that suits the machine.
-    #[inline(always)]
-    fn yx_row<P: Precision>(&self, a: &[i32], b: &[i32], between: &mut [i32], out: &mut [i32]) {
-        if SCALAR {
-            yx_row::<P>(a, b, [self.x.weight, self.y.weight], out);
-        } else {
-            y_row::<P>(a, b, self.y.weight, between);
-            x_row::<P>(between, self.x.weight, out);
-        }
-    }
 }
 
-/// Calls `visit` for every row of the image that the plane meets: number of the row, its elements, and the voxel row
-/// before its samples.
+/// The rows of the image that the plane meets: number of the row, its elements, and the voxel row before its samples.
+///
+/// No closure does the work: a vector of the processor stays one only in functions that are always inlined.
 #[inline(always)]
-fn each_row<E>(meeting: &Meeting, rows: Rows<'_, E>, row_len: usize, mut visit: impl FnMut(u32, &mut [E], i32)) {
-    let first = rows.first;
-    for (row, data) in (first..).zip(rows.data.chunks_exact_mut(row_len.max(1))) {
-        if meeting.rows.contains(&row) {
-            visit(row, data, row as i32 + meeting.y.index);
-        }
-    }
+fn met_rows<'m, E>(
+    meeting: &'m Meeting,
+    rows: Rows<'m, E>,
+    row_len: usize,
+) -> impl Iterator<Item = (u32, &'m mut [E], i32)> {
+    let numbered = (rows.first..).zip(rows.data.chunks_exact_mut(row_len.max(1)));
+    let met = numbered.filter(|(row, _)| meeting.rows.contains(row));
+    met.map(|(row, data)| (row, data, row as i32 + meeting.y.index))
 }
 
 /// Whether samples between these voxel rows can be visible.
@@ -195,7 +188,7 @@ fn meets(support: Support, window: &Window<'_>, (row, next): (usize, usize)) -> 
 struct Sampler<'s, P, const LIT: bool> {
     z: [&'s mut [i32]; 2],
     z_row: [i32; 2],
-    y: &'s mut [i32],
+    inner: &'s mut [i32],
     samples: [&'s mut [i32]; 3],
     sample_row: [i32; 3],
     precision: PhantomData<P>,
@@ -206,20 +199,17 @@ const NO_ROW: i32 = i32::MIN;
 
 impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
     /// Rows of scratch memory.
-    const ROWS: usize = if LIT { 6 } else { 4 };
+    const ROWS: usize = if LIT { 6 } else { 3 };
 
+    #[inline(always)]
     fn new(memory: &mut &'s mut [i32], len: usize) -> Self {
-        let samples = if LIT {
-            [take(memory, len), take(memory, len), take(memory, len)]
-        } else {
-            [take(memory, len), &mut [], &mut []]
-        };
+        let beyond = if LIT { len } else { 0 };
         Self {
             z: [take(memory, len), take(memory, len)],
             z_row: [NO_ROW; 2],
-            y: take(memory, len),
-            samples,
+            samples: [take(memory, len), take(memory, beyond), take(memory, beyond)],
             sample_row: [NO_ROW; 3],
+            inner: take(memory, beyond),
             precision: PhantomData,
         }
     }
@@ -237,8 +227,8 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
     }
 
     /// Makes the samples between voxel rows `row` and `row + 1`; a lit scene may ask for one row beyond each face.
-    #[inline(never)]
-    fn make(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
+    #[inline(always)]
+    fn make<V: Lanes>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
         let slot = Self::slot(row);
         if self.sample_row.get(slot) == Some(&row) {
             return;
@@ -246,22 +236,19 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
         let beyond = if LIT { meeting.height } else { meeting.height - 1 };
         // Behind the last row there is none; its weight is zero.
         let next = if row < beyond { row + 1 } else { row };
-        self.make_z(meeting, window, row);
-        self.make_z(meeting, window, next);
+        self.make_z::<V>(meeting, window, row);
+        self.make_z::<V>(meeting, window, next);
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
-        let (a, b) = (pick(row), pick(next));
         if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
-            let places = if LIT { 0..a.len() } else { 1..a.len().saturating_sub(1) };
-            let [a, b] = [a, b].map(|row| part(row, places.clone()));
-            meeting.yx_row::<P>(a, b, part_mut(self.y, places.clone()), part_mut(out, places));
+            yx_row::<P, V>(pick(row), pick(next), [meeting.x.weight, meeting.y.weight], out);
             *key = row;
         }
     }
 
     /// Makes the z interpolation of a voxel row.
-    #[inline(never)]
-    fn make_z(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
+    #[inline(always)]
+    fn make_z<V: Lanes>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
         let [even, odd] = &mut self.z;
         let [even_row, odd_row] = &mut self.z_row;
         let (out, key) = if row & 1 == 0 { (even, even_row) } else { (odd, odd_row) };
@@ -271,20 +258,24 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
         *key = row;
         let voxels = 1..out.len().saturating_sub(1);
         let far = window.far_or_near();
-        let fill = |row: i32, out: &mut [i32]| {
-            let row = row as usize;
-            z_row::<P>(window.near.row(row), far.row(row), meeting.z.weight, out);
-        };
         let last = meeting.height - 1;
         let edge = row.min(last).max(0);
-        fill(edge, part_mut(out, voxels.clone()));
-        if edge != row {
-            // One row beyond a face: twice the edge less the row inside it.
-            let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
-            fill(inner, part_mut(self.y, voxels.clone()));
-            extend_row(part_mut(out, voxels.clone()), part(self.y, voxels));
-        }
+        let rows = |row: i32| (window.near.row(row as usize), far.row(row as usize));
+        let (near_row, far_row) = rows(edge);
+        z_row::<P, V>(near_row, far_row, meeting.z.weight, part_mut(out, voxels.clone()));
         if LIT {
+            if edge != row {
+                // One row beyond a face: twice the edge less the row inside it.
+                let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
+                let (near_row, far_row) = rows(inner);
+                z_row::<P, V>(
+                    near_row,
+                    far_row,
+                    meeting.z.weight,
+                    part_mut(self.inner, voxels.clone()),
+                );
+                extend_row(part_mut(out, voxels.clone()), part(self.inner, voxels));
+            }
             extend_ends(out);
         }
     }
@@ -312,16 +303,45 @@ fn derivatives<'a>(window: &Window<'a>, row: usize) -> (Difference<'a>, Differen
     (near, far)
 }
 
-/// The next span of visible samples at or after `from`.
+/// Whether any of the `V::COUNT` samples at `at` is visible.
 #[inline(always)]
-fn visible_span<O: Order, C: Channel>(opacities: &[i32], transparencies: &[C], from: usize) -> Option<Range<usize>> {
-    let visible = |(a, t): (&i32, &C)| *a != 0 && (O::BACK_TO_FRONT || *t != C::default());
-    let mut rest = opacities.iter().zip(transparencies).skip(from);
-    let start = from + rest.position(visible)?;
-    let len = rest
-        .position(|s| !visible(s))
-        .map_or(opacities.len() - start, |p| p + 1);
-    Some(start..start + len)
+fn any_visible<O: Order, C: Channel, V: Lanes>(opacities: &[i32], transparencies: &[C], at: usize) -> bool {
+    let opacity = V::load(opacities, at);
+    let visible = if O::BACK_TO_FRONT {
+        opacity
+    } else {
+        V::load_as(transparencies, at, C::bits).nonzero_then(opacity)
+    };
+    !visible.all_zero()
+}
+
+/// The next span of visible samples at or after `from`, in whole lanes: an invisible sample among them changes nothing.
+#[inline(always)]
+fn visible_span<O: Order, C: Channel, V: Lanes>(
+    opacities: &[i32],
+    transparencies: &[C],
+    from: usize,
+) -> Option<Range<usize>> {
+    let mut start = from;
+    while start < opacities.len() && !any_visible::<O, C, V>(opacities, transparencies, start) {
+        start += V::COUNT;
+    }
+    let mut end = start;
+    while end < opacities.len() && any_visible::<O, C, V>(opacities, transparencies, end) {
+        end += V::COUNT;
+    }
+    (start < end).then_some(start..end.min(opacities.len()))
+}
+
+/// Whether all rays of a row are finished.
+#[inline(always)]
+fn all_finished<C: Channel, V: Lanes>(transparencies: &[C]) -> bool {
+    for at in (0..transparencies.len()).step_by(V::COUNT) {
+        if !V::load_as(transparencies, at, C::bits).all_zero() {
+            return false;
+        }
+    }
+    true
 }
 
 /// Alpha compositing of classified, perhaps shaded samples.
@@ -356,7 +376,7 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
 
 impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, O> {
     #[inline(always)]
-    fn fold_plane<T: Tap, const LIT: bool>(
+    fn fold_plane<V: Lanes, T: Tap, const LIT: bool>(
         &self,
         plan: &Plan,
         plane: &Plane,
@@ -380,48 +400,47 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         let dither = Dither::of_plane(plane.index);
         let support = self.classifier.support();
 
-        each_row(&meeting, rows, 4 * base_width, |row, data, voxel_row| {
+        for (row, data, voxel_row) in met_rows(&meeting, rows, 4 * base_width) {
             let mut pixels = PixelRow::of_runs(data, base_width, meeting.columns.clone());
-            let finished = |t: &ChannelOf<P>| *t == ChannelOf::<P>::default();
-            if !O::BACK_TO_FRONT && pixels.transparency.iter().all(finished) {
-                return;
+            if !O::BACK_TO_FRONT && all_finished::<_, V>(pixels.transparency) {
+                continue;
             }
             if !meets(support, window, meeting.voxel_rows(voxel_row)) {
-                return;
+                continue;
             }
             let beam = |offset: usize| Beam {
                 plane,
                 row,
                 column: (meeting.columns.start + offset) as u32,
             };
-            sampler.make(&meeting, window, voxel_row);
+            sampler.make::<V>(&meeting, window, voxel_row);
             let place = meeting.voxel + 1;
             let samples = part(sampler.row(voxel_row), place..place + n);
             tap.samples(beam(0), samples);
-            self.classifier.opacity_row(samples, opacities);
+            self.classifier.opacity_row::<V>(samples, opacities);
             tap.opacities(beam(0), opacities);
 
             let mut from = 0;
-            while let Some(span) = visible_span::<O, _>(opacities, pixels.transparency, from) {
+            while let Some(span) = visible_span::<O, _, V>(opacities, pixels.transparency, from) {
                 from = span.end;
                 let at = beam(span.start);
                 let places = place + span.start..place + span.end;
                 let [cr, cg, cb] = colours.each_mut().map(|c| part_mut(c, 0..span.len()));
                 let samples = part(sampler.row(voxel_row), places.clone());
-                self.classifier.colour_row(samples, [&mut *cr, &mut *cg, &mut *cb]);
+                self.classifier.colour_row::<V>(samples, [&mut *cr, &mut *cg, &mut *cb]);
                 tap.colours(at, [cr, cg, cb]);
                 if LIT {
-                    sampler.make(&meeting, window, voxel_row - 1);
-                    sampler.make(&meeting, window, voxel_row + 1);
-                    normals.make(plan, &meeting, window, &sampler, voxel_row, places);
-                    normals.shade(&self.shader, at, [&mut *cr, &mut *cg, &mut *cb], tap);
+                    sampler.make::<V>(&meeting, window, voxel_row - 1);
+                    sampler.make::<V>(&meeting, window, voxel_row + 1);
+                    normals.make::<P, V>(plan, &meeting, window, &sampler, voxel_row, places);
+                    normals.shade::<P, S, V, T>(&self.shader, at, [&mut *cr, &mut *cg, &mut *cb], tap);
                 }
                 let mut pixels = pixels.span(span.clone());
                 tap.before(at, &pixels);
-                fold_row::<P::Pixel, O>(&mut pixels, [cr, cg, cb], part(opacities, span), dither, self.floor);
+                fold_row::<P::Pixel, O, V>(&mut pixels, [cr, cg, cb], part(opacities, span), dither, self.floor);
                 tap.after(at, &pixels);
             }
-        });
+        }
     }
 }
 
@@ -451,8 +470,8 @@ where
         }
     }
 
-    #[inline]
-    fn fold<T: Tap>(
+    #[inline(always)]
+    fn fold<V: Lanes, T: Tap>(
         &self,
         plan: &Plan,
         plane: &Plane,
@@ -467,9 +486,9 @@ where
         }
         tap.plane(plane);
         if S::LIT {
-            self.fold_plane::<T, true>(plan, plane, window, rows, scratch, tap);
+            self.fold_plane::<V, T, true>(plan, plane, window, rows, scratch, tap);
         } else {
-            self.fold_plane::<T, false>(plan, plane, window, rows, scratch, tap);
+            self.fold_plane::<V, T, false>(plan, plane, window, rows, scratch, tap);
         }
     }
 
@@ -491,27 +510,55 @@ where
 struct NormalRows<'s, const LIT: bool> {
     g: [&'s mut [i32]; 3],
     r: &'s mut [i32],
-    z: [&'s mut [i32]; 3],
+    /// z interpolation of derivatives along z, of an even and an odd voxel row: which row, and which columns of it.
+    z: [&'s mut [i32]; 2],
+    z_made: [(usize, Range<usize>); 2],
     len: usize,
 }
 
 impl<'s, const LIT: bool> NormalRows<'s, LIT> {
     /// Rows of scratch memory.
-    const ROWS: usize = 7;
+    const ROWS: usize = 6;
 
+    #[inline(always)]
     fn new(memory: &mut &'s mut [i32], len: usize) -> Self {
         let len = if LIT { len } else { 0 };
         Self {
             g: [(); 3].map(|()| take(memory, len)),
             r: take(memory, len),
-            z: [(); 3].map(|()| take(memory, len)),
+            z: [(); 2].map(|()| take(memory, len)),
+            z_made: [(0, 0..0), (0, 0..0)],
             len: 0,
         }
     }
 
+    /// Makes some columns of the z interpolation of a voxel row's derivatives along z.
+    #[inline(always)]
+    fn make_z<P: Precision, V: Lanes>(
+        &mut self,
+        meeting: &Meeting,
+        window: &Window<'_>,
+        row: usize,
+        columns: &Range<usize>,
+    ) {
+        let ([even, odd], [even_made, odd_made]) = (&mut self.z, &mut self.z_made);
+        let (out, made) = if row & 1 == 0 {
+            (even, even_made)
+        } else {
+            (odd, odd_made)
+        };
+        if made.0 == row && made.1.start <= columns.start && columns.end <= made.1.end {
+            return;
+        }
+        *made = (row, columns.clone());
+        let (near, far) = derivatives(window, row);
+        let (near, far) = (near.columns(columns.clone()), far.columns(columns.clone()));
+        z_difference_row::<P, V>(near, far, meeting.z.weight, part_mut(out, columns.clone()));
+    }
+
     /// Gradients of the samples at `places` of a row.
     #[inline(always)]
-    fn make<P: Precision>(
+    fn make<P: Precision, V: Lanes>(
         &mut self,
         plan: &Plan,
         meeting: &Meeting,
@@ -521,38 +568,33 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
         places: Range<usize>,
     ) {
         self.len = places.len();
-        let [gx, gy, gz] = self.g.each_mut().map(|g| part_mut(g, 0..places.len()));
         // A row has a place before its first voxel, so there is one to the left of every sample.
         let first = places.start.saturating_sub(1);
-        let here = sampler.row(row);
-        difference_row(
-            part(here, places.start + 1..places.end + 1),
-            part(here, first..places.end - 1),
-            gx,
-        );
-        let (next, previous) = (sampler.row(row + 1), sampler.row(row - 1));
-        difference_row(part(next, places.clone()), part(previous, places.clone()), gy);
-
         // Along z: derivatives in place of voxels, one column more than the span where there is one.
         let columns = first..places.end.min(window.near.width());
-        let [a, b, y] = self.z.each_mut().map(|z| part_mut(z, 0..columns.len()));
         let (this, next) = meeting.voxel_rows(row);
-        for (row, out) in [(this, &mut *a), (next, &mut *b)] {
-            let (near, far) = derivatives(window, row);
-            let (near, far) = (near.columns(columns.clone()), far.columns(columns.clone()));
-            z_difference_row::<P>(near, far, meeting.z.weight, out);
-        }
-        meeting.yx_row::<P>(a, b, y, gz);
+        self.make_z::<P, V>(meeting, window, this, &columns);
+        self.make_z::<P, V>(meeting, window, next, &columns);
+        let [even, odd] = &self.z;
+        let pick = |row: usize| part(if row & 1 == 0 { even } else { odd }, columns.clone());
+
+        let [gx, gy, gz] = self.g.each_mut().map(|g| part_mut(g, 0..places.len()));
+        yx_row::<P, V>(pick(this), pick(next), [meeting.x.weight, meeting.y.weight], gz);
+        let here = sampler.row(row);
+        let (right, left) = (places.start + 1..places.end + 1, first..places.end - 1);
+        difference_row::<V>(part(here, right), part(here, left), gx);
+        let (next, previous) = (sampler.row(row + 1), sampler.row(row - 1));
+        difference_row::<V>(part(next, places.clone()), part(previous, places), gy);
 
         let [fx, fy, fz] = plan.spacing();
-        space_row(gx, fx);
-        space_row(gy, fy);
-        space_row(gz, fz);
+        space_row::<V>(gx, fx);
+        space_row::<V>(gy, fy);
+        space_row::<V>(gz, fz);
     }
 
     /// Normalises the gradients and shades the colours of the span.
     #[inline(always)]
-    fn shade<P: Precision, S: Shader<P>, T: Tap>(
+    fn shade<P: Precision, S: Shader<P>, V: Lanes, T: Tap>(
         &mut self,
         shader: &S,
         at: Beam<'_>,
@@ -561,11 +603,14 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
     ) {
         let [gx, gy, gz] = self.g.each_mut().map(|g| part_mut(g, 0..self.len));
         let r = part_mut(self.r, 0..self.len);
+        if P::GRADIENT_BITS < 15 {
+            coarsen_row::<V>([&mut *gx, &mut *gy, &mut *gz], P::GRADIENT_BITS);
+        }
         tap.gradients(at, [gx, gy, gz]);
-        normalise_row([&mut *gx, &mut *gy, &mut *gz], r);
+        normalise_row::<V>([&mut *gx, &mut *gy, &mut *gz], r);
         tap.normals(at, [gx, gy, gz], r);
         let [cr, cg, cb] = colours;
-        shader.shade_row([gx, gy, gz], r, [&mut *cr, &mut *cg, &mut *cb]);
+        shader.shade_row::<V>([gx, gy, gz], r, [&mut *cr, &mut *cg, &mut *cb]);
         tap.shaded(at, [cr, cg, cb]);
     }
 }
@@ -599,8 +644,8 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         X::EMPTY
     }
 
-    #[inline]
-    fn fold<T: Tap>(
+    #[inline(always)]
+    fn fold<V: Lanes, T: Tap>(
         &self,
         plan: &Plan,
         plane: &Plane,
@@ -621,8 +666,8 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         }
         let [base_width, _] = plan.base().map(|side| side as usize);
         let mut sampler = Sampler::<P, false>::new(&mut scratch, row_len(slice_width));
-        each_row(&meeting, rows, base_width, |row, data, voxel_row| {
-            sampler.make(&meeting, window, voxel_row);
+        for (row, data, voxel_row) in met_rows(&meeting, rows, base_width) {
+            sampler.make::<V>(&meeting, window, voxel_row);
             let place = meeting.voxel + 1;
             let samples = part(sampler.row(voxel_row), place..place + n);
             let at = Beam {
@@ -631,8 +676,8 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
                 column: meeting.columns.start as u32,
             };
             tap.samples(at, samples);
-            keep_row::<X>(part_mut(data, meeting.columns.clone()), samples);
-        });
+            keep_row::<X, V>(part_mut(data, meeting.columns.clone()), samples);
+        }
     }
 
     fn pixel(&self, row: &[i32], column: usize) -> Pixel<ChannelOf<P>> {

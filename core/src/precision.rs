@@ -36,6 +36,10 @@ pub trait Precision: Copy + Default + Send + Sync + 'static {
     /// The arithmetic of shading.
     const SHADING: Shading;
 
+    /// Bits of a gradient's largest component that normalisation reads, 1 to 15; the others keep the same scale.
+    const GRADIENT_BITS: u32 = 15;
+    /// How a highlight's power is formed.
+    const POWER: Power = Self::SHADING.power();
     /// Fraction bits of a colour: 15 or 31, as the pixel takes it.
     const COLOUR_BITS: u32 = <Self::Pixel as Recurrence>::COLOUR_BITS;
     /// Fraction bits of a sample.
@@ -49,6 +53,9 @@ pub enum NormalForm {
     Deferred,
     /// The normal is formed first, each component truncated to this many fraction bits (at most 15).
     Formed(u32),
+    /// The normal is formed first, each component to the nearest with this many fraction bits (1 to 15); its products
+    /// are exact. For shading that keeps 15 bits of a vector.
+    Nearest(u32),
 }
 
 /// How coefficients, dot products and powers of the lighting are multiplied and summed.
@@ -62,7 +69,27 @@ pub enum Shading {
     Rounded31,
 }
 
+/// The power of a cosine that makes a highlight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Power {
+    /// Squared again and again in 1.31, each time to nearest.
+    Rounded31,
+    /// Squared again and again in 1.16, truncated.
+    Truncated16,
+    /// An inverted parabola in the angle, `max(0, 1 - (1 - x)(2^n + 1) / 2)`: the same top and the same area, and a
+    /// kink where it reaches 0. For comparison (Squeeze, section 4.2.2, after Knittel).
+    Parabola,
+}
+
 impl Shading {
+    /// The power that belongs to this arithmetic.
+    pub const fn power(self) -> Power {
+        match self {
+            Self::Truncated16 => Power::Truncated16,
+            Self::Rounded16 | Self::Rounded31 => Power::Rounded31,
+        }
+    }
+
     /// Fraction bits of the components of light and viewing vectors.
     pub const fn vector_bits(self) -> u32 {
         match self {

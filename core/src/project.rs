@@ -5,14 +5,15 @@
 
 use crate::classify::Classifier;
 use crate::composite::{Dither, Pixel, Recurrence};
+use crate::lanes::Lanes;
 use crate::precision::Precision;
 
 /// Which sample of a ray is kept.
 pub trait Extreme: Copy + Send + Sync + 'static {
     /// What a ray that has met nothing holds; no sample has these bits.
     const EMPTY: i32;
-    /// The sample to keep, of the bits of two.
-    fn keep(a: i32, b: i32) -> i32;
+    /// The samples to keep, of the bits of two each.
+    fn keep<V: Lanes>(a: V, b: V) -> V;
 }
 
 /// The largest sample.
@@ -26,24 +27,24 @@ pub struct Minimum;
 impl Extreme for Maximum {
     const EMPTY: i32 = -1;
     #[inline(always)]
-    fn keep(a: i32, b: i32) -> i32 {
-        a.max(b)
+    fn keep<V: Lanes>(a: V, b: V) -> V {
+        a.at_least(b)
     }
 }
 
 impl Extreme for Minimum {
     const EMPTY: i32 = i32::MAX;
     #[inline(always)]
-    fn keep(a: i32, b: i32) -> i32 {
-        a.min(b)
+    fn keep<V: Lanes>(a: V, b: V) -> V {
+        a.at_most(b)
     }
 }
 
 /// Folds one sample into each pixel of a row. Both rows equally long.
-#[inline]
-pub fn keep_row<X: Extreme>(row: &mut [i32], samples: &[i32]) {
-    for (kept, &s) in row.iter_mut().zip(samples) {
-        *kept = X::keep(*kept, s);
+#[inline(always)]
+pub fn keep_row<X: Extreme, V: Lanes>(row: &mut [i32], samples: &[i32]) {
+    for at in (0..row.len()).step_by(V::COUNT) {
+        X::keep(V::load(row, at), V::load(samples, at)).store(row, at);
     }
 }
 

@@ -30,8 +30,9 @@ use core::marker::PhantomData;
 use heapless::Vec;
 
 use crate::format::{Coefficient, Cosine, Vector};
+use crate::lanes::{Lanes, Wide as _};
 use crate::normalise::Normal;
-use crate::precision::{NormalForm, Precision, Shading};
+use crate::precision::{NormalForm, Power, Precision, Shading};
 
 /// The largest number of lights.
 pub const LIGHTS_MAX: usize = 8;
@@ -45,7 +46,7 @@ pub trait Shader<P: Precision>: Sync {
 
     /// Shades the colours of a row in place. Seven rows of equal length: components of
     /// g, r, and colours (`P::COLOUR_BITS`).
-    fn shade_row(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]);
+    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]);
 }
 
 /// No lights: the classified colour is the colour.
@@ -56,7 +57,7 @@ impl<P: Precision> Shader<P> for Unlit {
     const LIT: bool = false;
 
     #[inline(always)]
-    fn shade_row(&self, _: [&[i32]; 3], _: &[i32], _: [&mut [i32]; 3]) {}
+    fn shade_row<V: Lanes>(&self, _: [&[i32]; 3], _: &[i32], _: [&mut [i32]; 3]) {}
 }
 
 /// Which dot product the highlight is a power of.
@@ -90,6 +91,8 @@ pub struct Phong<P> {
     viewer: [i32; 3],
     highlight: Highlight,
     exponent_log2: u32,
+    /// Whether no coefficient differs between the channels: then one sum serves all three.
+    grey: bool,
     precision: PhantomData<P>,
 }
 
@@ -231,8 +234,12 @@ impl<P: Precision> Phong<P> {
                 .push(source)
                 .map_err(|_| PhongError::Lights { given: lights.len() })?;
         }
+        let ambient = ambient.map(keep::<P>);
+        let equal = |[r, g, b]: [u32; 3]| r == g && g == b;
+        let grey = equal(ambient) && sources.iter().all(|l| equal(l.diffuse) && equal(l.specular));
         Ok(Self {
-            ambient: ambient.map(keep::<P>),
+            ambient,
+            grey,
             lights: sources,
             viewer: keep_vector::<P>(viewer),
             highlight,
@@ -241,184 +248,217 @@ impl<P: Precision> Phong<P> {
         })
     }
 
-    /// Colour of a sample with this normal and classified colour. This function is the definition.
+    /// Colour of a sample with this normal and classified colour.
     #[inline]
     pub fn shade(&self, normal: Normal, colour: [u32; 3]) -> [u32; 3] {
-        match P::SHADING {
-            Shading::Truncated16 => self.shade_truncated16(normal, colour),
-            Shading::Rounded16 => self.shade_rounded16(normal, colour),
-            Shading::Rounded31 => self.shade_rounded31(normal, colour),
-        }
+        let out = self.shade_lanes(normal.g, normal.r as i32, colour.map(|c| c as i32));
+        out.map(|c| c as u32)
     }
 
-    #[inline]
-    fn shade_rounded31(&self, normal: Normal, colour: [u32; 3]) -> [u32; 3] {
-        let mut diffuse = self.ambient.map(u64::from);
-        let mut specular = [0u64; 3];
-        let nv = self.facing(normal);
-        for light in &self.lights {
-            let (nl, y) = self.cosines(normal, light, nv);
-            for (((d, s), kd), ks) in diffuse
-                .iter_mut()
-                .zip(&mut specular)
-                .zip(light.diffuse)
-                .zip(light.specular)
-            {
-                *d += (u64::from(kd) * u64::from(nl.to_bits())) >> 31;
-                *s += (u64::from(ks) * u64::from(y.to_bits())) >> 31;
-            }
-        }
-        let mut out = [0; 3];
-        for (((o, c), d), s) in out.iter_mut().zip(colour).zip(diffuse).zip(specular) {
-            let sum = u64::from(c) * d.min(1 << 31) + (s.min(1 << 31) << 31) + (1 << 30);
-            *o = (sum >> 31).min(1 << 31) as u32;
-        }
-        out
-    }
-
-    #[inline]
-    fn shade_rounded16(&self, normal: Normal, colour: [u32; 3]) -> [u32; 3] {
-        let mut diffuse = self.ambient.map(|k| k << 16);
-        let mut specular = [0u32; 3];
-        let nv = self.facing(normal);
-        for light in &self.lights {
-            let (nl, y) = self.cosines(normal, light, nv);
-            let (x16, y16) = (to_16(nl), to_16(y));
-            for (((d, s), kd), ks) in diffuse
-                .iter_mut()
-                .zip(&mut specular)
-                .zip(light.diffuse)
-                .zip(light.specular)
-            {
-                *d = d.saturating_add(kd * x16);
-                *s = s.saturating_add(ks * y16);
-            }
-        }
-        let mut out = [0; 3];
-        for (((o, c), d), s) in out.iter_mut().zip(colour).zip(diffuse).zip(specular) {
-            let m = (d.min(1 << 31) + (1 << 14)) >> 15;
-            // O m and as much of the highlight as there is room for below 1.
-            let diffuse = c * m;
-            *o = (diffuse + s.min((1 << 31) - diffuse) + (1 << 15)) >> 16;
-        }
-        out
-    }
-
-    /// Squeeze to the letter: 16.16, every product truncated.
-    #[inline]
-    fn shade_truncated16(&self, normal: Normal, colour: [u32; 3]) -> [u32; 3] {
-        let mut diffuse = self.ambient.map(|k| k << 1);
-        let mut specular = [0u32; 3];
-        let nv = self.facing(normal);
-        for light in &self.lights {
-            let (nl, y) = self.cosines(normal, light, nv);
-            let (x16, y16) = (nl.to_bits() >> 15, y.to_bits() >> 15);
-            for (((d, s), kd), ks) in diffuse
-                .iter_mut()
-                .zip(&mut specular)
-                .zip(light.diffuse)
-                .zip(light.specular)
-            {
-                *d += (kd * x16) >> 15;
-                *s += (ks * y16) >> 15;
-            }
-        }
-        let mut out = [0; 3];
-        for (((o, c), d), s) in out.iter_mut().zip(colour).zip(diffuse).zip(specular) {
-            let sum = ((c * d.min(1 << 16)) >> 15) + s;
-            *o = (sum >> 1).min(1 << 15);
-        }
-        out
-    }
-
-    /// N.V, where the highlight asks for it.
+    /// Colours of samples with these normals and classified colours. This function is the definition.
     #[inline(always)]
-    fn facing(&self, normal: Normal) -> Cosine {
-        match self.highlight {
-            Highlight::HalfVector => Cosine::ZERO,
-            Highlight::Reflection => dot::<P>(normal, self.viewer),
+    pub fn shade_lanes<V: Lanes>(&self, g: [V; 3], r: V, colour: [V; 3]) -> [V; 3] {
+        let [red, green, blue] = colour;
+        if self.grey {
+            let [sum] = self.lighting::<V, 1>(g, r);
+            [lit::<P, V>(red, sum), lit::<P, V>(green, sum), lit::<P, V>(blue, sum)]
+        } else {
+            let [a, b, c] = self.lighting::<V, 3>(g, r);
+            [lit::<P, V>(red, a), lit::<P, V>(green, b), lit::<P, V>(blue, c)]
         }
     }
 
-    /// N.L and the highlight of one light, given N.V and V.L.
-    #[inline]
-    fn cosines(&self, normal: Normal, light: &Source, nv: Cosine) -> (Cosine, Cosine) {
-        let nl = dot::<P>(normal, light.direction);
-        if nl == Cosine::ZERO {
-            return (nl, Cosine::ZERO);
+    /// What the first `N` channels receive from all lights: diffuse (with ambient) and specular.
+    #[inline(always)]
+    fn lighting<V: Lanes, const N: usize>(&self, g: [V; 3], r: V) -> [[V; 2]; N] {
+        let mut sums = [[V::splat(0); 2]; N];
+        for (sum, k) in sums.iter_mut().zip(self.ambient) {
+            *sum = [ambient::<P, V>(k), V::splat(0)];
         }
-        let base = match self.highlight {
-            Highlight::HalfVector => dot::<P>(normal, light.half),
-            Highlight::Reflection if nv == Cosine::ZERO => Cosine::ZERO,
-            Highlight::Reflection => reflected_off::<P>(nv, nl, light.along),
+        let nv = match self.highlight {
+            Highlight::HalfVector => V::splat(0),
+            Highlight::Reflection => dot_lanes::<P, V>(g, r, self.viewer),
         };
-        (nl, power::<P>(base, self.exponent_log2))
+        for light in &self.lights {
+            let nl = dot_lanes::<P, V>(g, r, light.direction);
+            if nl.all_zero() {
+                continue;
+            }
+            let base = match self.highlight {
+                Highlight::HalfVector => dot_lanes::<P, V>(g, r, light.half),
+                Highlight::Reflection if nv.all_zero() => V::splat(0),
+                Highlight::Reflection => nv.nonzero_then(reflected_off::<P, V>(nv, nl, light.along)),
+            };
+            let y = power_lanes::<P, V>(nl.nonzero_then(base), self.exponent_log2);
+            let (x, y) = (for_products::<P, V>(nl), for_products::<P, V>(y));
+            for (([d, s], kd), ks) in sums.iter_mut().zip(light.diffuse).zip(light.specular) {
+                *d = d.saturating_add(weighted::<P, V>(kd, x));
+                *s = s.saturating_add(weighted::<P, V>(ks, y));
+            }
+        }
+        sums
+    }
+}
+
+/// The ambient coefficient as a sum of products begins with it.
+#[inline(always)]
+fn ambient<P: Precision, V: Lanes>(k: u32) -> V {
+    V::splat(match P::SHADING {
+        Shading::Truncated16 => k << 1,
+        Shading::Rounded16 => k << 16,
+        Shading::Rounded31 => k,
+    } as i32)
+}
+
+/// A cosine (1.31) with the bits that products take.
+#[inline(always)]
+fn for_products<P: Precision, V: Lanes>(x: V) -> V {
+    match P::SHADING {
+        Shading::Truncated16 => x.shr_unsigned(15),
+        Shading::Rounded16 => x.wrapping_add(V::splat(1 << 14)).shr_unsigned(15),
+        Shading::Rounded31 => x,
+    }
+}
+
+/// A cosine times its coefficient.
+#[inline(always)]
+fn weighted<P: Precision, V: Lanes>(k: u32, x: V) -> V {
+    let k = V::splat(k as i32);
+    match P::SHADING {
+        Shading::Truncated16 => k.wrapping_mul(x).shr_unsigned(15),
+        Shading::Rounded16 => k.wrapping_mul(x),
+        Shading::Rounded31 => k.product(x).shr(31).narrow(),
+    }
+}
+
+/// The colour under this sum of light.
+#[inline(always)]
+fn lit<P: Precision, V: Lanes>(colour: V, [diffuse, specular]: [V; 2]) -> V {
+    let (one15, one16, one31) = (V::splat(1 << 15), V::splat(1 << 16), V::splat(i32::MIN));
+    match P::SHADING {
+        Shading::Truncated16 => {
+            let sum = colour.wrapping_mul(diffuse.at_most(one16)).shr_unsigned(15) + specular;
+            (sum >> 1).at_most(one15)
+        }
+        Shading::Rounded16 => {
+            let m = diffuse
+                .saturating_add(V::splat(1 << 14))
+                .shr_unsigned(15)
+                .at_most(one16);
+            let sum = colour.wrapping_mul(m).saturating_add(specular);
+            sum.saturating_add(one15).shr_unsigned(16).at_most(one15)
+        }
+        Shading::Rounded31 => {
+            let product = colour.product(diffuse.at_most_unsigned(one31)) + V::Wide::splat(1 << 30);
+            product
+                .shr(31)
+                .narrow()
+                .saturating_add(specular)
+                .at_most_unsigned(one31)
+        }
     }
 }
 
 impl<P: Precision> Shader<P> for Phong<P> {
     const LIT: bool = true;
 
-    #[inline]
-    fn shade_row(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]) {
+    #[inline(always)]
+    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]) {
         let [gx, gy, gz] = g;
         let [red, green, blue] = colour;
-        let normals = gx.iter().zip(gy).zip(gz).zip(r);
-        for (((r, g), b), (((x, y), z), norm)) in red.iter_mut().zip(green).zip(blue).zip(normals) {
-            let normal = Normal {
-                g: [*x, *y, *z],
-                r: *norm as u32,
-            };
-            let colour = [*r, *g, *b].map(|c| c as u32);
-            [*r, *g, *b] = self.shade(normal, colour).map(|c| c as i32);
+        for at in (0..r.len()).step_by(V::COUNT) {
+            let g = [V::load(gx, at), V::load(gy, at), V::load(gz, at)];
+            let colour = [V::load(red, at), V::load(green, at), V::load(blue, at)];
+            let [r, g, b] = self.shade_lanes(g, V::load(r, at), colour);
+            r.store(red, at);
+            g.store(green, at);
+            b.store(blue, at);
         }
     }
 }
 
 /// The normal N = -g r / 2^35 with its magnitudes truncated (towards zero, so that opposite gradients have opposite
 /// normals) to so many fraction bits, 1 to 15.
+#[inline(always)]
+pub fn formed<V: Lanes>(g: [V; 3], r: V, bits: u32) -> [V; 3] {
+    let [x, y, z] = g;
+    [
+        formed_component(x, r, bits),
+        formed_component(y, r, bits),
+        formed_component(z, r, bits),
+    ]
+}
+
+#[inline(always)]
+fn formed_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
+    let magnitude = g.abs().product(r).shr(35 - bits).narrow();
+    magnitude.with_sign_of(V::splat(0) - g)
+}
+
+/// [`dot_lanes`] of one sample.
 #[inline]
-pub fn formed(normal: Normal, bits: u32) -> [i32; 3] {
-    normal.g.map(|g| {
-        let magnitude = ((u64::from(g.unsigned_abs()) * u64::from(normal.r)) >> (35 - bits)) as i32;
-        if g > 0 { -magnitude } else { magnitude }
-    })
+pub fn dot<P: Precision>(normal: Normal, vector: [i32; 3]) -> Cosine {
+    Cosine::from_bits(dot_lanes::<P, i32>(normal.g, normal.r as i32, vector) as u32)
+}
+
+/// The normal N = -g r / 2^35 with each component to the nearest of so many fraction bits (1 to 15), at most 1; opposite
+/// gradients have opposite normals.
+#[inline(always)]
+pub fn formed_nearest<V: Lanes>(g: [V; 3], r: V, bits: u32) -> [V; 3] {
+    let [x, y, z] = g;
+    [
+        nearest_component(x, r, bits),
+        nearest_component(y, r, bits),
+        nearest_component(z, r, bits),
+    ]
+}
+
+#[inline(always)]
+fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
+    let product = g.abs().product(r) + V::Wide::splat(1 << (34 - bits));
+    let magnitude = product.shr(35 - bits).narrow().at_most(V::splat(1 << bits));
+    magnitude.with_sign_of(V::splat(0) - g)
 }
 
 /// `max(0, N . L)` with N = -g r / 2^35, 1.31. `Formed` normals are truncated first, and so are their products, at 16
-/// fraction bits. The vector has the precision's bits ([`keep_vector`]).
-#[inline]
-pub fn dot<P: Precision>(normal: Normal, vector: [i32; 3]) -> Cosine {
+/// fraction bits; `Nearest` ones are rounded first. The vector has the precision's bits ([`keep_vector`]).
+#[inline(always)]
+pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, vector: [i32; 3]) -> V {
+    let zero = V::splat(0);
+    let one = V::splat(i32::MIN);
+    let ([x, y, z], [lx, ly, lz]) = (g, vector);
+    let (lx, ly, lz) = (V::splat(lx), V::splat(ly), V::splat(lz));
     match P::NORMAL {
+        NormalForm::Deferred if P::SHADING.vector_bits() == 15 => {
+            // |sum| <= sqrt(3) * 32767 * 32768 < 2^31 for unit vectors; wrapping keeps others from a panic.
+            let sum = zero.wrapping_sub(x.wrapping_mul(lx)).wrapping_sub(y.wrapping_mul(ly));
+            let sum = sum.wrapping_sub(z.wrapping_mul(lz));
+            // d has the 15 fraction bits of the vector and r has 35; the product is brought to 31.
+            let product = sum.at_least(zero).product(r) + V::Wide::splat(1 << 18);
+            product.shr(19).narrow().at_most_unsigned(one)
+        }
         NormalForm::Deferred => {
-            // d has the fraction bits of the vector and r has 35; the product is brought to 31.
-            let (d, cut) = if P::SHADING.vector_bits() == 15 {
-                let mut sum = 0i32;
-                for (g, l) in normal.g.iter().zip(vector) {
-                    // |sum| <= sqrt(3) * 32767 * 32768 < 2^31 for unit vectors; wrapping keeps others from a panic.
-                    sum = sum.wrapping_sub(g.wrapping_mul(l));
-                }
-                (sum.max(0) as u64, 19)
-            } else {
-                let mut sum = 0i64;
-                for (g, l) in normal.g.iter().zip(vector) {
-                    sum -= i64::from(*g) * i64::from(l);
-                }
-                // Nine bits make room for r: 37 and 21 bits fit 64.
-                ((sum.max(0) as u64 + (1 << 8)) >> 9, 25)
-            };
-            let product = d * u64::from(normal.r) + (1 << (cut - 1));
-            // At least 1 where the upper half says so: 2^31 after the cut.
-            let beyond = (product >> 32) as u32 >= 1 << (cut - 1);
-            Cosine::from_bits(if beyond { 1 << 31 } else { (product >> cut) as u32 })
+            let sum = V::Wide::splat(1 << 8) - x.product_signed(lx) - y.product_signed(ly) - z.product_signed(lz);
+            // Nine bits make room for r: 37 and 21 bits fit 64.
+            let product = sum.at_least_zero().shr(9).times(r) + V::Wide::splat(1 << 24);
+            product.shr(25).narrow().at_most_unsigned(one)
         }
         NormalForm::Formed(bits) => {
-            let mut sum = 0i32;
-            for (n, l) in formed(normal, bits).iter().zip(vector) {
-                // bits + 15 fraction bits, truncated to 16.
-                sum += (n * l) >> (bits - 1);
-            }
-            Cosine::from_bits((sum.clamp(0, 1 << 16) as u32) << 15)
+            // bits + 15 fraction bits, truncated to 16.
+            let [x, y, z] = formed(g, r, bits);
+            let sum = ((x * lx) >> (bits - 1)) + ((y * ly) >> (bits - 1)) + ((z * lz) >> (bits - 1));
+            sum.at_least(zero).at_most(V::splat(1 << 16)) << 15
+        }
+        NormalForm::Nearest(bits) => {
+            // |sum| < 2^30 + 2^16 for unit vectors; wrapping keeps others from a panic.
+            let [x, y, z] = formed_nearest(g, r, bits);
+            let sum = x
+                .wrapping_mul(lx)
+                .wrapping_add(y.wrapping_mul(ly))
+                .wrapping_add(z.wrapping_mul(lz));
+            // bits + 15 fraction bits, brought to 31; a rounded normal may be longer than 1.
+            let dot = V::Wide::of(sum.at_least(zero)).shl(16 - bits);
+            dot.at_most(V::Wide::splat(1 << 31)).narrow()
         }
     }
 }
@@ -429,7 +469,8 @@ pub fn reflected<P: Precision>(nv: Cosine, nl: Cosine, viewer: [i32; 3], light: 
     if nv == Cosine::ZERO || nl == Cosine::ZERO {
         return Cosine::ZERO;
     }
-    reflected_off::<P>(nv, nl, along(viewer, light))
+    let [nv, nl] = [nv, nl].map(|c| c.to_bits() as i32);
+    Cosine::from_bits(reflected_off::<P, i32>(nv, nl, along(viewer, light)) as u32)
 }
 
 /// V.L, with twice the vectors' fraction bits.
@@ -443,46 +484,49 @@ fn along(viewer: [i32; 3], light: [i32; 3]) -> i64 {
 
 /// [`reflected`] with V.L at hand, and N.V and N.L above 0.
 #[inline(always)]
-fn reflected_off<P: Precision>(nv: Cosine, nl: Cosine, vl: i64) -> Cosine {
-    let product = u64::from(nv.to_bits()) * u64::from(nl.to_bits());
+fn reflected_off<P: Precision, V: Lanes>(nv: V, nl: V, vl: i64) -> V {
+    let product = nv.product(nl);
     let rl = match P::SHADING {
-        Shading::Rounded31 => ((product + (1 << 29)) >> 30) as i64 - (vl >> 29),
-        Shading::Rounded16 => ((product + (1 << 29)) >> 30) as i64 - (vl << 1),
-        Shading::Truncated16 => ((product >> 45) as i64 - (vl >> 14)) << 15,
+        Shading::Rounded31 => (product + V::Wide::splat(1 << 29)).shr(30) - V::Wide::splat(vl >> 29),
+        Shading::Rounded16 => (product + V::Wide::splat(1 << 29)).shr(30) - V::Wide::splat(vl << 1),
+        Shading::Truncated16 => (product.shr(45) - V::Wide::splat(vl >> 14)).shl(15),
     };
-    Cosine::from_bits(rl.clamp(0, 1 << 31) as u32)
+    rl.at_least_zero().at_most(V::Wide::splat(1 << 31)).narrow()
 }
 
-/// `x^(2^n)` by squaring; 1 stays 1. Squeeze, section 4.2.2.
+/// [`power_lanes`] of one cosine.
 #[inline]
 pub fn power<P: Precision>(x: Cosine, n: u32) -> Cosine {
-    match P::SHADING {
-        Shading::Rounded16 | Shading::Rounded31 => {
-            if x == Cosine::ONE {
-                return x;
-            }
-            // Twice the square, whose upper half is rounded by the top bit of the lower.
-            let mut x = x.to_bits();
-            for _ in 0..n {
-                let square = u64::from(x << 1) * u64::from(x);
-                x = (square >> 32) as u32 + (square as u32 >> 31);
-            }
-            Cosine::from_bits(x)
-        }
-        Shading::Truncated16 => {
-            let mut x = x.to_bits() >> 15;
-            for _ in 0..n {
-                x = ((u64::from(x) * u64::from(x)) >> 16) as u32;
-            }
-            Cosine::from_bits(x << 15)
-        }
-    }
+    Cosine::from_bits(power_lanes::<P, i32>(x.to_bits() as i32, n) as u32)
 }
 
-/// 1.31 to 1.16, to nearest.
+/// `x^(2^n)` by squaring, or what a study puts in its place; 1 stays 1. Squeeze, section 4.2.2.
 #[inline(always)]
-fn to_16(x: Cosine) -> u32 {
-    (x.to_bits() + (1 << 14)) >> 15
+pub fn power_lanes<P: Precision, V: Lanes>(x: V, n: u32) -> V {
+    match P::POWER {
+        Power::Rounded31 => {
+            let mut x = V::Wide::of(x);
+            for _ in 0..n {
+                x = (x.square() + V::Wide::splat(1 << 30)).shr(31);
+            }
+            x.narrow()
+        }
+        Power::Truncated16 => {
+            let mut x = V::Wide::of(x.shr_unsigned(15));
+            for _ in 0..n {
+                x = x.square().shr(16);
+            }
+            x.narrow() << 15
+        }
+        Power::Parabola => {
+            let one = V::splat(i32::MIN);
+            let fall = one
+                .wrapping_sub(x.at_most_unsigned(one))
+                .product(V::splat((1 << n) + 1))
+                .shr(1);
+            one.wrapping_sub(fall.at_most(V::Wide::splat(1 << 31)).narrow())
+        }
+    }
 }
 
 #[cfg(test)]
@@ -614,44 +658,6 @@ mod tests {
         }
 
         #[test]
-        fn powers_are_rounded_squares(x in prop_oneof![0u32..=1 << 31, (1 << 31) - 9..=1u32 << 31], n in 0u32..=8) {
-            let squared = (0..n).fold(u64::from(x), |x, _| (x * x + (1 << 30)) >> 31);
-            prop_assert_eq!(u64::from(power::<Compact>(Cosine::from_bits(x), n).to_bits()), squared);
-        }
-
-        /// Vectors of any length, too: a product beyond 1 is 1.
-        #[test]
-        fn dots_are_rounded_and_clamped(g in prop::array::uniform3(-32767i32..=32767), v in prop::array::uniform3(-32768i32..=32768)) {
-            let normal = normalise(g);
-            let sum: i64 = normal.g.iter().zip(v).map(|(g, l)| -i64::from(*g) * i64::from(l)).sum();
-            prop_assume!(i32::try_from(sum).is_ok());
-            let exact = (sum.max(0) * i64::from(normal.r) + (1 << 18)) >> 19;
-            prop_assert_eq!(i64::from(dot::<Compact>(normal, v).to_bits()), exact.min(1 << 31));
-            let fine: i64 = sum.max(0) << 15;
-            let exact = (((fine + (1 << 8)) >> 9) * i64::from(normal.r) + (1 << 24)) >> 25;
-            prop_assert_eq!(i64::from(dot::<Wide>(normal, v.map(|c| c << 15)).to_bits()), exact.min(1 << 31));
-        }
-
-        #[test]
-        fn sums_of_lights_are_clamped(
-            c in 0u32..=1 << 15, ambient in 0u32..=1 << 31, lights in 0usize..=8, k in 0u32..=1 << 31, out in any::<bool>(),
-        ) {
-            // The light and the eye straight ahead of the surface, or behind it: x and y are 1 or 0.
-            let ahead = unit([0.0, 0.0, -1.0]);
-            let k = Coefficient::from_bits(k);
-            let light = Light { direction: ahead, half: ahead, diffuse: [k; 3], specular: [k; 3] };
-            let ambient = Coefficient::from_bits(ambient);
-            let phong =
-                Phong::<Compact>::new([ambient; 3], &std::vec![light; lights], ahead, Highlight::HalfVector, 0).unwrap();
-            let normal = Normal { g: [0, 0, if out { -1 } else { 1 } << 14], r: 1 << 21 };
-            let x = if out { 0 } else { 1u64 << 16 };
-            let sum = lights as u64 * u64::from(keep::<Compact>(k)) * x;
-            let m = (((u64::from(keep::<Compact>(ambient)) << 16) + sum + (1 << 14)) >> 15).min(1 << 16);
-            let expected = ((u64::from(c) * m + sum + (1 << 15)) >> 16).min(1 << 15);
-            prop_assert_eq!(phong.shade(normal, [c; 3]).map(u64::from), [expected; 3]);
-        }
-
-        #[test]
         fn rows_are_the_scalar(scene in scene(3), samples in prop::collection::vec(sample(), 0..34)) {
             let phong = make::<Paper>(&scene);
             let column = |f: &dyn Fn(&Sample) -> i32| samples.iter().map(f).collect::<StdVec<_>>();
@@ -659,7 +665,7 @@ mod tests {
             let r = column(&|s| s.0.r as i32);
             let mut c = [0, 1, 2].map(|a| column(&|s| s.1[a] as i32));
             let [cr, cg, cb] = &mut c;
-            phong.shade_row([&g[0], &g[1], &g[2]], &r, [cr, cg, cb]);
+            Shader::<Paper>::shade_row::<i32>(&phong, [&g[0], &g[1], &g[2]], &r, [cr, cg, cb]);
             for (i, (normal, colour)) in samples.iter().enumerate() {
                 let out = phong.shade(*normal, *colour).map(|c| c as i32);
                 prop_assert_eq!([c[0][i], c[1][i], c[2][i]], out);
@@ -710,6 +716,71 @@ mod tests {
             assert_eq!(power::<Compact>(Cosine::ONE, n), Cosine::ONE);
             assert_eq!(power::<Paper>(Cosine::ONE, n), Cosine::ONE);
             assert_eq!(power::<Compact>(Cosine::ZERO, n), Cosine::ZERO);
+        }
+    }
+
+    /// A precision of a study: nearest normals of so many bits, and the parabola.
+    #[derive(Clone, Copy, Debug, Default)]
+    struct Study<const BITS: u32>;
+
+    impl<const BITS: u32> Precision for Study<BITS> {
+        type Sample = crate::format::Sample12;
+        type Pixel = crate::composite::Truncating15;
+        const NAME: &'static str = "study";
+        const WEIGHT_BITS: u32 = 16;
+        const LERP_BITS: u32 = 16;
+        const LERP_ROUNDING: crate::format::Rounding = crate::format::Rounding::Nearest;
+        const NORMAL: NormalForm = NormalForm::Nearest(BITS);
+        const SHADING: Shading = Shading::Rounded16;
+        const POWER: Power = Power::Parabola;
+    }
+
+    /// The dot product's bound, in units of the normal's last place.
+    fn nearest_dot<const BITS: u32>(normal: Normal, vector: [f64; 3]) -> f64 {
+        let kept_vector = keep_vector::<Study<BITS>>(unit(vector));
+        let got = dot::<Study<BITS>>(normal, kept_vector).to_num::<f64>();
+        let n = normal.g.map(|c| -f64::from(c) * f64::from(normal.r) / 2f64.powi(35));
+        let exact = dot64(n, kept::<Study<BITS>>(kept_vector)).clamp(0.0, 1.0);
+        (got - exact).abs() * f64::from(1 << BITS)
+    }
+
+    proptest! {
+        #[test]
+        fn nearest_normals_are_within_half_a_unit((normal, _) in sample(), v in vector()) {
+            // Three components of half a unit each, weighted by a unit vector: sqrt(3) / 2.
+            for error in [nearest_dot::<4>(normal, v), nearest_dot::<10>(normal, v), nearest_dot::<15>(normal, v)] {
+                prop_assert!(error <= 0.867, "{error}");
+            }
+            let mirrored = Normal { g: normal.g.map(|c| -c), ..normal };
+            prop_assert_eq!(formed_nearest(mirrored.g, mirrored.r as i32, 9), formed_nearest(normal.g, normal.r as i32, 9).map(|c| -c));
+        }
+
+        #[test]
+        fn rows_of_a_study_are_the_scalar(scene in scene(3), samples in prop::collection::vec(sample(), 0..34)) {
+            let phong = make::<Study<6>>(&scene);
+            let column = |f: &dyn Fn(&Sample) -> i32| samples.iter().map(f).collect::<StdVec<_>>();
+            let g = [0, 1, 2].map(|a| column(&|s| s.0.g[a]));
+            let r = column(&|s| s.0.r as i32);
+            let mut c = [0, 1, 2].map(|a| column(&|s| s.1[a] as i32));
+            let [cr, cg, cb] = &mut c;
+            Shader::<Study<6>>::shade_row::<i32>(&phong, [&g[0], &g[1], &g[2]], &r, [cr, cg, cb]);
+            for (i, (normal, colour)) in samples.iter().enumerate() {
+                let out = phong.shade(*normal, *colour).map(|c| c as i32);
+                prop_assert_eq!([c[0][i], c[1][i], c[2][i]], out);
+            }
+        }
+    }
+
+    #[test]
+    fn the_parabola_has_its_top_and_its_foot_where_it_should() {
+        let at = |x: f64, n: u32| power::<Study<15>>(Cosine::from_num(x), n).to_num::<f64>();
+        for n in 0..=8 {
+            let slope = (f64::from(n).exp2() + 1.0) / 2.0;
+            assert_eq!(at(1.0, n), 1.0);
+            for x in [0.0, 0.5, 1.0 - 0.5 / slope, 1.0 - 1.0 / slope, 0.99] {
+                let exact = (1.0 - (1.0 - x) * slope).max(0.0);
+                assert!((at(x, n) - exact).abs() < 1e-6, "{x} {n}");
+            }
         }
     }
 

@@ -313,7 +313,8 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                         first: self.first,
                         data,
                     };
-                    self.pipeline.fold(&self.plan, &plane, &window, rows, scratch, tap);
+                    self.pipeline
+                        .fold::<i32, T>(&self.plan, &plane, &window, rows, scratch, tap);
                 }
             }
             self.folded += 1;

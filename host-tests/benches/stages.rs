@@ -10,7 +10,7 @@ use slicecast::classify::{Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt
 use slicecast::composite::{Channel, Dither, FrontToBack, PixelRow, Recurrence, fold_row};
 use slicecast::format::{Coefficient, Intensity, Vector, Weight};
 use slicecast::gradient::{difference_row, space_row};
-use slicecast::interpolate::{x_row, y_row, z_row};
+use slicecast::interpolate::{yx_row, z_row};
 use slicecast::normalise::normalise_row;
 use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
@@ -58,7 +58,7 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
     let mut out = vec![0; WIDTH];
     group.bench_function(name("interpolate-z"), |b| {
         b.iter(|| {
-            z_row::<P>(
+            z_row::<P, i32>(
                 black_box(&near[..WIDTH]),
                 black_box(&far[..WIDTH]),
                 weight,
@@ -67,11 +67,8 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
         });
     });
     let (a, b16) = (row(random, 4095 << 16), row(random, 4095 << 16));
-    group.bench_function(name("interpolate-y"), |b| {
-        b.iter(|| y_row::<P>(black_box(&a), black_box(&b16), weight, black_box(&mut out)));
-    });
-    group.bench_function(name("interpolate-x"), |b| {
-        b.iter(|| x_row::<P>(black_box(&a), weight, black_box(&mut out)));
+    group.bench_function(name("interpolate-yx"), |b| {
+        b.iter(|| yx_row::<P, i32>(black_box(&a), black_box(&b16), [weight, weight], black_box(&mut out)));
     });
 
     let samples = row(random, 4095 << P::SAMPLE_BITS);
@@ -96,7 +93,7 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
     let mut r = vec![0; WIDTH];
     {
         let [x, y, z] = &mut normals;
-        normalise_row([x, y, z], &mut r);
+        normalise_row::<i32>([x, y, z], &mut r);
     }
     let phong = lights().phong::<P>().expect("one light");
     group.bench_function(name("shade"), |b| {
@@ -104,7 +101,7 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
         let [cr, cg, cb] = &mut colours;
         b.iter(|| {
             let colours = [&mut cr[..], &mut cg[..], &mut cb[..]];
-            Shader::shade_row(
+            Shader::shade_row::<i32>(
                 &phong,
                 [black_box(x), black_box(y), black_box(z)],
                 black_box(&r),
@@ -124,7 +121,7 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
             pixels[3 * WIDTH..].fill(one);
             let mut row = PixelRow::of_runs(black_box(&mut pixels), WIDTH, 0..WIDTH);
             let floor = P::Pixel::FLOOR;
-            fold_row::<P::Pixel, FrontToBack>(
+            fold_row::<P::Pixel, FrontToBack, i32>(
                 &mut row,
                 [cr, cg, cb],
                 black_box(&opacities),
@@ -144,11 +141,11 @@ fn classify<P: Precision>(
     let mut out = vec![0; WIDTH];
     let mut colours = [(); 3].map(|()| vec![0; WIDTH]);
     group.bench_function(format!("opacity-{table}/{}", P::NAME), |b| {
-        b.iter(|| classifier.opacity_row(black_box(samples), black_box(&mut out)));
+        b.iter(|| classifier.opacity_row::<i32>(black_box(samples), black_box(&mut out)));
     });
     group.bench_function(format!("colour-{table}/{}", P::NAME), |b| {
         let [r, g, blue] = &mut colours;
-        b.iter(|| classifier.colour_row(black_box(samples), [&mut r[..], &mut g[..], &mut blue[..]]));
+        b.iter(|| classifier.colour_row::<i32>(black_box(samples), [&mut r[..], &mut g[..], &mut blue[..]]));
     });
 }
 
@@ -162,11 +159,11 @@ fn stages(c: &mut Criterion) {
     let (a, b28) = (row(random, 1 << 28), row(random, 1 << 28));
     let mut out = vec![0; WIDTH];
     group.bench_function("gradient-difference", |b| {
-        b.iter(|| difference_row(black_box(&a), black_box(&b28), black_box(&mut out)));
+        b.iter(|| difference_row::<i32>(black_box(&a), black_box(&b28), black_box(&mut out)));
     });
     group.bench_function("gradient-spacing", |b| {
         out.copy_from_slice(&a);
-        b.iter(|| space_row(black_box(&mut out), Intensity::from_bits(32_767)));
+        b.iter(|| space_row::<i32>(black_box(&mut out), Intensity::from_bits(32_767)));
     });
     let g = [(); 3].map(|()| row(random, 1 << 28));
     let mut work = g.clone();
@@ -176,7 +173,7 @@ fn stages(c: &mut Criterion) {
                 work.copy_from_slice(g);
             }
             let [x, y, z] = &mut work;
-            normalise_row([x, y, z], black_box(&mut out));
+            normalise_row::<i32>([x, y, z], black_box(&mut out));
         });
     });
     group.finish();

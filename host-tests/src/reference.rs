@@ -1,14 +1,14 @@
 //! The pipeline's definitions, applied to one ray at a time.
 //!
-//! Only core's scalar definitions are used: `position`, `trilinear`, `space`, `normalise`, `Phong::shade`,
-//! `Classifier::opacity` and `colour`, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which voxels
-//! they are given follows from the contract (design.md, section 2) and is written here once more: no rows, no ring, no
+//! Only core's scalar definitions are used: `position`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`,
+//! `Classifier::opacity` and `colour`, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which
+//! voxels they are given follows from the contract (design.md, section 2) and is written here once more: no rows, no ring, no
 //! spans, no row reuse, and nothing is ever skipped. Whatever the layers leave out must therefore be without effect.
 
 use slicecast::classify::Classifier;
 use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
 use slicecast::format::{Step, Weight};
-use slicecast::gradient::space;
+use slicecast::gradient::{coarsen, space};
 use slicecast::interpolate::trilinear;
 use slicecast::locate::{Cell, cell, position};
 use slicecast::normalise::normalise;
@@ -240,7 +240,10 @@ impl<P: Precision> Rays<'_, P> {
             at(1) - at(-1)
         });
         let [fx, fy, fz] = self.plan.spacing();
-        let gradient = [space(dx, fx), space(dy, fy), space(self.derivative(cells), fz)];
+        let mut gradient = [space(dx, fx), space(dy, fy), space(self.derivative(cells), fz)];
+        if P::GRADIENT_BITS < 15 {
+            gradient = coarsen(gradient, P::GRADIENT_BITS);
+        }
         let normal = normalise(gradient);
         let shaded = phong.shade(normal, colour);
         let [x, y, z] = gradient.map(|c| c as u32);

@@ -239,7 +239,7 @@ pub fn fold_tiles<L: Pipeline, T: Tap + Send>(
                             first: tile.first,
                             data: &mut *data,
                         };
-                        pipeline.fold(plan, &plane, &window, rows, scratch, &mut tap);
+                        pipeline.fold::<i32, T>(plan, &plane, &window, rows, scratch, &mut tap);
                     }
                 }
                 progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);

@@ -9,6 +9,7 @@ use slicecast::classify::{
     Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt8, Sqrt16, Support, entry, opacity_of_root,
 };
 use slicecast::format::Opacity;
+use slicecast::lanes::Lanes;
 use slicecast::precision::Precision;
 
 use crate::scene::{AlphaCodeName, LookupName, TransferFunction};
@@ -177,11 +178,11 @@ impl<P: Precision> Classifier<P> for AnyTable<'_> {
         with_table!(self, table => Classifier::<P>::support(table))
     }
 
-    fn opacity_row(&self, samples: &[i32], out: &mut [i32]) {
-        with_table!(self, table => Classifier::<P>::opacity_row(table, samples, out));
+    fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
+        with_table!(self, table => Classifier::<P>::opacity_row::<V>(table, samples, out));
     }
 
-    fn colour_row(&self, samples: &[i32], out: [&mut [i32]; 3]) {
-        with_table!(self, table => Classifier::<P>::colour_row(table, samples, out));
+    fn colour_row<V: Lanes>(&self, samples: &[i32], out: [&mut [i32]; 3]) {
+        with_table!(self, table => Classifier::<P>::colour_row::<V>(table, samples, out));
     }
 }

@@ -1,8 +1,7 @@
 //! Compositing: white fog and its relatives, without the floor and with it.
 
 use slicecast::composite::{
-    Channel, Dither, Dithered, FrontToBack, Order, Pixel, Recurrence, Telescoping31, Truncating15, Unorm16, settle,
-    to_byte,
+    Channel, Dither, Dithered, Pixel, Recurrence, Telescoping31, Truncating15, Unorm16, settle, to_byte,
 };
 use slicecast::format::Opacity;
 use slicecast_host_tests::random::Random;
@@ -157,7 +156,11 @@ fn cast<R: Recurrence>(
 }
 
 fn with_floor<R: Recurrence>(ray: Ray) -> Result3 {
-    cast::<R>(ray, |p, c, a, d| FrontToBack::fold::<R>(p, c, a, d, R::FLOOR))
+    cast::<R>(ray, |p, c, a, d| {
+        let mut out = R::over(p, c, a, d);
+        out.transparency = settle(out.transparency, R::FLOOR);
+        out
+    })
 }
 
 #[test]

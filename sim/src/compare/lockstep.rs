@@ -5,7 +5,7 @@ use slicecast::format::{Coefficient, Opacity, Vector};
 use slicecast::locate::Plane;
 use slicecast::normalise::Normal;
 use slicecast::precision::{NormalForm, Precision};
-use slicecast::shade::{formed, keep, keep_vector};
+use slicecast::shade::{formed, formed_nearest, keep, keep_vector};
 use slicecast::tap::{Beam, Tap};
 
 use super::stages::{Stage, StageErrors, telescopes};
@@ -310,7 +310,10 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
             };
             let fixed = match P::NORMAL {
                 NormalForm::Deferred => normal.g.map(|g| -f64::from(g) * f64::from(normal.r) * 2f64.powi(-35)),
-                NormalForm::Formed(bits) => formed(normal, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32))),
+                NormalForm::Formed(bits) => formed(normal.g, r, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32))),
+                NormalForm::Nearest(bits) => {
+                    formed_nearest(normal.g, r, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32)))
+                }
             };
             self.normals.push(fixed);
             let exact = normalise(self.gradients[offset]);

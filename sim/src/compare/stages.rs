@@ -70,7 +70,7 @@ impl Stage {
             Self::Colour => fixed(0, 8),
             Self::Normal => match P::NORMAL {
                 NormalForm::Deferred => fixed(1, 15),
-                NormalForm::Formed(bits) => fixed(1, bits),
+                NormalForm::Formed(bits) | NormalForm::Nearest(bits) => fixed(1, bits),
             },
             Self::Shading => fixed(1, P::COLOUR_BITS),
             Self::Transparency | Self::Compositing => {

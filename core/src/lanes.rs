@@ -1,0 +1,357 @@
+//! Lanes: several samples side by side, all treated alike.
+//!
+//! Every stage is written once, over [`Lanes`]. With `i32` (one lane) it is the scalar definition, and what firmware
+//! runs; a host puts vectors of its processor in its place and gets the same bits, because all arithmetic is of
+//! integers and every operation here is defined by what `i32` does. Lanes hold 32 bits, read as signed or unsigned by
+//! the operation; [`Wide`] holds a 64-bit product of each.
+//!
+//! Operators (`+`, `-`, `*`) are for results that fit: `i32` checks them in debug builds. What may wrap says so.
+
+use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
+
+use crate::normalise::reciprocal_root;
+
+/// Whether the machine is one without vectors, where a 64-bit product costs less than splitting it, and a branch less
+/// than the work that it saves.
+pub(crate) const SMALL: bool = cfg!(any(target_arch = "arm", target_arch = "riscv32"));
+
+/// Some 32-bit lanes.
+pub trait Lanes:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Shl<u32, Output = Self>
+    + Shr<u32, Output = Self>
+{
+    /// The 64-bit products of these lanes.
+    type Wide: Wide<Narrow = Self>;
+    /// How many lanes.
+    const COUNT: usize;
+
+    /// The same number in all lanes.
+    fn splat(bits: i32) -> Self;
+    /// Elements `at ..` of a row; 0 behind its end.
+    fn load(row: &[i32], at: usize) -> Self;
+    /// Writes to elements `at ..` of a row, as far as it goes.
+    fn store(self, row: &mut [i32], at: usize);
+    /// Voxels `at ..` of a row; 0 behind its end.
+    fn load_voxels(row: &[u16], at: usize) -> Self;
+    /// Elements `at ..` of a row of some other type; 0 behind its end.
+    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self;
+    /// Writes to elements `at ..` of such a row, as far as it goes.
+    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T);
+    /// The low and the high halves of elements `at ..` of a row of 64 bits; 0 behind its end.
+    fn load_pairs(row: &[u64], at: usize) -> [Self; 2];
+
+    /// Lanes 1 .. of this and the first of `next`: each lane's right neighbour.
+    fn followed_by(self, next: Self) -> Self;
+    /// Sum modulo 2^32.
+    fn wrapping_add(self, other: Self) -> Self;
+    /// Difference modulo 2^32.
+    fn wrapping_sub(self, other: Self) -> Self;
+    /// Product modulo 2^32.
+    fn wrapping_mul(self, other: Self) -> Self;
+    /// Unsigned sum, at most 2^32 - 1.
+    fn saturating_add(self, other: Self) -> Self;
+    /// Right shift that fills with zeros.
+    fn shr_unsigned(self, by: u32) -> Self;
+    /// Left shift by another amount in each lane, 0 to 31.
+    fn shl_each(self, by: Self) -> Self;
+    /// Right shift by another amount in each lane, 0 to 31, filling with zeros.
+    fn shr_each(self, by: Self) -> Self;
+    /// The smaller, as signed numbers.
+    fn at_most(self, other: Self) -> Self;
+    /// The larger, as signed numbers.
+    fn at_least(self, other: Self) -> Self;
+    /// The smaller, as unsigned numbers.
+    fn at_most_unsigned(self, other: Self) -> Self;
+    /// Magnitude of a signed number above -2^31.
+    fn abs(self) -> Self;
+    /// Zero bits above the highest bit that is set.
+    fn leading_zeros(self) -> Self;
+    /// `value` where this is not 0, else 0.
+    fn nonzero_then(self, value: Self) -> Self;
+    /// `value` where this is at least `floor`, as unsigned numbers, else 0.
+    fn at_least_then(self, floor: Self, value: Self) -> Self;
+    /// Whether all lanes are 0.
+    fn all_zero(self) -> bool;
+    /// Unsigned 32 by 32 bits.
+    fn product(self, other: Self) -> Self::Wide;
+    /// Signed 32 by 32 bits.
+    fn product_signed(self, other: Self) -> Self::Wide;
+    /// [`reciprocal_root`] of each lane: 0, or 2^28 to 3 * 32767^2.
+    fn reciprocal_root(self) -> Self;
+
+    /// This, or its negative where `sign` is negative.
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        let mask = sign >> 31;
+        (self ^ mask) - mask
+    }
+
+    /// `floor((d w + bias) / 2^16)`: |d| < 2^30, 0 <= w < 2^16, bias < 2^16.
+    #[inline(always)]
+    fn scale16(self, w: Self, bias: u32) -> Self {
+        let low = (self & Self::splat(0xffff))
+            .wrapping_mul(w)
+            .wrapping_add(Self::splat(bias as i32));
+        (self >> 16) * w + low.shr_unsigned(16)
+    }
+
+    /// `floor((g f + 2^14) / 2^15)`: |g| < 2^29, 0 <= f <= 2^15.
+    #[inline(always)]
+    fn round15(self, f: Self) -> Self {
+        (self >> 15) * f + (((self & Self::splat(0x7fff)) * f + Self::splat(1 << 14)) >> 15)
+    }
+
+    /// `floor((d f + 2^(bits - 1)) / 2^bits)`, modulo 2^32: 0 <= f < 2^bits, bits 1 to 15.
+    #[inline(always)]
+    fn part(self, f: Self, bits: u32) -> Self {
+        let low = ((self & Self::splat(0xffff)) * f + Self::splat(1 << bits >> 1)) >> bits;
+        ((self >> 16) * f << (16 - bits)).wrapping_add(low)
+    }
+}
+
+/// A 64-bit product of each lane.
+pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
+    /// The 32-bit lanes.
+    type Narrow: Lanes<Wide = Self>;
+    /// The same number in all lanes.
+    fn splat(bits: i64) -> Self;
+    /// Right shift that fills with zeros.
+    fn shr(self, by: u32) -> Self;
+    /// Left shift.
+    fn shl(self, by: u32) -> Self;
+    /// 0 where this is negative.
+    fn at_least_zero(self) -> Self;
+    /// The smaller, as signed numbers.
+    fn at_most(self, other: Self) -> Self;
+    /// Product with a 32-bit unsigned number.
+    fn times(self, other: Self::Narrow) -> Self;
+    /// Square of a number below 2^32.
+    fn square(self) -> Self;
+    /// Unsigned 32-bit lanes in 64 bits.
+    fn of(narrow: Self::Narrow) -> Self;
+    /// The low 32 bits.
+    fn narrow(self) -> Self::Narrow;
+}
+
+impl Lanes for i32 {
+    type Wide = i64;
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn splat(bits: i32) -> Self {
+        bits
+    }
+    #[inline(always)]
+    fn load(row: &[i32], at: usize) -> Self {
+        row.get(at).copied().unwrap_or(0)
+    }
+    #[inline(always)]
+    fn store(self, row: &mut [i32], at: usize) {
+        if let Some(place) = row.get_mut(at) {
+            *place = self;
+        }
+    }
+    #[inline(always)]
+    fn load_voxels(row: &[u16], at: usize) -> Self {
+        row.get(at).copied().map_or(0, Self::from)
+    }
+    #[inline(always)]
+    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
+        row.get(at).copied().map_or(0, |t| bits(t) as Self)
+    }
+    #[inline(always)]
+    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
+        if let Some(place) = row.get_mut(at) {
+            *place = element(self as u32);
+        }
+    }
+    #[inline(always)]
+    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
+        let pair = row.get(at).copied().unwrap_or(0);
+        [pair as Self, (pair >> 32) as Self]
+    }
+    #[inline(always)]
+    fn followed_by(self, next: Self) -> Self {
+        next
+    }
+    #[inline(always)]
+    fn wrapping_add(self, other: Self) -> Self {
+        self.wrapping_add(other)
+    }
+    #[inline(always)]
+    fn wrapping_sub(self, other: Self) -> Self {
+        self.wrapping_sub(other)
+    }
+    #[inline(always)]
+    fn wrapping_mul(self, other: Self) -> Self {
+        self.wrapping_mul(other)
+    }
+    #[inline(always)]
+    fn saturating_add(self, other: Self) -> Self {
+        (self as u32).saturating_add(other as u32) as Self
+    }
+    #[inline(always)]
+    fn shr_unsigned(self, by: u32) -> Self {
+        (self as u32 >> by) as Self
+    }
+    #[inline(always)]
+    fn shl_each(self, by: Self) -> Self {
+        self << by
+    }
+    #[inline(always)]
+    fn shr_each(self, by: Self) -> Self {
+        (self as u32 >> by) as Self
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self {
+        Ord::min(self, other)
+    }
+    #[inline(always)]
+    fn at_least(self, other: Self) -> Self {
+        Ord::max(self, other)
+    }
+    #[inline(always)]
+    fn at_most_unsigned(self, other: Self) -> Self {
+        Ord::min(self as u32, other as u32) as Self
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.wrapping_abs()
+    }
+    #[inline(always)]
+    fn leading_zeros(self) -> Self {
+        self.leading_zeros() as Self
+    }
+    #[inline(always)]
+    fn nonzero_then(self, value: Self) -> Self {
+        if self != 0 { value } else { 0 }
+    }
+    #[inline(always)]
+    fn at_least_then(self, floor: Self, value: Self) -> Self {
+        if self as u32 >= floor as u32 { value } else { 0 }
+    }
+    #[inline(always)]
+    fn all_zero(self) -> bool {
+        self == 0
+    }
+    #[inline(always)]
+    fn product(self, other: Self) -> i64 {
+        (u64::from(self as u32) * u64::from(other as u32)) as i64
+    }
+    #[inline(always)]
+    fn product_signed(self, other: Self) -> i64 {
+        i64::from(self) * i64::from(other)
+    }
+    #[inline(always)]
+    fn reciprocal_root(self) -> Self {
+        reciprocal_root(self as u32) as Self
+    }
+    #[inline(always)]
+    fn scale16(self, w: Self, bias: u32) -> Self {
+        if SMALL {
+            ((i64::from(self << 1) * i64::from(w << 15) + (i64::from(bias) << 16)) >> 32) as Self
+        } else {
+            let low = ((self & 0xffff) as u32 * w as u32 + bias) >> 16;
+            (self >> 16) * w + low as Self
+        }
+    }
+    #[inline(always)]
+    fn round15(self, f: Self) -> Self {
+        if SMALL {
+            ((i64::from(self << 2) * i64::from(f << 15) + (1 << 31)) >> 32) as Self
+        } else {
+            (self >> 15) * f + (((self & 0x7fff) * f + (1 << 14)) >> 15)
+        }
+    }
+    #[inline(always)]
+    fn part(self, f: Self, bits: u32) -> Self {
+        if SMALL {
+            ((i64::from(self) * i64::from(f) + (1 << bits >> 1)) >> bits) as Self
+        } else {
+            let low = ((self & 0xffff) * f + (1 << bits >> 1)) >> bits;
+            ((self >> 16) * f << (16 - bits)).wrapping_add(low)
+        }
+    }
+}
+
+impl Wide for i64 {
+    type Narrow = i32;
+
+    #[inline(always)]
+    fn splat(bits: i64) -> Self {
+        bits
+    }
+    #[inline(always)]
+    fn shr(self, by: u32) -> Self {
+        (self as u64 >> by) as Self
+    }
+    #[inline(always)]
+    fn shl(self, by: u32) -> Self {
+        self << by
+    }
+    #[inline(always)]
+    fn at_least_zero(self) -> Self {
+        Ord::max(self, 0)
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self {
+        Ord::min(self, other)
+    }
+    #[inline(always)]
+    fn times(self, other: i32) -> Self {
+        self * Self::from(other as u32)
+    }
+    #[inline(always)]
+    fn square(self) -> Self {
+        let low = u64::from(self as u32);
+        (low * low) as Self
+    }
+    #[inline(always)]
+    fn of(narrow: i32) -> Self {
+        Self::from(narrow as u32)
+    }
+    #[inline(always)]
+    fn narrow(self) -> i32 {
+        self as i32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn d() -> impl Strategy<Value = i32> {
+        let limit = 16380 << 16;
+        prop_oneof![-limit..=limit, Just(limit), Just(-limit), -70_000..70_000]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+        #[test]
+        fn scale16_is_the_floor(d in d(), w in 0i32..65536, bias in 0u32..65536) {
+            let exact = (i64::from(d) * i64::from(w) + i64::from(bias)) >> 16;
+            prop_assert_eq!(i64::from(d.scale16(w, bias)), exact);
+        }
+
+        #[test]
+        fn round15_is_the_nearest(g in -(1i32 << 29)..(1 << 29), f in 0i32..=32768) {
+            let exact = (i64::from(g) * i64::from(f) + (1 << 14)) >> 15;
+            prop_assert_eq!(i64::from(g.round15(f)), exact);
+        }
+
+        #[test]
+        fn part_is_the_nearest(d in any::<i32>(), f in 0i32..1 << 15, bits in prop_oneof![Just(12u32), Just(15)]) {
+            let f = f & ((1 << bits) - 1);
+            let exact = (i64::from(d) * i64::from(f) + (1 << bits >> 1)) >> bits;
+            prop_assert_eq!(d.part(f, bits), exact as i32);
+        }
+    }
+}

@@ -1,0 +1,362 @@
+//! Sixteen lanes in AVX-512.
+
+#![expect(unsafe_code, reason = "vector instructions; every use says why it is sound")]
+
+use std::arch::x86_64::*;
+use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
+
+use slicecast::lanes::{Lanes, Wide};
+
+use super::partial::{chunk, chunk_mut, part, store_part};
+
+/// Sixteen 32-bit lanes. A value exists only where the processor has AVX-512 (F, BW, CD, DQ, VL): nothing but the
+/// entry point [`super::with_lanes`], which asks for it, can make the first one useful.
+#[derive(Clone, Copy)]
+pub struct Avx512(__m512i);
+
+/// Sixteen 64-bit products: those of the even lanes and those of the odd lanes.
+#[derive(Clone, Copy)]
+pub struct Products(__m512i, __m512i);
+
+/// Calls an intrinsic of AVX-512.
+macro_rules! avx512 {
+    ($call:expr) => {
+        // SAFETY: `super::with_lanes` runs this code only on processors that have AVX-512 (F, BW, CD, DQ, VL); pointers
+        // come from slices that are long enough (`chunk`).
+        unsafe { $call }
+    };
+}
+
+/// An operator by its intrinsic.
+macro_rules! operator {
+    ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(avx512!($intrinsic(self.0, other.0)))
+            }
+        }
+    };
+}
+
+operator!(Avx512, Add, add, _mm512_add_epi32);
+operator!(Avx512, Sub, sub, _mm512_sub_epi32);
+operator!(Avx512, Mul, mul, _mm512_mullo_epi32);
+operator!(Avx512, BitAnd, bitand, _mm512_and_si512);
+operator!(Avx512, BitOr, bitor, _mm512_or_si512);
+operator!(Avx512, BitXor, bitxor, _mm512_xor_si512);
+
+impl Shl<u32> for Avx512 {
+    type Output = Self;
+    #[inline(always)]
+    fn shl(self, by: u32) -> Self {
+        Self(avx512!(_mm512_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32))))
+    }
+}
+
+impl Shr<u32> for Avx512 {
+    type Output = Self;
+    #[inline(always)]
+    fn shr(self, by: u32) -> Self {
+        Self(avx512!(_mm512_sra_epi32(self.0, _mm_cvtsi32_si128(by as i32))))
+    }
+}
+
+impl Avx512 {
+    #[inline(always)]
+    fn of_array(lanes: &[i32; 16]) -> Self {
+        Self(avx512!(_mm512_loadu_si512(lanes.as_ptr().cast())))
+    }
+
+    #[inline(always)]
+    fn of_voxels(lanes: &[u16; 16]) -> Self {
+        Self(avx512!(_mm512_cvtepu16_epi32(_mm256_loadu_si256(lanes.as_ptr().cast()))))
+    }
+
+    #[inline(always)]
+    fn of_pairs(pairs: &[u64; 16]) -> [Self; 2] {
+        const EVEN: [i32; 16] = [0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30];
+        const ODD: [i32; 16] = [1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31];
+        let (even, odd) = (Self::of_array(&EVEN).0, Self::of_array(&ODD).0);
+        let first = avx512!(_mm512_loadu_si512(pairs.as_ptr().cast()));
+        let second = avx512!(_mm512_loadu_si512(pairs.as_ptr().add(8).cast()));
+        [
+            Self(avx512!(_mm512_permutex2var_epi32(first, even, second))),
+            Self(avx512!(_mm512_permutex2var_epi32(first, odd, second))),
+        ]
+    }
+
+    /// The lanes shifted so that the odd ones stand where the even ones were.
+    #[inline(always)]
+    fn odd(self) -> __m512i {
+        avx512!(_mm512_srli_epi64::<32>(self.0))
+    }
+
+    #[inline(always)]
+    fn to_array(self) -> [i32; 16] {
+        let mut lanes = [0; 16];
+        avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0));
+        lanes
+    }
+}
+
+/// `floor(2^35 / sqrt(s))` of eight, in f64.
+#[inline(always)]
+fn reciprocal_roots(s: __m256i) -> __m256i {
+    avx512!({
+        let s = _mm512_cvtepu32_pd(s);
+        let y = _mm512_rsqrt14_pd(s);
+        // With e = 1 - s y^2: 1 / sqrt(s) = y (1 + e/2 + 3 e^2/8 + 5 e^3/16 + ...).
+        let e = _mm512_fnmadd_pd(_mm512_mul_pd(s, y), y, _mm512_set1_pd(1.0));
+        let p = _mm512_fmadd_pd(_mm512_set1_pd(0.3125), e, _mm512_set1_pd(0.375));
+        let p = _mm512_fmadd_pd(p, e, _mm512_set1_pd(0.5));
+        let scaled = _mm512_mul_pd(y, _mm512_set1_pd(34359738368.0));
+        let root = _mm512_fmadd_pd(_mm512_mul_pd(scaled, e), p, scaled);
+        _mm512_cvttpd_epu32(root)
+    })
+}
+
+impl Lanes for Avx512 {
+    type Wide = Products;
+    const COUNT: usize = 16;
+
+    #[inline(always)]
+    fn splat(bits: i32) -> Self {
+        Self(avx512!(_mm512_set1_epi32(bits)))
+    }
+    #[inline(always)]
+    fn load(row: &[i32], at: usize) -> Self {
+        match chunk::<_, 16>(row, at) {
+            Some(lanes) => Self::of_array(lanes),
+            None => Self::of_array(&part(row, at)),
+        }
+    }
+    #[inline(always)]
+    fn store(self, row: &mut [i32], at: usize) {
+        match chunk_mut::<_, 16>(row, at) {
+            Some(lanes) => avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0)),
+            None => store_part(row, at, &self.to_array()),
+        }
+    }
+    #[inline(always)]
+    fn load_voxels(row: &[u16], at: usize) -> Self {
+        match chunk::<_, 16>(row, at) {
+            Some(lanes) => Self::of_voxels(lanes),
+            None => Self::of_voxels(&part(row, at)),
+        }
+    }
+    #[inline(always)]
+    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
+        match chunk::<_, 16>(row, at) {
+            Some(lanes) => Self::of_array(&lanes.map(|t| bits(t) as i32)),
+            None => {
+                let mut lanes = [0; 16];
+                for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
+                    *lane = bits(*t) as i32;
+                }
+                Self::of_array(&lanes)
+            }
+        }
+    }
+    #[inline(always)]
+    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
+        let lanes = self.to_array();
+        match chunk_mut::<_, 16>(row, at) {
+            Some(place) => *place = lanes.map(|bits| element(bits as u32)),
+            None => {
+                for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
+                    *t = element(lane as u32);
+                }
+            }
+        }
+    }
+    #[inline(always)]
+    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
+        match chunk::<_, 16>(row, at) {
+            Some(pairs) => Self::of_pairs(pairs),
+            None => Self::of_pairs(&part(row, at)),
+        }
+    }
+    #[inline(always)]
+    fn followed_by(self, next: Self) -> Self {
+        Self(avx512!(_mm512_alignr_epi32::<1>(next.0, self.0)))
+    }
+    #[inline(always)]
+    fn wrapping_add(self, other: Self) -> Self {
+        self + other
+    }
+    #[inline(always)]
+    fn wrapping_sub(self, other: Self) -> Self {
+        self - other
+    }
+    #[inline(always)]
+    fn wrapping_mul(self, other: Self) -> Self {
+        self * other
+    }
+    #[inline(always)]
+    fn saturating_add(self, other: Self) -> Self {
+        let room = avx512!(_mm512_xor_si512(other.0, _mm512_set1_epi32(-1)));
+        Self(avx512!(_mm512_add_epi32(_mm512_min_epu32(self.0, room), other.0)))
+    }
+    #[inline(always)]
+    fn shr_unsigned(self, by: u32) -> Self {
+        Self(avx512!(_mm512_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn shl_each(self, by: Self) -> Self {
+        Self(avx512!(_mm512_sllv_epi32(self.0, by.0)))
+    }
+    #[inline(always)]
+    fn shr_each(self, by: Self) -> Self {
+        Self(avx512!(_mm512_srlv_epi32(self.0, by.0)))
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self {
+        Self(avx512!(_mm512_min_epi32(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn at_least(self, other: Self) -> Self {
+        Self(avx512!(_mm512_max_epi32(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn at_most_unsigned(self, other: Self) -> Self {
+        Self(avx512!(_mm512_min_epu32(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(avx512!(_mm512_abs_epi32(self.0)))
+    }
+    #[inline(always)]
+    fn leading_zeros(self) -> Self {
+        Self(avx512!(_mm512_lzcnt_epi32(self.0)))
+    }
+    #[inline(always)]
+    fn nonzero_then(self, value: Self) -> Self {
+        Self(avx512!(_mm512_maskz_mov_epi32(_mm512_test_epi32_mask(self.0, self.0), value.0)))
+    }
+    #[inline(always)]
+    fn at_least_then(self, floor: Self, value: Self) -> Self {
+        Self(avx512!(_mm512_maskz_mov_epi32(_mm512_cmpge_epu32_mask(self.0, floor.0), value.0)))
+    }
+    #[inline(always)]
+    fn all_zero(self) -> bool {
+        avx512!(_mm512_test_epi32_mask(self.0, self.0)) == 0
+    }
+    #[inline(always)]
+    fn product(self, other: Self) -> Products {
+        Products(
+            avx512!(_mm512_mul_epu32(self.0, other.0)),
+            avx512!(_mm512_mul_epu32(self.odd(), other.odd())),
+        )
+    }
+    #[inline(always)]
+    fn product_signed(self, other: Self) -> Products {
+        Products(
+            avx512!(_mm512_mul_epi32(self.0, other.0)),
+            avx512!(_mm512_mul_epi32(self.odd(), other.odd())),
+        )
+    }
+    #[inline(always)]
+    fn reciprocal_root(self) -> Self {
+        let low = reciprocal_roots(avx512!(_mm512_castsi512_si256(self.0)));
+        let high = reciprocal_roots(avx512!(_mm512_extracti64x4_epi64::<1>(self.0)));
+        let both = Self(avx512!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)));
+        self.nonzero_then(both)
+    }
+    #[inline(always)]
+    fn scale16(self, w: Self, bias: u32) -> Self {
+        // w leaves the upper 16 bits of each lane empty, so their products are 0.
+        let upper = Self(avx512!(_mm512_mulhi_epu16(self.0, w.0)));
+        let low = if bias == 0 {
+            upper
+        } else {
+            let lower = Self(avx512!(_mm512_mullo_epi16(self.0, w.0)));
+            // What the bias carries over.
+            upper + (lower + Self::splat(bias as i32)).shr_unsigned(16)
+        };
+        (self >> 16) * w + low
+    }
+}
+
+impl Add for Products {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(
+            avx512!(_mm512_add_epi64(self.0, other.0)),
+            avx512!(_mm512_add_epi64(self.1, other.1)),
+        )
+    }
+}
+
+impl Sub for Products {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(
+            avx512!(_mm512_sub_epi64(self.0, other.0)),
+            avx512!(_mm512_sub_epi64(self.1, other.1)),
+        )
+    }
+}
+
+impl Products {
+    #[inline(always)]
+    fn each(self, f: impl Fn(__m512i) -> __m512i) -> Self {
+        Self(f(self.0), f(self.1))
+    }
+}
+
+impl Wide for Products {
+    type Narrow = Avx512;
+
+    #[inline(always)]
+    fn splat(bits: i64) -> Self {
+        let v = avx512!(_mm512_set1_epi64(bits));
+        Self(v, v)
+    }
+    #[inline(always)]
+    fn shr(self, by: u32) -> Self {
+        self.each(|v| avx512!(_mm512_srl_epi64(v, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn shl(self, by: u32) -> Self {
+        self.each(|v| avx512!(_mm512_sll_epi64(v, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn at_least_zero(self) -> Self {
+        self.each(|v| avx512!(_mm512_max_epi64(v, _mm512_setzero_si512())))
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self {
+        Self(
+            avx512!(_mm512_min_epi64(self.0, other.0)),
+            avx512!(_mm512_min_epi64(self.1, other.1)),
+        )
+    }
+    #[inline(always)]
+    fn times(self, other: Avx512) -> Self {
+        let other = Self::of(other);
+        Self(
+            avx512!(_mm512_mullo_epi64(self.0, other.0)),
+            avx512!(_mm512_mullo_epi64(self.1, other.1)),
+        )
+    }
+    #[inline(always)]
+    fn square(self) -> Self {
+        self.each(|v| avx512!(_mm512_mul_epu32(v, v)))
+    }
+    #[inline(always)]
+    fn of(narrow: Avx512) -> Self {
+        Self(
+            avx512!(_mm512_maskz_mov_epi32(0x5555, narrow.0)),
+            avx512!(_mm512_srli_epi64::<32>(narrow.0)),
+        )
+    }
+    #[inline(always)]
+    fn narrow(self) -> Avx512 {
+        let odd = avx512!(_mm512_slli_epi64::<32>(self.1));
+        Avx512(avx512!(_mm512_mask_mov_epi32(odd, 0x5555, self.0)))
+    }
+}
