@@ -90,6 +90,14 @@ impl Support {
         let (low, high) = (u32::from(range.low >> 6).min(63), u32::from(range.high >> 6).min(63));
         self.0 << (63 - high) >> (63 - high) >> low != 0
     }
+
+    /// A sample up to which none is visible: the code before the first block; -1 if the first block is.
+    #[inline]
+    fn dark<P: Precision>(self) -> i32 {
+        // No block at all: 4096, which nothing reaches.
+        let first = (self.0.trailing_zeros() << 6) as i32;
+        ((first - 1) << P::SAMPLE_BITS).max(-1)
+    }
 }
 
 /// How an entry holds the square root of its opacity.
@@ -246,7 +254,7 @@ fn nearest<P: Precision>(bits: i32) -> usize {
 /// `a + (b - a) f / 2^bits` to nearest, for opacities: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 15.
 #[inline(always)]
 pub fn mix<V: Lanes>(a: V, b: V, f: V, bits: u32) -> V {
-    a.wrapping_add(b.wrapping_sub(a).part(f, bits))
+    a.mix(b, f, bits)
 }
 
 /// `a + (b - a) f` to nearest, for colours (whose difference may reach 1).
@@ -313,6 +321,20 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
 
     fn support(&self) -> Support {
         self.support
+    }
+
+    // With registers of its own it takes fewer instructions where there are few.
+    #[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
+    #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline)]
+    fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
+        let dark = self.support.dark::<P>();
+        for (o, &s) in out.iter_mut().zip(samples) {
+            *o = if SMALL && s <= dark {
+                0
+            } else {
+                Classifier::<P>::opacity(self, sample::<P>(s)).to_bits() as i32
+            };
+        }
     }
 }
 

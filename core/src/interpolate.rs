@@ -18,18 +18,23 @@
 use core::ops::Range;
 
 use crate::format::Weight;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, SMALL, places};
 use crate::precision::Precision;
 
 /// Sixteen-bit weight with the bits that a precision does not have cut off.
 #[inline(always)]
 fn cut<P: Precision>(weight: Weight) -> i32 {
-    (weight.to_bits() & (0xffff << (16 - P::WEIGHT_BITS)) & 0xffff) as i32
+    (weight.to_bits() & (u32::MAX << (16 - P::WEIGHT_BITS))) as i32
 }
 
 #[inline(always)]
 fn lerp_z<V: Lanes>(near: V, far: V, w: V) -> V {
-    (near << 16) + (far - near) * w
+    if SMALL {
+        // The same; a product and a sum are one instruction.
+        near * (V::splat(1 << 16) - w) + far * w
+    } else {
+        (near << 16) + (far - near) * w
+    }
 }
 
 #[inline(always)]
@@ -63,8 +68,20 @@ pub fn trilinear<P: Precision>(voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3])
 /// z interpolation of a row of voxels. `out`: s15.16, as long as the rows.
 #[inline(always)]
 pub fn z_row<P: Precision, V: Lanes>(near: &[u16], far: &[u16], weight: Weight, out: &mut [i32]) {
-    let w = V::splat(cut::<P>(weight));
-    for at in (0..out.len()).step_by(V::COUNT) {
+    let len = out.len();
+    let (Some(near), Some(far)) = (near.get(..len), far.get(..len)) else {
+        return;
+    };
+    let w = cut::<P>(weight);
+    if w == 0 {
+        // A plane that lies in a slice: all of them at one plane a voxel.
+        for at in places::<V>(len) {
+            (V::load_voxels(near, at) << 16).store(out, at);
+        }
+        return;
+    }
+    let w = V::splat(w);
+    for at in places::<V>(len) {
         lerp_z(V::load_voxels(near, at), V::load_voxels(far, at), w).store(out, at);
     }
 }
@@ -117,6 +134,16 @@ pub struct Difference<'a> {
 }
 
 impl Difference<'_> {
+    /// The first columns, if there are as many.
+    #[inline(always)]
+    fn first(self, len: usize) -> Option<Self> {
+        Some(Self {
+            scale: self.scale,
+            minuend: self.minuend.get(..len)?,
+            subtrahend: self.subtrahend.get(..len)?,
+        })
+    }
+
     /// Columns `at ..`, before scaling.
     #[inline(always)]
     fn lanes<V: Lanes>(&self, at: usize) -> V {
@@ -142,9 +169,21 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
     weight: Weight,
     out: &mut [i32],
 ) {
-    let w = V::splat(cut::<P>(weight));
+    let len = out.len();
+    let (Some(near), Some(far)) = (near.first(len), far.first(len)) else {
+        return;
+    };
+    let w = cut::<P>(weight);
+    if w == 0 {
+        let scale = V::splat(near.scale << 16);
+        for at in places::<V>(len) {
+            (near.lanes::<V>(at) * scale).store(out, at);
+        }
+        return;
+    }
+    let w = V::splat(w);
     let scales = [near.scale, far.scale];
-    for at in (0..out.len()).step_by(V::COUNT) {
+    for at in places::<V>(len) {
         let (mut a, mut b) = (near.lanes::<V>(at), far.lanes::<V>(at));
         // At a face of the volume; everywhere else the scales are 1.
         if scales != [1, 1] {
@@ -162,12 +201,23 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
 pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2], out: &mut [i32]) {
     let [wx, wy] = [wx, wy].map(|w| V::splat(cut::<P>(w)));
     let mut here = lerp_y::<P, V>(V::load(a, 0), V::load(b, 0), wy);
-    for at in (0..out.len()).step_by(V::COUNT) {
-        let behind = at + V::COUNT;
-        let next = lerp_y::<P, V>(V::load(a, behind), V::load(b, behind), wy);
-        lerp_x::<P, V>(here, here.followed_by(next), wx).store(out, at);
+    let [a, b] = [a, b].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
+    let (len, a, b) = if V::COUNT == 1 {
+        // A single lane stops before an element that has no right neighbour.
+        let len = out.len().min(a.len()).min(b.len());
+        (len, a.get(..len), b.get(..len))
+    } else {
+        (out.len(), Some(a), Some(b))
+    };
+    let (Some(a), Some(b), Some((inner, last))) = (a, b, out.split_at_mut_checked(len)) else {
+        return;
+    };
+    for at in places::<V>(len) {
+        let next = lerp_y::<P, V>(V::load(a, at), V::load(b, at), wy);
+        lerp_x::<P, V>(here, here.followed_by(next), wx).store(inner, at);
         here = next;
     }
+    lerp_x::<P, V>(here, V::splat(0), wx).store(last, 0);
 }
 
 #[cfg(test)]
@@ -216,7 +266,9 @@ mod tests {
         }
 
         #[test]
-        fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>()) {
+        fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>(), in_slice in any::<bool>()) {
+            let [x, y, z] = w;
+            let w = [x, y, if in_slice { 0 } else { z }];
             rows::<Paper>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
             rows::<Compact>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
             rows::<Wide>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;

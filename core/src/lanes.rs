@@ -15,6 +15,18 @@ use crate::normalise::reciprocal_root;
 /// than the work that it saves.
 pub(crate) const SMALL: bool = cfg!(any(target_arch = "arm", target_arch = "riscv32"));
 
+/// The places at which a loop over rows of this length handles its lanes. Row kernels first cut all their rows to that
+/// length: with a single lane the compiler then sees that every place lies inside, and leaves its checks out.
+#[inline(always)]
+pub fn places<V: Lanes>(len: usize) -> impl Iterator<Item = usize> {
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let at = next;
+        next += V::COUNT;
+        (at < len).then_some(at)
+    })
+}
+
 /// Some 32-bit lanes.
 pub trait Lanes:
     Copy
@@ -108,11 +120,20 @@ pub trait Lanes:
         (self >> 15) * f + (((self & Self::splat(0x7fff)) * f + Self::splat(1 << 14)) >> 15)
     }
 
-    /// `floor((d f + 2^(bits - 1)) / 2^bits)`, modulo 2^32: 0 <= f < 2^bits, bits 1 to 15.
+    /// `a + floor(((b - a) f + 2^(bits - 1)) / 2^bits)`, modulo 2^32: |b - a| < 2^31, 0 <= f < 2^bits, bits 1 to 15.
     #[inline(always)]
-    fn part(self, f: Self, bits: u32) -> Self {
-        let low = ((self & Self::splat(0xffff)) * f + Self::splat(1 << bits >> 1)) >> bits;
-        ((self >> 16) * f << (16 - bits)).wrapping_add(low)
+    fn mix(self, b: Self, f: Self, bits: u32) -> Self {
+        let d = b.wrapping_sub(self);
+        let low = ((d & Self::splat(0xffff)) * f + Self::splat(1 << bits >> 1)) >> bits;
+        self.wrapping_add(((d >> 16) * f << (16 - bits)).wrapping_add(low))
+    }
+
+    /// `(x x + 2^30) >> 31` for x <= 2^31.
+    #[inline(always)]
+    fn square31(self) -> Self {
+        (Self::Wide::of(self).square() + Self::Wide::splat(1 << 30))
+            .shr(31)
+            .narrow()
     }
 }
 
@@ -270,14 +291,25 @@ impl Lanes for i32 {
             (self >> 15) * f + (((self & 0x7fff) * f + (1 << 14)) >> 15)
         }
     }
+    /// On small machines the fraction is a signed number of 32 bits: from one half on it counts backwards from b.
     #[inline(always)]
-    fn part(self, f: Self, bits: u32) -> Self {
+    fn mix(self, b: Self, f: Self, bits: u32) -> Self {
+        let d = b.wrapping_sub(self);
         if SMALL {
-            ((i64::from(self) * i64::from(f) + (1 << bits >> 1)) >> bits) as Self
+            let f = f << (32 - bits);
+            let end = if f < 0 { b } else { self };
+            let product = i64::from(d) * i64::from(f) + (1 << 31);
+            ((i64::from(end) << 32).wrapping_add(product) >> 32) as Self
         } else {
-            let low = ((self & 0xffff) * f + (1 << bits >> 1)) >> bits;
-            ((self >> 16) * f << (16 - bits)).wrapping_add(low)
+            let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
+            self.wrapping_add(((d >> 16) * f << (16 - bits)).wrapping_add(low))
         }
+    }
+    /// Twice the square; the top bit of its lower half rounds the upper.
+    #[inline(always)]
+    fn square31(self) -> Self {
+        let twice = (u64::from(self as u32) * u64::from(self as u32)) << 1;
+        (twice >> 32) as Self + (twice as u32 >> 31) as Self
     }
 }
 
@@ -348,10 +380,18 @@ mod tests {
         }
 
         #[test]
-        fn part_is_the_nearest(d in any::<i32>(), f in 0i32..1 << 15, bits in prop_oneof![Just(12u32), Just(15)]) {
-            let f = f & ((1 << bits) - 1);
-            let exact = (i64::from(d) * i64::from(f) + (1 << bits >> 1)) >> bits;
-            prop_assert_eq!(d.part(f, bits), exact as i32);
+        fn mix_is_the_nearest(a in 0u32..=1 << 31, b in 0u32..=1 << 31, f in 0i32..1 << 15, bits in prop_oneof![Just(12u32), Just(15)]) {
+            // Two values that are 2^31 apart do not occur: no entry is quite opaque.
+            let (a, b, f) = (a.min((1 << 31) - 1), b.min((1 << 31) - 1), f & ((1 << bits) - 1));
+            let product = (i64::from(b) - i64::from(a)) * i64::from(f);
+            let exact = i64::from(a) + ((product + (1 << bits >> 1)) >> bits);
+            prop_assert_eq!(i64::from((a as i32).mix(b as i32, f, bits)), exact);
+        }
+
+        #[test]
+        fn square31_is_the_nearest(x in prop_oneof![0u32..=1 << 31, (1 << 31) - 9..=1u32 << 31]) {
+            let exact = (u64::from(x) * u64::from(x) + (1 << 30)) >> 31;
+            prop_assert_eq!(u64::from((x as i32).square31() as u32), exact);
         }
     }
 }

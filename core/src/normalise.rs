@@ -16,7 +16,7 @@
 //! millidegrees of angle, 2^-19.2 of length. Overflow: none. State: none.
 
 use crate::format::{ReciprocalNorm, Unit};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, SMALL, places};
 
 /// A block-normalised gradient and its reciprocal length: the direction is `g * r / 2^35`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,6 +58,12 @@ pub fn block<V: Lanes>(gradient: [V; 3]) -> [V; 3] {
 fn shifted<V: Lanes>(c: V, [up, down]: [V; 2]) -> V {
     let half = V::splat(1).shl_each(down).shr_unsigned(1);
     let magnitude = (c.abs().shl_each(up) + half).shr_each(down);
+    // On small machines a clamp from both sides is one instruction, a minimum three.
+    let magnitude = if SMALL {
+        magnitude.at_least(V::splat(0))
+    } else {
+        magnitude
+    };
     magnitude.at_most(V::splat(32767)).with_sign_of(c)
 }
 
@@ -140,7 +146,11 @@ pub fn unit(normal: Normal) -> [Unit; 3] {
 #[inline(always)]
 pub fn normalise_row<V: Lanes>(g: [&mut [i32]; 3], r: &mut [i32]) {
     let [x, y, z] = g;
-    for at in (0..r.len()).step_by(V::COUNT) {
+    let len = r.len();
+    let (Some(x), Some(y), Some(z)) = (x.get_mut(..len), y.get_mut(..len), z.get_mut(..len)) else {
+        return;
+    };
+    for at in places::<V>(len) {
         let ([gx, gy, gz], length) = normalise_lanes([V::load(x, at), V::load(y, at), V::load(z, at)]);
         gx.store(x, at);
         gy.store(y, at);

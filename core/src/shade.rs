@@ -30,7 +30,7 @@ use core::marker::PhantomData;
 use heapless::Vec;
 
 use crate::format::{Coefficient, Cosine, Vector};
-use crate::lanes::{Lanes, Wide as _};
+use crate::lanes::{Lanes, Wide as _, places};
 use crate::normalise::Normal;
 use crate::precision::{NormalForm, Power, Precision, Shading};
 
@@ -342,11 +342,14 @@ fn lit<P: Precision, V: Lanes>(colour: V, [diffuse, specular]: [V; 2]) -> V {
         }
         Shading::Rounded16 => {
             let m = diffuse
-                .saturating_add(V::splat(1 << 14))
-                .shr_unsigned(15)
-                .at_most(one16);
-            let sum = colour.wrapping_mul(m).saturating_add(specular);
-            sum.saturating_add(one15).shr_unsigned(16).at_most(one15)
+                .at_most_unsigned(one31)
+                .wrapping_add(V::splat(1 << 14))
+                .shr_unsigned(15);
+            // O m, and as much of the highlight as there is room for below 1.
+            let diffuse = colour.wrapping_mul(m);
+            let room = one31.wrapping_sub(diffuse);
+            let sum = diffuse.wrapping_add(specular.at_most_unsigned(room));
+            sum.wrapping_add(one15).shr_unsigned(16)
         }
         Shading::Rounded31 => {
             let product = colour.product(diffuse.at_most_unsigned(one31)) + V::Wide::splat(1 << 30);
@@ -366,7 +369,15 @@ impl<P: Precision> Shader<P> for Phong<P> {
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]) {
         let [gx, gy, gz] = g;
         let [red, green, blue] = colour;
-        for at in (0..r.len()).step_by(V::COUNT) {
+        let len = r.len();
+        let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
+            return;
+        };
+        let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len))
+        else {
+            return;
+        };
+        for at in places::<V>(len) {
             let g = [V::load(gx, at), V::load(gy, at), V::load(gz, at)];
             let colour = [V::load(red, at), V::load(green, at), V::load(blue, at)];
             let [r, g, b] = self.shade_lanes(g, V::load(r, at), colour);
@@ -505,11 +516,11 @@ pub fn power<P: Precision>(x: Cosine, n: u32) -> Cosine {
 pub fn power_lanes<P: Precision, V: Lanes>(x: V, n: u32) -> V {
     match P::POWER {
         Power::Rounded31 => {
-            let mut x = V::Wide::of(x);
+            let mut x = x;
             for _ in 0..n {
-                x = (x.square() + V::Wide::splat(1 << 30)).shr(31);
+                x = x.square31();
             }
-            x.narrow()
+            x
         }
         Power::Truncated16 => {
             let mut x = V::Wide::of(x.shr_unsigned(15));
