@@ -30,7 +30,7 @@ use core::marker::PhantomData;
 use heapless::Vec;
 
 use crate::format::{Coefficient, Cosine, Vector};
-use crate::lanes::{Lanes, Wide as _, places};
+use crate::lanes::{Lanes, SMALL, Wide as _, places};
 use crate::normalise::Normal;
 use crate::precision::{NormalForm, Power, Precision, Shading};
 
@@ -516,11 +516,14 @@ pub fn power<P: Precision>(x: Cosine, n: u32) -> Cosine {
 pub fn power_lanes<P: Precision, V: Lanes>(x: V, n: u32) -> V {
     match P::POWER {
         Power::Rounded31 => {
-            let mut x = x;
-            for _ in 0..n {
-                x = x.square31();
+            if SMALL {
+                return (0..n).fold(x, |x, _| x.square31());
             }
-            x
+            let mut x = V::Wide::of(x);
+            for _ in 0..n {
+                x = (x.square() + V::Wide::splat(1 << 30)).shr(31);
+            }
+            x.narrow()
         }
         Power::Truncated16 => {
             let mut x = V::Wide::of(x.shr_unsigned(15));
