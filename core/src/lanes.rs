@@ -125,7 +125,7 @@ pub trait Lanes:
     fn mix(self, b: Self, f: Self, bits: u32) -> Self {
         let d = b.wrapping_sub(self);
         let low = ((d & Self::splat(0xffff)) * f + Self::splat(1 << bits >> 1)) >> bits;
-        self.wrapping_add(((d >> 16) * f << (16 - bits)).wrapping_add(low))
+        self.wrapping_add((((d >> 16) * f) << (16 - bits)).wrapping_add(low))
     }
 
     /// `(x x + 2^30) >> 31` for x <= 2^31.
@@ -302,7 +302,7 @@ impl Lanes for i32 {
             ((i64::from(end) << 32).wrapping_add(product) >> 32) as Self
         } else {
             let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
-            self.wrapping_add(((d >> 16) * f << (16 - bits)).wrapping_add(low))
+            self.wrapping_add((((d >> 16) * f) << (16 - bits)).wrapping_add(low))
         }
     }
     /// Twice the square; the top bit of its lower half rounds the upper.
