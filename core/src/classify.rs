@@ -251,21 +251,14 @@ fn nearest<P: Precision>(bits: i32) -> usize {
     ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS) as usize
 }
 
-/// `a + (b - a) f / 2^bits` to nearest, for opacities: |b - a| < 2^31, 0 <= f < 2^bits, bits <= 15.
-#[inline(always)]
-pub fn mix<V: Lanes>(a: V, b: V, f: V, bits: u32) -> V {
-    a.mix(b, f, bits)
-}
-
-/// `a + (b - a) f` to nearest, for colours (whose difference may reach 1).
+/// `a + (b - a) f` to nearest, for colours.
 #[inline(always)]
 pub fn mix_colour<P: Precision, V: Lanes>(a: V, b: V, f: V) -> V {
-    let half = 1 << P::SAMPLE_BITS >> 1;
+    let (half, rest) = (1 << P::SAMPLE_BITS >> 1, V::splat(1 << P::SAMPLE_BITS) - f);
     if P::COLOUR_BITS == 15 {
-        // 15 and 15 bits: 32 suffice.
-        a + (((b - a) * f + V::splat(half)) >> P::SAMPLE_BITS)
+        // 16 and 15 bits: 32 suffice.
+        (a * rest + b * f + V::splat(half)) >> P::SAMPLE_BITS
     } else {
-        let rest = V::splat(1 << P::SAMPLE_BITS) - f;
         let sum = a.product(rest) + b.product(f) + V::Wide::splat(i64::from(half));
         sum.shr(P::SAMPLE_BITS).narrow()
     }
@@ -294,7 +287,7 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
             if SMALL && a == b {
                 opacity(a)
             } else {
-                mix(opacity(a) as i32, opacity(b) as i32, f, P::SAMPLE_BITS) as u32
+                Lanes::mix(opacity(a) as i32, opacity(b) as i32, f, P::SAMPLE_BITS) as u32
             }
         } else {
             A::opacity(self.root_at(nearest::<P>(bits))).to_bits()
@@ -325,7 +318,7 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
 
     // With registers of its own it takes fewer instructions where there are few.
     #[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline)]
+    #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
     fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
         let dark = self.support.dark::<P>();
         for (o, &s) in out.iter_mut().zip(samples) {

@@ -27,22 +27,20 @@ fn cut<P: Precision>(weight: Weight) -> i32 {
     (weight.to_bits() & (u32::MAX << (16 - P::WEIGHT_BITS))) as i32
 }
 
+/// `WHOLE`: `a` and `b` are whole numbers, and so their difference times the weight is exact.
 #[inline(always)]
-fn lerp_z<V: Lanes>(near: V, far: V, w: V) -> V {
-    if SMALL {
-        // The same; a product and a sum are one instruction.
-        near * (V::splat(1 << 16) - w) + far * w
-    } else {
-        (near << 16) + (far - near) * w
-    }
-}
-
-#[inline(always)]
-fn lerp_y<P: Precision, V: Lanes>(a: V, b: V, w: V) -> V {
-    if P::LERP_BITS == 16 {
+fn lerp_y<P: Precision, V: Lanes, const WHOLE: bool>(a: V, b: V, w: V) -> V {
+    let cut = 16 - P::LERP_BITS;
+    if WHOLE {
+        let exact = a + ((b - a) >> 16) * w;
+        if cut == 0 {
+            exact
+        } else {
+            ((exact + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut) << cut
+        }
+    } else if cut == 0 {
         a + (b - a).scale16(w, P::LERP_ROUNDING.bias(16))
     } else {
-        let cut = 16 - P::LERP_BITS;
         ((a + (b - a).scale16(w, 0) + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut) << cut
     }
 }
@@ -60,8 +58,8 @@ pub fn trilinear<P: Precision>(voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3])
     let [near, far] = voxels;
     let [[n00, n01], [n10, n11]] = near.map(|row| row.map(i32::from));
     let [[f00, f01], [f10, f11]] = far.map(|row| row.map(i32::from));
-    let left = lerp_y::<P, i32>(lerp_z(n00, f00, wz), lerp_z(n10, f10, wz), wy);
-    let right = lerp_y::<P, i32>(lerp_z(n01, f01, wz), lerp_z(n11, f11, wz), wy);
+    let left = lerp_y::<P, i32, false>(n00.between16(f00, wz), n10.between16(f10, wz), wy);
+    let right = lerp_y::<P, i32, false>(n01.between16(f01, wz), n11.between16(f11, wz), wy);
     fixed::traits::Fixed::from_bits(lerp_x::<P, i32>(left, right, wx))
 }
 
@@ -72,17 +70,18 @@ pub fn z_row<P: Precision, V: Lanes>(near: &[u16], far: &[u16], weight: Weight, 
     let (Some(near), Some(far)) = (near.get(..len), far.get(..len)) else {
         return;
     };
-    let w = cut::<P>(weight);
-    if w == 0 {
+    if weight == Weight::ZERO {
         // A plane that lies in a slice: all of them at one plane a voxel.
         for at in places::<V>(len) {
             (V::load_voxels(near, at) << 16).store(out, at);
         }
         return;
     }
-    let w = V::splat(w);
+    let w = V::splat(cut::<P>(weight));
     for at in places::<V>(len) {
-        lerp_z(V::load_voxels(near, at), V::load_voxels(far, at), w).store(out, at);
+        V::load_voxels(near, at)
+            .between16(V::load_voxels(far, at), w)
+            .store(out, at);
     }
 }
 
@@ -173,15 +172,14 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
     let (Some(near), Some(far)) = (near.first(len), far.first(len)) else {
         return;
     };
-    let w = cut::<P>(weight);
-    if w == 0 {
+    if weight == Weight::ZERO {
         let scale = V::splat(near.scale << 16);
         for at in places::<V>(len) {
             (near.lanes::<V>(at) * scale).store(out, at);
         }
         return;
     }
-    let w = V::splat(w);
+    let w = V::splat(cut::<P>(weight));
     let scales = [near.scale, far.scale];
     for at in places::<V>(len) {
         let (mut a, mut b) = (near.lanes::<V>(at), far.lanes::<V>(at));
@@ -190,17 +188,28 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
             a = a * V::splat(near.scale);
             b = b * V::splat(far.scale);
         }
-        lerp_z(a, b, w).store(out, at);
+        a.between16(b, w).store(out, at);
     }
 }
 
 /// y interpolation between two rows, and x interpolation along the result. `a` and `b`: s15.16, as long as `out` or
-/// longer; `out`: samples. Behind the last element there are zeros: they are read with a weight of 0 only (a sample
-/// behind the last voxel lies outside the volume).
+/// longer; `whole` says that they hold whole numbers (the plane lies in a slice), of which fewer products are made.
+/// `out`: samples. Behind the last element there are zeros: they are read with a weight of 0 only (a sample behind the
+/// last voxel lies outside the volume).
 #[inline(always)]
-pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2], out: &mut [i32]) {
-    let [wx, wy] = [wx, wy].map(|w| V::splat(cut::<P>(w)));
-    let mut here = lerp_y::<P, V>(V::load(a, 0), V::load(b, 0), wy);
+pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
+    // On small machines both take as many instructions.
+    if whole && !SMALL {
+        yx_row_of::<P, V, true>(a, b, weights, out);
+    } else {
+        yx_row_of::<P, V, false>(a, b, weights, out);
+    }
+}
+
+#[inline(always)]
+fn yx_row_of<P: Precision, V: Lanes, const WHOLE: bool>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2], out: &mut [i32]) {
+    let (wx, wy) = (V::splat(cut::<P>(wx)), V::splat(cut::<P>(wy)));
+    let mut here = lerp_y::<P, V, WHOLE>(V::load(a, 0), V::load(b, 0), wy);
     let [a, b] = [a, b].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
     let (len, a, b) = if V::COUNT == 1 {
         // A single lane stops before an element that has no right neighbour.
@@ -213,7 +222,7 @@ pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2
         return;
     };
     for at in places::<V>(len) {
-        let next = lerp_y::<P, V>(V::load(a, at), V::load(b, at), wy);
+        let next = lerp_y::<P, V, WHOLE>(V::load(a, at), V::load(b, at), wy);
         lerp_x::<P, V>(here, here.followed_by(next), wx).store(inner, at);
         here = next;
     }
@@ -289,7 +298,7 @@ mod tests {
         let (mut z0, mut z1, mut s) = (vec![0; length], vec![0; length], vec![0; length]);
         z_row::<P, i32>(&n0, &f0, wz, &mut z0);
         z_row::<P, i32>(&n1, &f1, wz, &mut z1);
-        yx_row::<P, i32>(&z0, &z1, [wx, wy], &mut s);
+        yx_row::<P, i32>(&z0, &z1, wz == Weight::ZERO, [wx, wy], &mut s);
         for i in 0..length {
             let pair = |r: &[u16]| [r[i] as i16, r.get(i + 1).copied().unwrap_or(0) as i16];
             let v = [[pair(&n0), pair(&n1)], [pair(&f0), pair(&f1)]];
@@ -317,7 +326,7 @@ mod tests {
             let (mut a, mut b, mut s) = ([0; 2], [0; 2], [0; 2]);
             z_difference_row::<Wide, i32>(up, down, w, &mut a);
             z_difference_row::<Wide, i32>(down, up, w, &mut b);
-            yx_row::<Wide, i32>(&[a[0], -a[1]], &[b[0], -b[1]], [w, w], &mut s);
+            yx_row::<Wide, i32>(&[a[0], -a[1]], &[b[0], -b[1]], bits == 0, [w, w], &mut s);
             let f = f64::from(bits) / 65536.0;
             let exact = 8190.0 * (1.0 - 2.0 * f) * (1.0 - 2.0 * f) * (1.0 - 2.0 * f);
             assert!((f64::from(s[0]) / 32768.0 - exact).abs() < 1e-4, "{bits}");

@@ -120,20 +120,19 @@ pub trait Lanes:
         (self >> 15) * f + (((self & Self::splat(0x7fff)) * f + Self::splat(1 << 14)) >> 15)
     }
 
-    /// `a + floor(((b - a) f + 2^(bits - 1)) / 2^bits)`, modulo 2^32: |b - a| < 2^31, 0 <= f < 2^bits, bits 1 to 15.
+    /// `(a << 16) + (b - a) w`, exact: |a|, |b| < 2^14, 0 <= w < 2^16.
+    #[inline(always)]
+    fn between16(self, b: Self, w: Self) -> Self {
+        (self << 16) + (b - self) * w
+    }
+
+    /// `a + floor(((b - a) f + 2^(bits - 1)) / 2^bits)` of unsigned numbers: |b - a| < 2^31, 0 <= f < 2^bits, bits 1 to
+    /// 15.
     #[inline(always)]
     fn mix(self, b: Self, f: Self, bits: u32) -> Self {
         let d = b.wrapping_sub(self);
         let low = ((d & Self::splat(0xffff)) * f + Self::splat(1 << bits >> 1)) >> bits;
         self.wrapping_add((((d >> 16) * f) << (16 - bits)).wrapping_add(low))
-    }
-
-    /// `(x x + 2^30) >> 31` for x <= 2^31.
-    #[inline(always)]
-    fn square31(self) -> Self {
-        (Self::Wide::of(self).square() + Self::Wide::splat(1 << 30))
-            .shr(31)
-            .narrow()
     }
 }
 
@@ -155,6 +154,16 @@ pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
     fn times(self, other: Self::Narrow) -> Self;
     /// Square of a number below 2^32.
     fn square(self) -> Self;
+    /// The square of a number of 31 fraction bits, at most 1, to nearest.
+    #[inline(always)]
+    fn square31(self) -> Self {
+        (self.square() + Self::splat(1 << 30)).shr(31)
+    }
+    /// Right shift of a number that is not negative, at most 2^31 then. The result before that is below 2^32.
+    #[inline(always)]
+    fn shr_to_one(self, by: u32) -> Self::Narrow {
+        self.shr(by).narrow().at_most_unsigned(Self::Narrow::splat(i32::MIN))
+    }
     /// Unsigned 32-bit lanes in 64 bits.
     fn of(narrow: Self::Narrow) -> Self;
     /// The low 32 bits.
@@ -291,25 +300,28 @@ impl Lanes for i32 {
             (self >> 15) * f + (((self & 0x7fff) * f + (1 << 14)) >> 15)
         }
     }
-    /// On small machines the fraction is a signed number of 32 bits: from one half on it counts backwards from b.
+    #[inline(always)]
+    fn between16(self, b: Self, w: Self) -> Self {
+        if SMALL {
+            // A product and a sum are one instruction.
+            self * ((1 << 16) - w) + b * w
+        } else {
+            (self << 16) + (b - self) * w
+        }
+    }
     #[inline(always)]
     fn mix(self, b: Self, f: Self, bits: u32) -> Self {
         let d = b.wrapping_sub(self);
         if SMALL {
+            // The fraction as a signed number that fills 32 bits: from one half on it counts backwards from b.
             let f = f << (32 - bits);
             let end = if f < 0 { b } else { self };
-            let product = i64::from(d) * i64::from(f) + (1 << 31);
-            ((i64::from(end) << 32).wrapping_add(product) >> 32) as Self
+            let sum = (i64::from(end) << 32).wrapping_add(i64::from(d) * i64::from(f) + (1 << 31));
+            (sum >> 32) as Self
         } else {
             let low = ((d & 0xffff) * f + (1 << bits >> 1)) >> bits;
-            self.wrapping_add((((d >> 16) * f) << (16 - bits)).wrapping_add(low))
+            self.wrapping_add((((d >> 16) * f) << (16 - bits)) + low)
         }
-    }
-    /// Twice the square; the top bit of its lower half rounds the upper.
-    #[inline(always)]
-    fn square31(self) -> Self {
-        let twice = (u64::from(self as u32) * u64::from(self as u32)) << 1;
-        (twice >> 32) as Self + (twice as u32 >> 31) as Self
     }
 }
 
@@ -346,6 +358,23 @@ impl Wide for i64 {
         (low * low) as Self
     }
     #[inline(always)]
+    fn square31(self) -> Self {
+        let x = self as u32;
+        if SMALL && x < 1 << 31 {
+            // Twice the square, whose upper half is rounded by the top bit of the lower.
+            let square = u64::from(x << 1) * u64::from(x);
+            Self::from((square >> 32) as u32 + (square as u32 >> 31))
+        } else {
+            (self.square() + (1 << 30)) >> 31
+        }
+    }
+    #[inline(always)]
+    fn shr_to_one(self, by: u32) -> i32 {
+        // At least 1 where the upper half says so: 2^31 after the shift.
+        let beyond = (self as u64 >> 32) as u32 >= 1 << (by - 1);
+        if beyond { i32::MIN } else { (self as u64 >> by) as i32 }
+    }
+    #[inline(always)]
     fn of(narrow: i32) -> Self {
         Self::from(narrow as u32)
     }
@@ -380,18 +409,20 @@ mod tests {
         }
 
         #[test]
-        fn mix_is_the_nearest(a in 0u32..=1 << 31, b in 0u32..=1 << 31, f in 0i32..1 << 15, bits in prop_oneof![Just(12u32), Just(15)]) {
+        fn mixes_are_the_nearest(
+            a in 0u32..=1 << 31, b in 0u32..=1 << 31, f in 0i32..1 << 15, bits in prop_oneof![Just(12u32), Just(15)],
+        ) {
             // Two values that are 2^31 apart do not occur: no entry is quite opaque.
-            let (a, b, f) = (a.min((1 << 31) - 1), b.min((1 << 31) - 1), f & ((1 << bits) - 1));
+            let (b, f) = (b.min(a.saturating_add((1 << 31) - 1)), f & ((1 << bits) - 1));
+            let a = a.min(b.saturating_add((1 << 31) - 1));
             let product = (i64::from(b) - i64::from(a)) * i64::from(f);
             let exact = i64::from(a) + ((product + (1 << bits >> 1)) >> bits);
-            prop_assert_eq!(i64::from((a as i32).mix(b as i32, f, bits)), exact);
+            prop_assert_eq!(i64::from((a as i32).mix(b as i32, f, bits) as u32), exact);
         }
 
         #[test]
-        fn square31_is_the_nearest(x in prop_oneof![0u32..=1 << 31, (1 << 31) - 9..=1u32 << 31]) {
-            let exact = (u64::from(x) * u64::from(x) + (1 << 30)) >> 31;
-            prop_assert_eq!(u64::from((x as i32).square31() as u32), exact);
+        fn between_is_exact(a in -8190i32..=8190, b in -8190i32..=8190, w in 0i32..65536) {
+            prop_assert_eq!(a.between16(b, w), (a << 16) + (b - a) * w);
         }
     }
 }

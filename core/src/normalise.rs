@@ -57,7 +57,7 @@ pub fn block<V: Lanes>(gradient: [V; 3]) -> [V; 3] {
 #[inline(always)]
 fn shifted<V: Lanes>(c: V, [up, down]: [V; 2]) -> V {
     let half = V::splat(1).shl_each(down).shr_unsigned(1);
-    let magnitude = (c.abs().shl_each(up) + half).shr_each(down);
+    let magnitude = c.abs().shl_each(up).wrapping_add(half).shr_each(down);
     // On small machines a clamp from both sides is one instruction, a minimum three.
     let magnitude = if SMALL {
         magnitude.at_least(V::splat(0))
@@ -193,6 +193,17 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn block_rounds_magnitudes_to_nearest(g in prop::array::uniform3(any::<i32>()), shift in 0u32..32) {
+            let g = g.map(|c| c >> shift);
+            let bits = 32 - g.iter().fold(0, |all, c| all | c.unsigned_abs()).leading_zeros();
+            let scale = 2f64.powi(15 - bits as i32);
+            for (b, c) in block(g).into_iter().zip(g) {
+                let magnitude = (f64::from(c).abs() * scale + 0.5).floor().min(32767.0);
+                prop_assert_eq!(f64::from(b), magnitude.copysign(f64::from(c)) + 0.0);
+            }
+        }
+
         #[test]
         fn block_keeps_the_direction(g in prop::array::uniform3(-(1i32 << 30)..(1 << 30)), shift in 0u32..30) {
             let g = g.map(|c| c >> shift);

@@ -15,6 +15,7 @@ use core::ops::Range;
 
 use crate::classify::{Classifier, Support};
 use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence, fold_row};
+use crate::format::Weight;
 use crate::gradient::{coarsen_row, difference_row, space_row};
 use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, z_difference_row, z_row};
 use crate::lanes::{Lanes, SMALL};
@@ -151,6 +152,16 @@ impl Meeting {
         }
     }
 
+    /// Whether the plane lies in a slice.
+    fn in_slice(&self) -> bool {
+        self.z.weight == Weight::ZERO
+    }
+
+    /// The weights along x and y.
+    fn weights(&self) -> [Weight; 2] {
+        [self.x.weight, self.y.weight]
+    }
+
     /// The voxel rows around a row of samples: its own and the next, which is itself behind the last.
     fn voxel_rows(&self, row: i32) -> (usize, usize) {
         let last = self.height - 1;
@@ -256,7 +267,7 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
         if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
-            yx_row::<P, V>(pick(row), pick(next), [meeting.x.weight, meeting.y.weight], out);
+            yx_row::<P, V>(pick(row), pick(next), meeting.in_slice(), meeting.weights(), out);
             *key = row;
         }
     }
@@ -595,7 +606,7 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
         let pick = |row: usize| part(if row & 1 == 0 { even } else { odd }, columns.clone());
 
         let [gx, gy, gz] = self.g.each_mut().map(|g| part_mut(g, 0..places.len()));
-        yx_row::<P, V>(pick(this), pick(next), [meeting.x.weight, meeting.y.weight], gz);
+        yx_row::<P, V>(pick(this), pick(next), meeting.in_slice(), meeting.weights(), gz);
         let here = sampler.row(row);
         let (right, left) = (places.start + 1..places.end + 1, first..places.end - 1);
         difference_row::<V>(part(here, right), part(here, left), gx);

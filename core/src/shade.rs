@@ -30,7 +30,7 @@ use core::marker::PhantomData;
 use heapless::Vec;
 
 use crate::format::{Coefficient, Cosine, Vector};
-use crate::lanes::{Lanes, SMALL, Wide as _, places};
+use crate::lanes::{Lanes, Wide as _, places};
 use crate::normalise::Normal;
 use crate::precision::{NormalForm, Power, Precision, Shading};
 
@@ -436,7 +436,6 @@ fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
 #[inline(always)]
 pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, vector: [i32; 3]) -> V {
     let zero = V::splat(0);
-    let one = V::splat(i32::MIN);
     let ([x, y, z], [lx, ly, lz]) = (g, vector);
     let (lx, ly, lz) = (V::splat(lx), V::splat(ly), V::splat(lz));
     match P::NORMAL {
@@ -446,13 +445,13 @@ pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, vector: [i32; 3]) -> V
             let sum = sum.wrapping_sub(z.wrapping_mul(lz));
             // d has the 15 fraction bits of the vector and r has 35; the product is brought to 31.
             let product = sum.at_least(zero).product(r) + V::Wide::splat(1 << 18);
-            product.shr(19).narrow().at_most_unsigned(one)
+            product.shr_to_one(19)
         }
         NormalForm::Deferred => {
             let sum = V::Wide::splat(1 << 8) - x.product_signed(lx) - y.product_signed(ly) - z.product_signed(lz);
             // Nine bits make room for r: 37 and 21 bits fit 64.
             let product = sum.at_least_zero().shr(9).times(r) + V::Wide::splat(1 << 24);
-            product.shr(25).narrow().at_most_unsigned(one)
+            product.shr_to_one(25)
         }
         NormalForm::Formed(bits) => {
             // bits + 15 fraction bits, truncated to 16.
@@ -516,12 +515,9 @@ pub fn power<P: Precision>(x: Cosine, n: u32) -> Cosine {
 pub fn power_lanes<P: Precision, V: Lanes>(x: V, n: u32) -> V {
     match P::POWER {
         Power::Rounded31 => {
-            if SMALL {
-                return (0..n).fold(x, |x, _| x.square31());
-            }
             let mut x = V::Wide::of(x);
             for _ in 0..n {
-                x = (x.square() + V::Wide::splat(1 << 30)).shr(31);
+                x = x.square31();
             }
             x.narrow()
         }
@@ -669,6 +665,44 @@ mod tests {
             let normal = normalise([g[0], g[1], depth]);
             within::<Compact>(&make(&scene), normal, [0; 3], 1.0)?;
             within::<Wide>(&make(&scene), normal, [0; 3], 4.0 + 4.25 * 256.0)?;
+        }
+
+        #[test]
+        fn powers_are_rounded_squares(x in prop_oneof![0u32..=1 << 31, (1 << 31) - 9..=1u32 << 31], n in 0u32..=8) {
+            let squared = (0..n).fold(u64::from(x), |x, _| (x * x + (1 << 30)) >> 31);
+            prop_assert_eq!(u64::from(power::<Compact>(Cosine::from_bits(x), n).to_bits()), squared);
+        }
+
+        /// Vectors of any length, too: a product beyond 1 is 1.
+        #[test]
+        fn dots_are_rounded_and_clamped(g in prop::array::uniform3(-32767i32..=32767), v in prop::array::uniform3(-32768i32..=32768)) {
+            let normal = normalise(g);
+            let sum: i64 = normal.g.iter().zip(v).map(|(g, l)| -i64::from(*g) * i64::from(l)).sum();
+            prop_assume!(i32::try_from(sum).is_ok());
+            let exact = (sum.max(0) * i64::from(normal.r) + (1 << 18)) >> 19;
+            prop_assert_eq!(i64::from(dot::<Compact>(normal, v).to_bits()), exact.min(1 << 31));
+            let fine: i64 = sum.max(0) << 15;
+            let exact = (((fine + (1 << 8)) >> 9) * i64::from(normal.r) + (1 << 24)) >> 25;
+            prop_assert_eq!(i64::from(dot::<Wide>(normal, v.map(|c| c << 15)).to_bits()), exact.min(1 << 31));
+        }
+
+        #[test]
+        fn sums_of_lights_are_clamped(
+            c in 0u32..=1 << 15, ambient in 0u32..=1 << 31, lights in 0usize..=8, k in 0u32..=1 << 31, out in any::<bool>(),
+        ) {
+            // The light and the eye straight ahead of the surface, or behind it: x and y are 1 or 0.
+            let ahead = unit([0.0, 0.0, -1.0]);
+            let k = Coefficient::from_bits(k);
+            let light = Light { direction: ahead, half: ahead, diffuse: [k; 3], specular: [k; 3] };
+            let ambient = Coefficient::from_bits(ambient);
+            let phong =
+                Phong::<Compact>::new([ambient; 3], &std::vec![light; lights], ahead, Highlight::HalfVector, 0).unwrap();
+            let normal = Normal { g: [0, 0, if out { -1 } else { 1 } << 14], r: 1 << 21 };
+            let x = if out { 0 } else { 1u64 << 16 };
+            let sum = lights as u64 * u64::from(keep::<Compact>(k)) * x;
+            let m = (((u64::from(keep::<Compact>(ambient)) << 16) + sum + (1 << 14)) >> 15).min(1 << 16);
+            let expected = ((u64::from(c) * m + sum + (1 << 15)) >> 16).min(1 << 15);
+            prop_assert_eq!(phong.shade(normal, [c; 3]).map(u64::from), [expected; 3]);
         }
 
         #[test]

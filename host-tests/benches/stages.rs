@@ -17,13 +17,13 @@ use slicecast::plane::Pipeline;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Shader};
 use slicecast::slice::Slice;
-use slicecast::tap::NoTap;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_sim::camera::Material;
 use slicecast_sim::engine::{fold_tiles, new_image, on_threads};
 use slicecast_sim::pipelines::Job;
 use slicecast_sim::scene::PrecisionName;
+use slicecast_sim::simd::Simd;
 
 const WIDTH: usize = 256;
 
@@ -68,7 +68,15 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
     });
     let (a, b16) = (row(random, 4095 << 16), row(random, 4095 << 16));
     group.bench_function(name("interpolate-yx"), |b| {
-        b.iter(|| yx_row::<P, i32>(black_box(&a), black_box(&b16), [weight, weight], black_box(&mut out)));
+        b.iter(|| {
+            yx_row::<P, i32>(
+                black_box(&a),
+                black_box(&b16),
+                false,
+                [weight, weight],
+                black_box(&mut out),
+            )
+        });
     });
 
     let samples = row(random, 4095 << P::SAMPLE_BITS);
@@ -188,7 +196,7 @@ impl Job for Fold<'_> {
     fn run<L: Pipeline>(self, pipeline: &L) {
         let Self(plan, slices) = self;
         let mut image = new_image::<L>(plan).expect("a small image");
-        fold_tiles(plan, pipeline, slices, &mut image, 32, &|_, _| (), |_| NoTap);
+        fold_tiles(plan, pipeline, slices, &mut image, 32, Simd::widest(), &|_, _| ());
         black_box(&image);
     }
 }

@@ -11,7 +11,7 @@ use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
 use slicecast::slice::Slice;
 use slicecast::tap::{Beam, Tap};
-use slicecast_sim::engine::{BaseImage, Layer, fold_tiles, new_image};
+use slicecast_sim::engine::{BaseImage, Layer, fold_tiles_tapped, new_image};
 use slicecast_sim::pipelines::Job;
 
 use crate::frame::Frame;
@@ -142,7 +142,7 @@ pub fn of_frame(frame: &Frame) -> Vec<(&'static str, u64)> {
         fn run<L: Pipeline>(self, pipeline: &L) -> Sums {
             let Self(plan, slices) = self;
             let mut image = new_image::<L>(plan).expect("a small image");
-            let taps = fold_tiles(plan, pipeline, slices, &mut image, 16, &|_, _| (), |_| Sums::default());
+            let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, 16, &|_, _| (), |_| Sums::default());
             let mut all = Sums::default();
             taps.iter().for_each(|tap| all.add(tap));
             all

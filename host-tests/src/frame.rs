@@ -12,6 +12,7 @@ use slicecast_sim::camera::{CameraError, Material, Picture, Setup};
 use slicecast_sim::engine::Prepared;
 use slicecast_sim::oriented::with_slices;
 use slicecast_sim::scene::{self, AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
+use slicecast_sim::simd::Simd;
 use slicecast_sim::table::Table;
 use slicecast_sim::volume::Volume;
 
@@ -143,6 +144,7 @@ impl Frame {
                 plan,
             },
             table: self.compiled(),
+            simd: Simd::widest(),
         };
         with_slices(&self.volume, plan.view(), |slices| run(&prepared, slices)).expect("12-bit voxels")
     }

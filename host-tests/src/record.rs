@@ -9,7 +9,7 @@ use slicecast::plan::{Phase, Plan};
 use slicecast::plane::Pipeline;
 use slicecast::slice::Slice;
 use slicecast::tap::{Beam, Tap};
-use slicecast_sim::engine::{BaseImage, Layer, base_image, fold_tiles, new_image, stream_tapped};
+use slicecast_sim::engine::{BaseImage, Layer, base_image, fold_tiles_tapped, new_image, stream_tapped};
 use slicecast_sim::pipelines::Job;
 
 use crate::frame::Frame;
@@ -260,7 +260,7 @@ pub fn recorded(frame: &Frame, layer: Layer) -> (BaseImage, Recording) {
             let recording = match layer {
                 Layer::Tiles(rows) => {
                     let quiet = |_, _| ();
-                    let taps = fold_tiles(plan, pipeline, slices, &mut image, rows, &quiet, |_| recorder());
+                    let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, rows, &quiet, |_| recorder());
                     let values = taps.into_iter().flat_map(|t| t.recording.values).collect();
                     Recording { values }
                 }

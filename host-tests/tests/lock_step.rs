@@ -15,6 +15,7 @@ use slicecast_host_tests::record::recorded;
 use slicecast_host_tests::reference::render;
 use slicecast_sim::engine::{BaseImage, Layer, on_threads};
 use slicecast_sim::scene::{Blend, PrecisionName};
+use slicecast_sim::simd::Simd;
 use std::sync::Arc;
 
 /// One tile for the whole base plane.
@@ -72,7 +73,26 @@ fn hold_together(frame: &Frame) -> Result<(), String> {
             return Err(format!("tiles of {rows} rows against one tile: {difference}"));
         }
     }
+    for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+        for rows in [WHOLE, 3] {
+            let made = rendered(frame, simd, rows);
+            if let Some(difference) = image_difference(&image, &made) {
+                return Err(format!("{} in tiles of {rows} rows: {difference}", simd.name()));
+            }
+        }
+    }
     Ok(())
+}
+
+/// The base plane by these vectors.
+fn rendered(frame: &Frame, simd: Simd, rows: usize) -> BaseImage {
+    frame.with_prepared(|prepared, _| {
+        let prepared = prepared.clone().with_simd(simd);
+        prepared
+            .render(Layer::Tiles(rows), &|_, _| ())
+            .expect("a good frame")
+            .base
+    })
 }
 
 proptest! {

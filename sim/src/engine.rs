@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use slicecast::composite::{Channel, Pixel};
 use slicecast::format::Intensity;
+use slicecast::lanes::Lanes;
 use slicecast::locate::{cell, plane};
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Pipeline, Rows, clear, scratch_len};
@@ -15,6 +16,7 @@ use crate::camera::{CameraError, Picture, Setup, set_up};
 use crate::oriented::{packed, with_slices};
 use crate::pipelines::{Job, compile, dispatch};
 use crate::scene::Scene;
+use crate::simd::{OverLanes, Simd, with_lanes};
 use crate::table::Table;
 use crate::volume::Volume;
 
@@ -91,6 +93,8 @@ pub struct Prepared<'a> {
     pub setup: Setup,
     /// The table.
     pub table: Table,
+    /// Which vectors fold tiles.
+    pub simd: Simd,
 }
 
 /// How slices reach the pipeline.
@@ -114,7 +118,14 @@ impl<'a> Prepared<'a> {
             scene,
             volume,
             setup,
+            simd: Simd::widest(),
         })
+    }
+
+    /// The same, with these vectors.
+    #[must_use]
+    pub fn with_simd(self, simd: Simd) -> Self {
+        Self { simd, ..self }
     }
 
     /// Does a job with this scene's pipeline.
@@ -156,9 +167,12 @@ impl Job for Render<'_> {
         let plan = &self.prepared.setup.plan;
         let mut image = new_image::<L>(plan)?;
         match self.layer {
-            Layer::Tiles(rows) => fold_tiles(plan, pipeline, self.slices, &mut image, rows, self.progress, |_| NoTap),
-            Layer::Stream => stream(plan, pipeline, self.slices, &mut image, self.progress)?,
-        };
+            Layer::Tiles(rows) => {
+                let simd = self.prepared.simd;
+                fold_tiles(plan, pipeline, self.slices, &mut image, rows, simd, self.progress);
+            }
+            Layer::Stream => stream_tapped(plan, pipeline, self.slices, &mut image, self.progress, &mut NoTap)?,
+        }
         Ok(Frame {
             base: base_image(plan, pipeline, &image),
             picture: picture(self.prepared, pipeline, &image),
@@ -195,9 +209,33 @@ pub struct Tile {
     pub rows: u32,
 }
 
-/// Folds all planes into an image, tile by tile on rayon's current threads, each tile under a tap of its own. Returns
-/// the taps in the order of the tiles, which does not depend on the number of threads.
-pub fn fold_tiles<L: Pipeline, T: Tap + Send>(
+/// Folds all planes into an image, tile by tile on rayon's current threads.
+pub fn fold_tiles<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    image: &mut [L::Element],
+    tile_rows: usize,
+    simd: Simd,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) {
+    each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {
+        let fold = FoldTile {
+            plan,
+            pipeline,
+            slices,
+            tile,
+            data,
+            scratch,
+            tap: &mut NoTap,
+        };
+        with_lanes(simd, fold);
+    });
+}
+
+/// Folds all planes into an image like [`fold_tiles`], by the scalar definitions, each tile under a tap of its own.
+/// Returns the taps in the order of the tiles, which does not depend on the number of threads.
+pub fn fold_tiles_tapped<L: Pipeline, T: Tap + Send>(
     plan: &Plan,
     pipeline: &L,
     slices: &[Slice<'_>],
@@ -206,11 +244,34 @@ pub fn fold_tiles<L: Pipeline, T: Tap + Send>(
     progress: &(dyn Fn(usize, usize) + Sync),
     tap: impl Fn(Tile) -> T + Sync,
 ) -> Vec<T> {
+    each_tile::<L, T>(plan, image, tile_rows, progress, |tile, data, scratch| {
+        let mut tap = tap(tile);
+        let fold = FoldTile {
+            plan,
+            pipeline,
+            slices,
+            tile,
+            data,
+            scratch,
+            tap: &mut tap,
+        };
+        fold.run::<i32>();
+        tap
+    })
+}
+
+/// Does something with every tile of an image, in parallel; its results in the order of the tiles.
+fn each_tile<L: Pipeline, R: Send>(
+    plan: &Plan,
+    image: &mut [L::Element],
+    tile_rows: usize,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    work: impl Fn(Tile, &mut [L::Element], &mut [i32]) -> R + Sync,
+) -> Vec<R> {
     let [base_width, base_height] = plan.base();
     let row_len = L::CHANNELS * base_width as usize;
     let tile_rows = tile_rows.clamp(1, base_height as usize);
     let [slice_width, _, _] = plan.dims();
-    let planes = plan.planes();
     let tiles_per_phase = (base_height as usize).div_ceil(tile_rows);
     let total = tiles_per_phase * plan.phases() as usize;
     let done = std::sync::atomic::AtomicUsize::new(0);
@@ -229,36 +290,45 @@ pub fn fold_tiles<L: Pipeline, T: Tap + Send>(
                     first: (index * tile_rows) as u32,
                     rows: (data.len() / row_len) as u32,
                 };
-                let mut tap = tap(tile);
-                let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
-                for step in 0..planes {
-                    let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
-                    let plane = plane(plan, plan.phase(phase), index);
-                    if let Some(window) = Window::at(cell(plane.z).index, slice) {
-                        let rows = Rows {
-                            first: tile.first,
-                            data: &mut *data,
-                        };
-                        pipeline.fold::<i32, T>(plan, &plane, &window, rows, scratch, &mut tap);
-                    }
-                }
+                let result = work(tile, data, scratch);
                 progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
-                tap
+                result
             },
         )
         .collect()
 }
 
-/// Renders through the stream layer, one slice at a time.
-fn stream<L: Pipeline>(
-    plan: &Plan,
-    pipeline: &L,
-    slices: &[Slice<'_>],
-    image: &mut [L::Element],
-    progress: &(dyn Fn(usize, usize) + Sync),
-) -> Result<Vec<NoTap>, StreamError> {
-    stream_tapped(plan, pipeline, slices, image, progress, &mut NoTap)?;
-    Ok(Vec::new())
+/// A tile on its way through all planes.
+struct FoldTile<'a, 's, L: Pipeline, T> {
+    plan: &'a Plan,
+    pipeline: &'a L,
+    slices: &'a [Slice<'s>],
+    tile: Tile,
+    data: &'a mut [L::Element],
+    scratch: &'a mut [i32],
+    tap: &'a mut T,
+}
+
+impl<L: Pipeline, T: Tap> OverLanes for FoldTile<'_, '_, L, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
+        let planes = self.plan.planes();
+        for step in 0..planes {
+            let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
+            let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
+            if let Some(window) = Window::at(cell(plane.z).index, slice) {
+                let rows = Rows {
+                    first: self.tile.first,
+                    data: &mut *self.data,
+                };
+                self.pipeline
+                    .fold::<V, T>(self.plan, &plane, &window, rows, self.scratch, self.tap);
+            }
+        }
+    }
 }
 
 /// Renders through the stream layer under a tap.

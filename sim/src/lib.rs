@@ -1,14 +1,18 @@
 //! The host side of slicecast: real volumes in, pictures and error figures out.
 
+#![deny(unsafe_code)]
+
 pub mod camera;
 pub mod compare;
 pub mod engine;
 pub mod exchange;
+pub mod expanded;
 pub mod export;
 pub mod model;
 pub mod oriented;
 pub mod pipelines;
 pub mod presets;
 pub mod scene;
+pub mod simd;
 pub mod table;
 pub mod volume;

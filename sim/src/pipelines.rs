@@ -7,8 +7,9 @@ use slicecast::project::{Maximum, Minimum};
 use slicecast::shade::{PhongError, Shader, Unlit};
 
 use crate::camera::Material;
+use crate::expanded::Expanded;
 use crate::scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
-use crate::table::{AnyTable, Correction, Table};
+use crate::table::{Correction, Table};
 use crate::volume::Mapping;
 
 /// Something that can be done with any pipeline.
@@ -70,7 +71,8 @@ pub fn dispatch<J: Job>(
     material: Option<&Material>,
     job: J,
 ) -> Result<J::Output, PhongError> {
-    let table = table.classifier();
+    let expanded = table.expanded();
+    let table = &expanded;
     match scene.precision {
         PrecisionName::Paper => with_precision::<Paper, J>(scene, table, material, job),
         PrecisionName::Compact => with_precision::<Compact, J>(scene, table, material, job),
@@ -80,7 +82,7 @@ pub fn dispatch<J: Job>(
 
 fn with_precision<P: Precision, J: Job>(
     scene: &Scene,
-    table: AnyTable<'_>,
+    table: &Expanded,
     material: Option<&Material>,
     job: J,
 ) -> Result<J::Output, PhongError> {
@@ -100,9 +102,9 @@ fn with_precision<P: Precision, J: Job>(
 
 /// Ends rays early if the scene asks for it.
 fn early<'t, P: Precision, S: Shader<P>>(
-    pipeline: Composite<P, AnyTable<'t>, S, FrontToBack>,
+    pipeline: Composite<P, &'t Expanded, S, FrontToBack>,
     scene: &Scene,
-) -> Composite<P, AnyTable<'t>, S, FrontToBack> {
+) -> Composite<P, &'t Expanded, S, FrontToBack> {
     match scene.early_termination {
         Some(bits) => pipeline.with_early_termination(bits),
         None => pipeline,

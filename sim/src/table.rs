@@ -12,6 +12,7 @@ use slicecast::format::Opacity;
 use slicecast::lanes::Lanes;
 use slicecast::precision::Precision;
 
+use crate::expanded::Expanded;
 use crate::scene::{AlphaCodeName, LookupName, TransferFunction};
 use crate::volume::Mapping;
 
@@ -91,7 +92,7 @@ impl Table {
         table
     }
 
-    /// The classifier over this table.
+    /// The classifier over this table, by core's definition.
     pub fn classifier(&self) -> AnyTable<'_> {
         match (self.code, self.lookup) {
             (AlphaCodeName::Sqrt8, LookupName::Nearest) => AnyTable::Nearest8(PointTable::new(&self.entries, ())),
@@ -102,6 +103,14 @@ impl Table {
             (AlphaCodeName::Sqrt16, LookupName::Linear) => {
                 AnyTable::Linear16(PointTable::new(&self.entries, &*self.plane))
             }
+        }
+    }
+
+    /// The same as [`Table::classifier`], decoded for vectors: what frames are rendered with.
+    pub fn expanded(&self) -> Expanded {
+        match self.code {
+            AlphaCodeName::Sqrt8 => Expanded::of::<Sqrt8>(&self.entries, (), self.lookup),
+            AlphaCodeName::Sqrt16 => Expanded::of::<Sqrt16>(&self.entries, &self.plane, self.lookup),
         }
     }
 

@@ -11,7 +11,7 @@ use slicecast::tap::{Beam, Tap};
 use slicecast_firmware_shared::boundary::{Boundaries, STAGES};
 use slicecast_firmware_shared::image::add_rgb;
 use slicecast_firmware_shared::sum::Sum;
-use slicecast_sim::engine::{Layer, Prepared, fold_tiles, new_image};
+use slicecast_sim::engine::{Layer, Prepared, fold_tiles_tapped, new_image};
 use slicecast_sim::oriented::with_slices;
 use slicecast_sim::pipelines::Job;
 
@@ -86,7 +86,7 @@ impl Job for Fold<'_> {
         let rows = plan.base()[1] as usize;
         let mut image = new_image::<L>(plan).unwrap_or_default();
         let (sender, planes) = channel();
-        let taps = fold_tiles(plan, pipeline, self.slices, &mut image, rows, &|_, _| (), |_| {
+        let taps = fold_tiles_tapped(plan, pipeline, self.slices, &mut image, rows, &|_, _| (), |_| {
             let sender = sender.clone();
             Boundaries::new(move |plane| {
                 // The receiver outlives the taps.
@@ -103,7 +103,7 @@ impl Job for Fold<'_> {
             .collect();
 
         let mut again = new_image::<L>(plan).unwrap_or_default();
-        let counters = fold_tiles(plan, pipeline, self.slices, &mut again, rows, &|_, _| (), |_| {
+        let counters = fold_tiles_tapped(plan, pipeline, self.slices, &mut again, rows, &|_, _| (), |_| {
             Counter::default()
         });
         let mut counts = Counts::default();

@@ -112,7 +112,7 @@ impl Args {
         }
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;
-        let prepared = Prepared::new(&scene, &loaded.volume)?;
+        let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
         let mut folder = match &self.npy {
             Some(path) => {
                 let folder = Folder::open(path, self.force)?;

@@ -64,7 +64,7 @@ impl Args {
                 precision,
                 ..base.clone()
             };
-            let prepared = Prepared::new(&scene, &loaded.volume)?;
+            let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
             let streamed = with_bar(&format!("{name}: streaming"), |progress| {
                 prepared.render(Layer::Stream, progress)
             })?;

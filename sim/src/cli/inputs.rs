@@ -8,6 +8,7 @@ use slicecast_sim::presets;
 use slicecast_sim::scene::View;
 use slicecast_sim::scene::import::{self, Shading};
 use slicecast_sim::scene::{self, AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
+use slicecast_sim::simd::Simd;
 use slicecast_sim::volume::dicom::Choice;
 use slicecast_sim::volume::mapping::Window;
 use slicecast_sim::volume::open::{self, Loaded, Options, prepare};
@@ -336,11 +337,31 @@ pub struct ThreadArgs {
     /// Threads; without it, one a processor. The picture does not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Vectors to compute with; without it, the widest that the processor has. The picture does not depend on them.
+    #[arg(long, value_name = "WIDTH", value_parser = simd)]
+    simd: Option<Simd>,
+}
+
+/// A vector width by its name, if this processor has it.
+fn simd(name: &str) -> Result<Simd, String> {
+    let names = Simd::ALL.map(Simd::name).join(", ");
+    let found = Simd::ALL.into_iter().find(|simd| simd.name() == name);
+    let simd = found.ok_or_else(|| format!("accepted: {names}"))?;
+    if simd.available() {
+        Ok(simd)
+    } else {
+        Err(format!("this processor has no {name}"))
+    }
 }
 
 impl ThreadArgs {
     /// The number asked for.
     pub fn count(&self) -> Option<usize> {
         self.threads.map(usize::from)
+    }
+
+    /// The vectors asked for.
+    pub fn simd(&self) -> Simd {
+        self.simd.unwrap_or_else(Simd::widest)
     }
 }

@@ -50,7 +50,7 @@ impl Args {
         if let Some(size) = self.size {
             scene.image.size = Some(size);
         }
-        let prepared = Prepared::new(&scene, &loaded.volume)?;
+        let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
         let layer = if self.stream {
             Layer::Stream
         } else {

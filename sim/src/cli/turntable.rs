@@ -72,7 +72,7 @@ impl Args {
                 let mut pictures = Vec::with_capacity(total);
                 for frame in 0..self.frames {
                     let scene = self.turned(&scene, frame);
-                    let prepared = Prepared::new(&scene, &loaded.volume)?;
+                    let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
                     pictures.push(prepared.render(Layer::Tiles(TILE_ROWS), &|_, _| {})?.picture);
                     progress(pictures.len(), total);
                 }

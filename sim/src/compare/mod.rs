@@ -11,7 +11,7 @@ use slicecast::plan::{Phase, Plan};
 use slicecast::plane::Pipeline;
 use slicecast::slice::Slice;
 
-use crate::engine::{Frame, Prepared, RenderError, TILE_ROWS, Tile, base_image, fold_tiles, new_image, picture};
+use crate::engine::{Frame, Prepared, RenderError, TILE_ROWS, Tile, base_image, fold_tiles_tapped, new_image, picture};
 use crate::model::{Affine, Lattice, Model, ModelImage, Pixel, Positions};
 use crate::oriented::with_slices;
 use crate::pipelines::Job;
@@ -118,7 +118,7 @@ impl Job for Compare<'_> {
         let rays = plan.sampling().rays_per_voxel;
         let mut image = new_image::<L>(plan)?;
         let tap = |tile: Tile| Lockstep::<L::Precision>::new(model, &prepared.setup, prepared.scene.blend, tile);
-        let taps = fold_tiles(plan, pipeline, slices, &mut image, TILE_ROWS, progress, tap);
+        let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, TILE_ROWS, progress, tap);
         let mut errors = StageErrors::default();
         let mut pixels = Tiles::new(model.lattice().size, width as usize, rays as usize);
         for lockstep in taps {

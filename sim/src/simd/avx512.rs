@@ -8,6 +8,7 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 use slicecast::lanes::{Lanes, Wide};
 
 use super::partial::{chunk, chunk_mut, part, store_part};
+use super::root::{MARGIN, SCALE, scalar_roots};
 
 /// Sixteen 32-bit lanes. A value exists only where the processor has AVX-512 (F, BW, CD, DQ, VL): nothing but the
 /// entry point [`super::with_lanes`], which asks for it, can make the first one useful.
@@ -71,7 +72,9 @@ impl Avx512 {
 
     #[inline(always)]
     fn of_voxels(lanes: &[u16; 16]) -> Self {
-        Self(avx512!(_mm512_cvtepu16_epi32(_mm256_loadu_si256(lanes.as_ptr().cast()))))
+        Self(avx512!(_mm512_cvtepu16_epi32(_mm256_loadu_si256(
+            lanes.as_ptr().cast()
+        ))))
     }
 
     #[inline(always)]
@@ -101,19 +104,25 @@ impl Avx512 {
     }
 }
 
-/// `floor(2^35 / sqrt(s))` of eight, in f64.
+/// `2^35 / sqrt(s)` of eight, less and plus a margin that no rounding here reaches, as whole numbers.
+///
+/// A value between two integers gives the same number twice, and that is the floor of the exact value.
 #[inline(always)]
-fn reciprocal_roots(s: __m256i) -> __m256i {
+fn reciprocal_roots(s: __m256i) -> [__m256i; 2] {
     avx512!({
         let s = _mm512_cvtepu32_pd(s);
+        // Within 2^-14, whatever the processor's table.
         let y = _mm512_rsqrt14_pd(s);
-        // With e = 1 - s y^2: 1 / sqrt(s) = y (1 + e/2 + 3 e^2/8 + 5 e^3/16 + ...).
+        // With e = 1 - s y^2: 1 / sqrt(s) = y (1 + e/2 + 3 e^2/8 + 5 e^3/16 + 35 e^4/128 ...); e < 2^-13, and what is
+        // left out is below 2^-53.
         let e = _mm512_fnmadd_pd(_mm512_mul_pd(s, y), y, _mm512_set1_pd(1.0));
         let p = _mm512_fmadd_pd(_mm512_set1_pd(0.3125), e, _mm512_set1_pd(0.375));
         let p = _mm512_fmadd_pd(p, e, _mm512_set1_pd(0.5));
-        let scaled = _mm512_mul_pd(y, _mm512_set1_pd(34359738368.0));
-        let root = _mm512_fmadd_pd(_mm512_mul_pd(scaled, e), p, scaled);
-        _mm512_cvttpd_epu32(root)
+        let scaled = _mm512_mul_pd(y, _mm512_set1_pd(SCALE));
+        let rest = _mm512_mul_pd(_mm512_mul_pd(scaled, e), p);
+        let below = _mm512_add_pd(_mm512_sub_pd(scaled, _mm512_set1_pd(MARGIN)), rest);
+        let above = _mm512_add_pd(_mm512_add_pd(scaled, _mm512_set1_pd(MARGIN)), rest);
+        [_mm512_cvttpd_epu32(below), _mm512_cvttpd_epu32(above)]
     })
 }
 
@@ -233,11 +242,17 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn nonzero_then(self, value: Self) -> Self {
-        Self(avx512!(_mm512_maskz_mov_epi32(_mm512_test_epi32_mask(self.0, self.0), value.0)))
+        Self(avx512!(_mm512_maskz_mov_epi32(
+            _mm512_test_epi32_mask(self.0, self.0),
+            value.0
+        )))
     }
     #[inline(always)]
     fn at_least_then(self, floor: Self, value: Self) -> Self {
-        Self(avx512!(_mm512_maskz_mov_epi32(_mm512_cmpge_epu32_mask(self.0, floor.0), value.0)))
+        Self(avx512!(_mm512_maskz_mov_epi32(
+            _mm512_cmpge_epu32_mask(self.0, floor.0),
+            value.0
+        )))
     }
     #[inline(always)]
     fn all_zero(self) -> bool {
@@ -259,23 +274,18 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn reciprocal_root(self) -> Self {
-        let low = reciprocal_roots(avx512!(_mm512_castsi512_si256(self.0)));
-        let high = reciprocal_roots(avx512!(_mm512_extracti64x4_epi64::<1>(self.0)));
-        let both = Self(avx512!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)));
-        self.nonzero_then(both)
-    }
-    #[inline(always)]
-    fn scale16(self, w: Self, bias: u32) -> Self {
-        // w leaves the upper 16 bits of each lane empty, so their products are 0.
-        let upper = Self(avx512!(_mm512_mulhi_epu16(self.0, w.0)));
-        let low = if bias == 0 {
-            upper
+        let [low, low_above] = reciprocal_roots(avx512!(_mm512_castsi512_si256(self.0)));
+        let [high, high_above] = reciprocal_roots(avx512!(_mm512_extracti64x4_epi64::<1>(self.0)));
+        let below = Self(avx512!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)));
+        let above = Self(avx512!(_mm512_inserti64x4::<1>(
+            _mm512_castsi256_si512(low_above),
+            high_above
+        )));
+        if self.nonzero_then(below ^ above).all_zero() {
+            self.nonzero_then(below)
         } else {
-            let lower = Self(avx512!(_mm512_mullo_epi16(self.0, w.0)));
-            // What the bias carries over.
-            upper + (lower + Self::splat(bias as i32)).shr_unsigned(16)
-        };
-        (self >> 16) * w + low
+            Self::of_array(&scalar_roots(self.to_array()))
+        }
     }
 }
 

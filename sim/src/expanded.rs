@@ -1,0 +1,201 @@
+//! A table as vectors like it: the same bits as core's point tables, in more memory.
+//!
+//! Opacities are decoded beforehand, and both neighbours of a sample are fetched with one load; what is left is done in
+//! lanes. Look-ups run some samples ahead of the lanes that read them, so that these find whole vectors. A table of one
+//! colour is not asked for colours at all. 32 KiB, of which a sample reads 16 bytes.
+
+use fixed::traits::Fixed;
+use slicecast::classify::{AlphaCode, Classifier, ENTRIES, Linear, PointTable, Support, colour_of_entry, mix_colour};
+use slicecast::format::Opacity;
+use slicecast::lanes::Lanes;
+use slicecast::precision::Precision;
+
+use crate::scene::LookupName;
+
+/// Samples that are looked up at a time.
+const AHEAD: usize = 64;
+
+/// One value a code, and one more behind the last for its neighbour, which is read with a weight of 0.
+type Column = Box<[u32; ENTRIES + 1]>;
+
+/// A classifier over decoded entries.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Expanded {
+    /// 1.31.
+    opacities: Column,
+    /// R, G, B in bytes.
+    colours: Column,
+    one_colour: bool,
+    support: Support,
+    lookup: LookupName,
+}
+
+fn column(value: impl FnMut(usize) -> u32) -> Column {
+    let values: Vec<u32> = (0..=ENTRIES).map(|index| index.min(ENTRIES - 1)).map(value).collect();
+    values
+        .into_boxed_slice()
+        .try_into()
+        .unwrap_or_else(|_| unreachable!("as many as were asked for"))
+}
+
+impl Expanded {
+    /// Decodes the entries of a point table.
+    pub fn of<'a, A: AlphaCode>(entries: &'a [u32; ENTRIES], plane: A::Plane<'a>, lookup: LookupName) -> Self {
+        let colours = column(|index| entries[index] & 0x00ff_ffff);
+        Self {
+            opacities: column(|index| A::opacity(A::root(entries[index], plane, index)).to_bits()),
+            one_colour: colours.iter().all(|c| *c == colours[0]),
+            colours,
+            support: Classifier::<slicecast::precision::Compact>::support(&PointTable::<A, Linear>::new(
+                entries, plane,
+            )),
+            lookup,
+        }
+    }
+
+    /// What is added to a sample before its fraction is cut off, and the bits of the fraction that weigh neighbours.
+    #[inline(always)]
+    fn rule<P: Precision>(&self) -> (i32, i32) {
+        match self.lookup {
+            LookupName::Nearest => (1 << P::SAMPLE_BITS >> 1, 0),
+            LookupName::Linear => (0, (1 << P::SAMPLE_BITS) - 1),
+        }
+    }
+}
+
+/// Fetches a value and its right neighbour for each sample.
+#[inline(always)]
+fn look_up<P: Precision>(values: &Column, samples: &[i32], offset: i32, pairs: &mut [u64; AHEAD]) {
+    for (pair, &sample) in pairs.iter_mut().zip(samples) {
+        let index = ((sample + offset) >> P::SAMPLE_BITS) as usize % ENTRIES;
+        *pair = u64::from(values[index]) | u64::from(values[index + 1]) << 32;
+    }
+}
+
+#[inline(always)]
+fn mixed_colour<P: Precision, V: Lanes>(a: V, b: V, channel: u32, f: V) -> V {
+    let bits = P::COLOUR_BITS;
+    mix_colour::<P, V>(colour_of_entry(a, channel, bits), colour_of_entry(b, channel, bits), f)
+}
+
+impl<P: Precision> Classifier<P> for &Expanded {
+    fn opacity(&self, sample: P::Sample) -> Opacity {
+        let mut out = [0];
+        Classifier::<P>::opacity_row::<i32>(self, &[sample.to_bits()], &mut out);
+        Opacity::from_bits(out[0] as u32)
+    }
+
+    fn colour(&self, sample: P::Sample) -> [u32; 3] {
+        let [mut red, mut green, mut blue] = [[0]; 3];
+        let sample = [sample.to_bits()];
+        Classifier::<P>::colour_row::<i32>(self, &sample, [&mut red, &mut green, &mut blue]);
+        [red, green, blue].map(|[c]| c as u32)
+    }
+
+    fn support(&self) -> Support {
+        self.support
+    }
+
+    #[inline(always)]
+    fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
+        let (offset, mask) = self.rule::<P>();
+        let mut pairs = [0; AHEAD];
+        for (samples, out) in samples.chunks(AHEAD).zip(out.chunks_mut(AHEAD)) {
+            look_up::<P>(&self.opacities, samples, offset, &mut pairs);
+            for at in (0..samples.len()).step_by(V::COUNT) {
+                let [a, b] = V::load_pairs(&pairs, at);
+                let f = V::load(samples, at) & V::splat(mask);
+                a.mix(b, f, P::SAMPLE_BITS).store(out, at);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn colour_row<V: Lanes>(&self, samples: &[i32], out: [&mut [i32]; 3]) {
+        let [red, green, blue] = out;
+        if self.one_colour {
+            let entry = self.colours[0] as i32;
+            red.fill(colour_of_entry(entry, 0, P::COLOUR_BITS));
+            green.fill(colour_of_entry(entry, 1, P::COLOUR_BITS));
+            blue.fill(colour_of_entry(entry, 2, P::COLOUR_BITS));
+            return;
+        }
+        let (offset, mask) = self.rule::<P>();
+        let mut pairs = [0; AHEAD];
+        let rows = red
+            .chunks_mut(AHEAD)
+            .zip(green.chunks_mut(AHEAD))
+            .zip(blue.chunks_mut(AHEAD));
+        for (samples, ((red, green), blue)) in samples.chunks(AHEAD).zip(rows) {
+            look_up::<P>(&self.colours, samples, offset, &mut pairs);
+            for at in (0..samples.len()).step_by(V::COUNT) {
+                let [a, b] = V::load_pairs(&pairs, at);
+                let f = V::load(samples, at) & V::splat(mask);
+                mixed_colour::<P, V>(a, b, 0, f).store(red, at);
+                mixed_colour::<P, V>(a, b, 1, f).store(green, at);
+                mixed_colour::<P, V>(a, b, 2, f).store(blue, at);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+    use slicecast::classify::{Lookup, Nearest, Sqrt8, Sqrt16};
+    use slicecast::precision::{Compact, Wide};
+
+    /// Every `step`th sample of a table, by the definition and expanded.
+    fn held<'a, P: Precision, A: AlphaCode, L: Lookup>(
+        entries: &'a [u32; ENTRIES],
+        plane: A::Plane<'a>,
+        step: usize,
+    ) -> Result<(), TestCaseError> {
+        let table = PointTable::<A, L>::new(entries, plane);
+        let lookup = if L::LINEAR {
+            LookupName::Linear
+        } else {
+            LookupName::Nearest
+        };
+        let expanded = &Expanded::of::<A>(entries, plane, lookup);
+        let samples: Vec<i32> = (0..=4095 << P::SAMPLE_BITS).step_by(step).collect();
+        let mut rows = [(); 8].map(|()| vec![0; samples.len()]);
+        let [a, r, g, b, found_a, found_r, found_g, found_b] = &mut rows;
+        Classifier::<P>::opacity_row::<i32>(&table, &samples, a);
+        Classifier::<P>::colour_row::<i32>(&table, &samples, [r, g, b]);
+        Classifier::<P>::opacity_row::<i32>(&expanded, &samples, found_a);
+        Classifier::<P>::colour_row::<i32>(&expanded, &samples, [found_r, found_g, found_b]);
+        prop_assert!(a == found_a, "opacities");
+        prop_assert!([r, g, b] == [found_r, found_g, found_b], "colours");
+        prop_assert_eq!(Classifier::<P>::support(&table), Classifier::<P>::support(&expanded));
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 12, rng_seed: RngSeed::Fixed(4096), failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn expanded_tables_are_the_definition(
+            words in prop::collection::vec(any::<u32>(), ENTRIES),
+            low in prop::collection::vec(any::<u8>(), ENTRIES),
+            one_colour in any::<bool>(),
+            step in 301usize..399,
+        ) {
+            let mut entries: Box<[u32; ENTRIES]> = words.into_boxed_slice().try_into().unwrap();
+            if one_colour {
+                let colour = entries[0] & 0x00ff_ffff;
+                for entry in entries.iter_mut() {
+                    *entry = *entry & 0xff00_0000 | colour;
+                }
+            }
+            let low: Box<[u8; ENTRIES]> = low.into_boxed_slice().try_into().unwrap();
+            held::<Compact, Sqrt8, Linear>(&entries, (), step)?;
+            held::<Compact, Sqrt16, Linear>(&entries, &low, step)?;
+            held::<Compact, Sqrt16, Nearest>(&entries, &low, step)?;
+            held::<Wide, Sqrt8, Nearest>(&entries, (), step)?;
+            held::<Wide, Sqrt16, Linear>(&entries, &low, step)?;
+        }
+    }
+}

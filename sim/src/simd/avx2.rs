@@ -1,0 +1,389 @@
+//! Eight lanes in AVX2.
+
+#![expect(unsafe_code, reason = "vector instructions; every use says why it is sound")]
+
+use std::arch::x86_64::*;
+use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
+
+use slicecast::lanes::{Lanes, Wide};
+
+use super::partial::{chunk, chunk_mut, part, store_part};
+use super::root::{MARGIN, SCALE, scalar_roots};
+
+/// Eight 32-bit lanes. Of use only where the processor has AVX2 and FMA; see [`super::with_lanes`].
+#[derive(Clone, Copy)]
+pub struct Avx2(__m256i);
+
+/// Eight 64-bit products: those of the even lanes and those of the odd lanes.
+#[derive(Clone, Copy)]
+pub struct Products(__m256i, __m256i);
+
+/// Calls an intrinsic of AVX2 or FMA.
+macro_rules! avx2 {
+    ($call:expr) => {
+        // SAFETY: `super::with_lanes` runs this code only on processors that have AVX2 and FMA; pointers come from
+        // slices that are long enough (`chunk`).
+        unsafe { $call }
+    };
+}
+
+/// An operator by its intrinsic.
+macro_rules! operator {
+    ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(avx2!($intrinsic(self.0, other.0)))
+            }
+        }
+    };
+}
+
+operator!(Avx2, Add, add, _mm256_add_epi32);
+operator!(Avx2, Sub, sub, _mm256_sub_epi32);
+operator!(Avx2, Mul, mul, _mm256_mullo_epi32);
+operator!(Avx2, BitAnd, bitand, _mm256_and_si256);
+operator!(Avx2, BitOr, bitor, _mm256_or_si256);
+operator!(Avx2, BitXor, bitxor, _mm256_xor_si256);
+
+impl Shl<u32> for Avx2 {
+    type Output = Self;
+    #[inline(always)]
+    fn shl(self, by: u32) -> Self {
+        Self(avx2!(_mm256_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32))))
+    }
+}
+
+impl Shr<u32> for Avx2 {
+    type Output = Self;
+    #[inline(always)]
+    fn shr(self, by: u32) -> Self {
+        Self(avx2!(_mm256_sra_epi32(self.0, _mm_cvtsi32_si128(by as i32))))
+    }
+}
+
+impl Avx2 {
+    #[inline(always)]
+    fn of_array(lanes: &[i32; 8]) -> Self {
+        Self(avx2!(_mm256_loadu_si256(lanes.as_ptr().cast())))
+    }
+
+    #[inline(always)]
+    fn to_array(self) -> [i32; 8] {
+        let mut lanes = [0; 8];
+        avx2!(_mm256_storeu_si256(lanes.as_mut_ptr().cast(), self.0));
+        lanes
+    }
+
+    #[inline(always)]
+    fn of_voxels(lanes: &[u16; 8]) -> Self {
+        Self(avx2!(_mm256_cvtepu16_epi32(_mm_loadu_si128(lanes.as_ptr().cast()))))
+    }
+
+    #[inline(always)]
+    fn of_pairs(pairs: &[u64; 8]) -> [Self; 2] {
+        avx2!({
+            let first = _mm256_castsi256_ps(_mm256_loadu_si256(pairs.as_ptr().cast()));
+            let second = _mm256_castsi256_ps(_mm256_loadu_si256(pairs.as_ptr().add(4).cast()));
+            let even = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(first, second));
+            let odd = _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(first, second));
+            [
+                Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(even)),
+                Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(odd)),
+            ]
+        })
+    }
+
+    /// The lanes shifted so that the odd ones stand where the even ones were.
+    #[inline(always)]
+    fn odd(self) -> __m256i {
+        avx2!(_mm256_srli_epi64::<32>(self.0))
+    }
+
+    /// All bits where this is 0.
+    #[inline(always)]
+    fn zeros(self) -> __m256i {
+        avx2!(_mm256_cmpeq_epi32(self.0, _mm256_setzero_si256()))
+    }
+}
+
+/// `2^35 / sqrt(s)` of four, less and plus a margin that no rounding here reaches, as whole numbers.
+///
+/// A value between two integers gives the same number twice, and that is the floor of the exact value.
+#[inline(always)]
+fn reciprocal_roots(s: __m128i) -> [__m128i; 2] {
+    avx2!({
+        // 2^52 + s, less 2^52.
+        let magic = _mm256_castpd_si256(_mm256_set1_pd(4_503_599_627_370_496.0));
+        let s = _mm256_castsi256_pd(_mm256_or_si256(_mm256_cvtepu32_epi64(s), magic));
+        let s = _mm256_sub_pd(s, _mm256_castsi256_pd(magic));
+        // Within 1.5 * 2^-12, whatever the processor's table.
+        let y = _mm256_cvtps_pd(_mm_rsqrt_ps(_mm256_cvtpd_ps(s)));
+        // With e = 1 - s y^2: 1 / sqrt(s) = y (1 + e/2 + 3 e^2/8 + 5 e^3/16 + 35 e^4/128 + 63 e^5/256 + ...);
+        // e < 2^-10.4, and what is left out is below 2^-60.
+        let e = _mm256_fnmadd_pd(_mm256_mul_pd(s, y), y, _mm256_set1_pd(1.0));
+        let p = _mm256_fmadd_pd(_mm256_set1_pd(0.24609375), e, _mm256_set1_pd(0.2734375));
+        let p = _mm256_fmadd_pd(p, e, _mm256_set1_pd(0.3125));
+        let p = _mm256_fmadd_pd(p, e, _mm256_set1_pd(0.375));
+        let p = _mm256_fmadd_pd(p, e, _mm256_set1_pd(0.5));
+        let scaled = _mm256_mul_pd(y, _mm256_set1_pd(SCALE));
+        let rest = _mm256_mul_pd(_mm256_mul_pd(scaled, e), p);
+        let below = _mm256_add_pd(_mm256_sub_pd(scaled, _mm256_set1_pd(MARGIN)), rest);
+        let above = _mm256_add_pd(_mm256_add_pd(scaled, _mm256_set1_pd(MARGIN)), rest);
+        [_mm256_cvttpd_epi32(below), _mm256_cvttpd_epi32(above)]
+    })
+}
+
+impl Lanes for Avx2 {
+    type Wide = Products;
+    const COUNT: usize = 8;
+
+    #[inline(always)]
+    fn splat(bits: i32) -> Self {
+        Self(avx2!(_mm256_set1_epi32(bits)))
+    }
+    #[inline(always)]
+    fn load(row: &[i32], at: usize) -> Self {
+        match chunk::<_, 8>(row, at) {
+            Some(lanes) => Self::of_array(lanes),
+            None => Self::of_array(&part(row, at)),
+        }
+    }
+    #[inline(always)]
+    fn store(self, row: &mut [i32], at: usize) {
+        match chunk_mut::<_, 8>(row, at) {
+            Some(lanes) => avx2!(_mm256_storeu_si256(lanes.as_mut_ptr().cast(), self.0)),
+            None => store_part(row, at, &self.to_array()),
+        }
+    }
+    #[inline(always)]
+    fn load_voxels(row: &[u16], at: usize) -> Self {
+        match chunk::<_, 8>(row, at) {
+            Some(lanes) => Self::of_voxels(lanes),
+            None => Self::of_voxels(&part(row, at)),
+        }
+    }
+    #[inline(always)]
+    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
+        match chunk::<_, 8>(row, at) {
+            Some(lanes) => Self::of_array(&lanes.map(|t| bits(t) as i32)),
+            None => {
+                let mut lanes = [0; 8];
+                for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
+                    *lane = bits(*t) as i32;
+                }
+                Self::of_array(&lanes)
+            }
+        }
+    }
+    #[inline(always)]
+    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
+        let lanes = self.to_array();
+        match chunk_mut::<_, 8>(row, at) {
+            Some(place) => *place = lanes.map(|bits| element(bits as u32)),
+            None => {
+                for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
+                    *t = element(lane as u32);
+                }
+            }
+        }
+    }
+    #[inline(always)]
+    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
+        match chunk::<_, 8>(row, at) {
+            Some(pairs) => Self::of_pairs(pairs),
+            None => Self::of_pairs(&part(row, at)),
+        }
+    }
+    #[inline(always)]
+    fn followed_by(self, next: Self) -> Self {
+        // The middle: upper half of this, lower half of the next.
+        let middle = avx2!(_mm256_permute2x128_si256::<0x21>(self.0, next.0));
+        Self(avx2!(_mm256_alignr_epi8::<4>(middle, self.0)))
+    }
+    #[inline(always)]
+    fn wrapping_add(self, other: Self) -> Self {
+        self + other
+    }
+    #[inline(always)]
+    fn wrapping_sub(self, other: Self) -> Self {
+        self - other
+    }
+    #[inline(always)]
+    fn wrapping_mul(self, other: Self) -> Self {
+        self * other
+    }
+    #[inline(always)]
+    fn saturating_add(self, other: Self) -> Self {
+        let room = avx2!(_mm256_xor_si256(other.0, _mm256_set1_epi32(-1)));
+        Self(avx2!(_mm256_add_epi32(_mm256_min_epu32(self.0, room), other.0)))
+    }
+    #[inline(always)]
+    fn shr_unsigned(self, by: u32) -> Self {
+        Self(avx2!(_mm256_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn shl_each(self, by: Self) -> Self {
+        Self(avx2!(_mm256_sllv_epi32(self.0, by.0)))
+    }
+    #[inline(always)]
+    fn shr_each(self, by: Self) -> Self {
+        Self(avx2!(_mm256_srlv_epi32(self.0, by.0)))
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self {
+        Self(avx2!(_mm256_min_epi32(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn at_least(self, other: Self) -> Self {
+        Self(avx2!(_mm256_max_epi32(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn at_most_unsigned(self, other: Self) -> Self {
+        Self(avx2!(_mm256_min_epu32(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(avx2!(_mm256_abs_epi32(self.0)))
+    }
+    #[inline(always)]
+    fn leading_zeros(self) -> Self {
+        avx2!({
+            // As a float the number's exponent tells; without the bit behind the highest one it cannot round up.
+            let kept = _mm256_andnot_si256(_mm256_srli_epi32::<1>(self.0), self.0);
+            let float = _mm256_castps_si256(_mm256_cvtepi32_ps(kept));
+            let zeros = _mm256_sub_epi32(_mm256_set1_epi32(127 + 31), _mm256_srli_epi32::<23>(float));
+            // 0 has exponent -127; from 2^31 on the number looks negative.
+            let zeros = _mm256_min_epi32(zeros, _mm256_set1_epi32(32));
+            Self(_mm256_max_epi32(zeros, _mm256_setzero_si256()))
+        })
+    }
+    #[inline(always)]
+    fn nonzero_then(self, value: Self) -> Self {
+        Self(avx2!(_mm256_andnot_si256(self.zeros(), value.0)))
+    }
+    #[inline(always)]
+    fn at_least_then(self, floor: Self, value: Self) -> Self {
+        let reached = avx2!(_mm256_cmpeq_epi32(_mm256_max_epu32(self.0, floor.0), self.0));
+        Self(avx2!(_mm256_and_si256(reached, value.0)))
+    }
+    #[inline(always)]
+    fn all_zero(self) -> bool {
+        avx2!(_mm256_testz_si256(self.0, self.0)) == 1
+    }
+    #[inline(always)]
+    fn product(self, other: Self) -> Products {
+        Products(
+            avx2!(_mm256_mul_epu32(self.0, other.0)),
+            avx2!(_mm256_mul_epu32(self.odd(), other.odd())),
+        )
+    }
+    #[inline(always)]
+    fn product_signed(self, other: Self) -> Products {
+        Products(
+            avx2!(_mm256_mul_epi32(self.0, other.0)),
+            avx2!(_mm256_mul_epi32(self.odd(), other.odd())),
+        )
+    }
+    #[inline(always)]
+    fn reciprocal_root(self) -> Self {
+        let [low, low_above] = reciprocal_roots(avx2!(_mm256_castsi256_si128(self.0)));
+        let [high, high_above] = reciprocal_roots(avx2!(_mm256_extracti128_si256::<1>(self.0)));
+        let below = Self(avx2!(_mm256_set_m128i(high, low)));
+        let above = Self(avx2!(_mm256_set_m128i(high_above, low_above)));
+        if self.nonzero_then(below ^ above).all_zero() {
+            self.nonzero_then(below)
+        } else {
+            Self::of_array(&scalar_roots(self.to_array()))
+        }
+    }
+}
+
+impl Add for Products {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(
+            avx2!(_mm256_add_epi64(self.0, other.0)),
+            avx2!(_mm256_add_epi64(self.1, other.1)),
+        )
+    }
+}
+
+impl Sub for Products {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(
+            avx2!(_mm256_sub_epi64(self.0, other.0)),
+            avx2!(_mm256_sub_epi64(self.1, other.1)),
+        )
+    }
+}
+
+/// The smaller of two signed numbers.
+#[inline(always)]
+fn smaller(a: __m256i, b: __m256i) -> __m256i {
+    avx2!(_mm256_blendv_epi8(a, b, _mm256_cmpgt_epi64(a, b)))
+}
+
+/// A 64-bit number times the low 32 bits of another.
+#[inline(always)]
+fn times(a: __m256i, b: __m256i) -> __m256i {
+    avx2!({
+        let upper = _mm256_slli_epi64::<32>(_mm256_mul_epu32(_mm256_srli_epi64::<32>(a), b));
+        _mm256_add_epi64(_mm256_mul_epu32(a, b), upper)
+    })
+}
+
+impl Products {
+    #[inline(always)]
+    fn each(self, f: impl Fn(__m256i) -> __m256i) -> Self {
+        Self(f(self.0), f(self.1))
+    }
+}
+
+impl Wide for Products {
+    type Narrow = Avx2;
+
+    #[inline(always)]
+    fn splat(bits: i64) -> Self {
+        let v = avx2!(_mm256_set1_epi64x(bits));
+        Self(v, v)
+    }
+    #[inline(always)]
+    fn shr(self, by: u32) -> Self {
+        self.each(|v| avx2!(_mm256_srl_epi64(v, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn shl(self, by: u32) -> Self {
+        self.each(|v| avx2!(_mm256_sll_epi64(v, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn at_least_zero(self) -> Self {
+        self.each(|v| avx2!(_mm256_and_si256(v, _mm256_cmpgt_epi64(v, _mm256_setzero_si256()))))
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self {
+        Self(smaller(self.0, other.0), smaller(self.1, other.1))
+    }
+    #[inline(always)]
+    fn times(self, other: Avx2) -> Self {
+        Self(times(self.0, other.0), times(self.1, other.odd()))
+    }
+    #[inline(always)]
+    fn square(self) -> Self {
+        self.each(|v| avx2!(_mm256_mul_epu32(v, v)))
+    }
+    #[inline(always)]
+    fn of(narrow: Avx2) -> Self {
+        let even = avx2!(_mm256_blend_epi32::<0b1010_1010>(narrow.0, _mm256_setzero_si256()));
+        Self(even, narrow.odd())
+    }
+    #[inline(always)]
+    fn narrow(self) -> Avx2 {
+        let odd = avx2!(_mm256_slli_epi64::<32>(self.1));
+        Avx2(avx2!(_mm256_blend_epi32::<0b1010_1010>(self.0, odd)))
+    }
+}

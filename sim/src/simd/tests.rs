@@ -1,0 +1,213 @@
+//! Every operation of every width against one lane, which is the definition.
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use slicecast::lanes::{Lanes, Wide};
+
+use super::{OverLanes, Simd, with_lanes};
+
+/// All operations on rows of numbers. The fields hold numbers of the ranges that the operations' documentation gives.
+#[derive(Clone, Debug)]
+struct Rows {
+    any: Vec<i32>,
+    other: Vec<i32>,
+    voxels: Vec<u16>,
+    /// 0 to 31.
+    shifts: Vec<i32>,
+    /// 0, or 2^28 to 3 * 32767^2.
+    squares: Vec<i32>,
+    /// 0 to 2^31.
+    ones: Vec<i32>,
+    /// 0 to 65535.
+    weights: Vec<i32>,
+    by: u32,
+}
+
+impl OverLanes for &Rows {
+    type Output = Vec<Vec<i32>>;
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> Vec<Vec<i32>> {
+        const OPERATIONS: usize = 45;
+        let n = self.any.len();
+        let mut out = vec![vec![0; n]; OPERATIONS];
+        let pairs: Vec<u64> = (self.any.iter().zip(&self.other))
+            .map(|(a, b)| u64::from(*a as u32) | u64::from(*b as u32) << 32)
+            .collect();
+        let by = self.by;
+        let mut narrow: Vec<u16> = self.voxels.clone();
+        for at in (0..n).step_by(V::COUNT) {
+            let (a, b) = (V::load(&self.any, at), V::load(&self.other, at));
+            let (shift, square, one) = (
+                V::load(&self.shifts, at),
+                V::load(&self.squares, at),
+                V::load(&self.ones, at),
+            );
+            let voxel = V::load_voxels(&self.voxels, at);
+            let weight = V::load(&self.weights, at);
+            // Small enough for every product and sum.
+            let (x, y) = (a >> 16, b >> 16);
+            let (w, v) = (a.product(b), one.product(one));
+            let [low, high] = V::load_pairs(&pairs, at);
+            let flag = |condition: bool| V::splat(i32::from(condition));
+            let results: [V; OPERATIONS] = [
+                x + y,
+                x - y,
+                (x >> 1) * (y >> 1),
+                a & b,
+                a | b,
+                a ^ b,
+                x << (by & 15),
+                a >> (by & 31),
+                voxel,
+                V::load_as(&self.voxels, at, |v| u32::from(v) + 1),
+                low,
+                high,
+                a.followed_by(V::load(&self.any, at + V::COUNT)),
+                a.wrapping_add(b),
+                a.wrapping_sub(b),
+                a.wrapping_mul(b),
+                a.saturating_add(b),
+                a.shr_unsigned(by & 31),
+                a.shl_each(shift),
+                a.shr_each(shift),
+                a.at_most(b),
+                a.at_least(b),
+                a.at_most_unsigned(b),
+                a.abs(),
+                a.leading_zeros(),
+                shift.leading_zeros(),
+                shift.nonzero_then(a),
+                a.at_least_then(b, y),
+                square.reciprocal_root(),
+                x.with_sign_of(b),
+                (a >> 2).scale16(weight, 0),
+                (a >> 2).scale16(weight, 1 << 15),
+                (a >> 3).round15(weight >> 1),
+                (voxel >> 4).between16(weight >> 4, weight),
+                (one >> 1).mix(one.shr_unsigned(2), weight >> 4, 12),
+                w.narrow(),
+                w.shr(by).narrow(),
+                w.shr(32).narrow(),
+                (a.product_signed(b).shr(20) + v.shr(3) - V::Wide::splat(12345)).narrow(),
+                x.product_signed(y).at_least_zero().narrow(),
+                x.product_signed(y).at_most(V::Wide::of(one)).narrow(),
+                V::Wide::of(one).shl(by & 31).shr(by & 15).narrow(),
+                V::Wide::of(one).times(shift).shr(4).narrow(),
+                V::Wide::of(one).square31().narrow() ^ V::Wide::of(a).square().shr(31).narrow(),
+                one.product(shift).shr_to_one(5) ^ flag(V::splat(0).all_zero()),
+            ];
+            for (row, lanes) in out.iter_mut().zip(results) {
+                lanes.store(row, at);
+            }
+            (voxel + V::splat(1)).store_as(&mut narrow, at, |bits| bits as u16);
+        }
+        out.push(narrow.into_iter().map(i32::from).collect());
+        out
+    }
+}
+
+fn bits() -> impl Strategy<Value = i32> {
+    prop_oneof![
+        4 => any::<i32>().prop_map(|b| if b == i32::MIN { 0 } else { b }),
+        2 => (0u32..31, -3i32..=3).prop_map(|(n, d)| (1i32 << n) + d),
+        1 => -4i32..=4,
+        1 => Just(i32::MAX),
+    ]
+}
+
+fn square() -> impl Strategy<Value = i32> {
+    // Squares of powers of two have whole roots; the others lie next to a whole root (found by exhaustion).
+    let hard = [
+        1 << 28,
+        (1 << 28) + 1,
+        (1 << 28) + 7,
+        1 << 30,
+        (1 << 30) - 1,
+        0,
+        898_823_412,
+        399_477_072,
+        1_593_594_880,
+        896_397_120,
+        398_398_720,
+        1_377_181_654,
+        1_908_893_772,
+        1_939_724_855,
+        848_397_232,
+        477_223_443,
+        2_715_677_626,
+        2_123_281_226,
+        3_221_028_867,
+    ];
+    prop_oneof![
+        3 => ((1u32 << 28)..=3_221_028_867).prop_map(|s| s as i32),
+        1 => prop::sample::select(hard.to_vec()).prop_map(|s: u32| s as i32),
+    ]
+}
+
+fn rows() -> impl Strategy<Value = Rows> {
+    let row = |n| prop::collection::vec(bits(), n);
+    (0usize..70).prop_flat_map(move |n| {
+        (
+            (row(n), row(n), prop::collection::vec(0u16..=4095, n)),
+            (
+                prop::collection::vec(0i32..32, n),
+                prop::collection::vec(square(), n),
+                prop::collection::vec(prop_oneof![0u32..=1 << 31, (1u32 << 31) - 3..=1 << 31], n),
+                prop::collection::vec(0i32..65536, n),
+            ),
+            0u32..32,
+        )
+            .prop_map(|((any, other, voxels), (shifts, squares, ones, weights), by)| Rows {
+                any,
+                other,
+                voxels,
+                shifts,
+                squares,
+                ones: ones.into_iter().map(|one| one as i32).collect(),
+                weights,
+                by,
+            })
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, rng_seed: RngSeed::Fixed(512), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_width_does_what_one_lane_does(rows in rows()) {
+        let expected = with_lanes(Simd::Scalar, &rows);
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+            let found = with_lanes(simd, &rows);
+            for (operation, (expected, found)) in expected.iter().zip(&found).enumerate() {
+                prop_assert_eq!(expected, found, "operation {} of {}", operation, simd.name());
+            }
+        }
+    }
+}
+
+/// Every 977th square, and all within 2000 of the ends.
+#[test]
+fn reciprocal_roots_are_the_definition() {
+    struct Roots(Vec<i32>);
+    impl OverLanes for &Roots {
+        type Output = Vec<i32>;
+        #[inline(always)]
+        fn run<V: Lanes>(self) -> Vec<i32> {
+            let mut out = vec![0; self.0.len()];
+            for at in (0..out.len()).step_by(V::COUNT) {
+                V::load(&self.0, at).reciprocal_root().store(&mut out, at);
+            }
+            out
+        }
+    }
+    let (first, last) = (1u32 << 28, 3_221_028_867u32);
+    let squares = (first..first + 2000)
+        .chain((first..last).step_by(977))
+        .chain(last - 2000..=last);
+    let roots = Roots(squares.map(|s| s as i32).collect());
+    let expected = with_lanes(Simd::Scalar, &roots);
+    for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+        assert!(with_lanes(simd, &roots) == expected, "{}", simd.name());
+    }
+}
