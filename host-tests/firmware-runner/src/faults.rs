@@ -61,8 +61,8 @@ const FAULTS: [Fault; 13] = [
     Fault {
         what: "colours between entries truncated",
         file: "core/src/classify.rs",
-        from: "a + (((b - a) * f + V::splat(half)) >> P::SAMPLE_BITS)",
-        to: "a + (((b - a) * f) >> P::SAMPLE_BITS)",
+        from: "(a * rest + b * f + V::splat(half)) >> P::SAMPLE_BITS",
+        to: "(a * rest + b * f) >> P::SAMPLE_BITS",
         finder: Finder::Bits("classify: colour"),
     },
     Fault {
@@ -82,8 +82,8 @@ const FAULTS: [Fault; 13] = [
     Fault {
         what: "powers of cosines truncated",
         file: "core/src/lanes.rs",
-        from: "(twice >> 32) as Self + (twice as u32 >> 31) as Self",
-        to: "(twice >> 32) as Self",
+        from: "(square >> 32) as u32 + (square as u32 >> 31)",
+        to: "(square >> 32) as u32",
         finder: Finder::Bits("shade"),
     },
     Fault {
