@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use slicecast_firmware_shared::boundary::STAGES;
 use slicecast_sim::scene::PrecisionName;
@@ -67,6 +67,16 @@ struct Measured {
     stages: BTreeMap<&'static str, Stages>,
     /// and those of the f32 pipeline.
     float: BTreeMap<&'static str, Stages>,
+    bands: Option<Bands>,
+}
+
+/// The head in bands.
+struct Bands {
+    /// How many, of how many rows.
+    number: String,
+    instructions: u64,
+    /// Statics and stack.
+    ram: u64,
 }
 
 /// Instructions by stage.
@@ -126,7 +136,7 @@ fn measure(workshop: &Workshop, machine: &Machine, references: &References) -> R
     };
     let kinds: Vec<Kind> = Kind::all().collect();
     let small_kinds: Vec<Kind> = Kind::all().filter(|kind| in_small(*kind)).collect();
-    let fast = build("release", "firmware", &kinds, &["stages"])?;
+    let fast = build("release", "firmware", &kinds, &["stages", "bands"])?;
     let small = build("small", "firmware-small", &small_kinds, &[])?;
     let finished = execute(machine, &fast.0.join("stages"), true)?;
     let stages = parse(&finished.out)?;
@@ -155,9 +165,28 @@ fn measure(workshop: &Workshop, machine: &Machine, references: &References) -> R
             },
             stages,
             float,
+            bands: if kind == Kind::COMPACT_LIT {
+                Some(bands(machine, &fast.0.join("bands"), references)?)
+            } else {
+                None
+            },
         });
     }
     Ok(rows)
+}
+
+/// The head, compact and lit, in bands.
+fn bands(machine: &Machine, program: &Path, references: &References) -> Result<Bands, Failure> {
+    let report = parse(&execute(machine, program, true)?.out)?;
+    let (sums, _) = &references[&(HEAD, Kind::COMPACT_LIT)];
+    match report.cases.first() {
+        Some(case) if case.sums.image == sums.image => Ok(Bands {
+            number: case.notes.first().cloned().unwrap_or_default(),
+            instructions: case.instructions.unwrap_or(0),
+            ram: Footprint::of(program)?.ram + report.stack.unwrap_or(0),
+        }),
+        _ => fail(format!("{}: the bands differ from the host", machine.name)),
+    }
 }
 
 /// What a pipeline takes of a built program and library.
@@ -289,6 +318,24 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
                 line(&format!("f32 {}", row.kind.shading()), &row.float[scene]);
             }
         }
+    }
+    let _ = writeln!(
+        out,
+        "\n## Bands\n\nHead, compact, lit, in at most 65,536 bytes of RAM for statics and stack together, printing included: \
+         the image in bands, the slices read again for each, against the image in one piece.\n\n\
+         | core | bands | RAM | instructions a frame | in one piece | ratio |\n|---|---|---|---|---|---|"
+    );
+    for row in rows {
+        let Some(bands) = &row.bands else { continue };
+        let (count, whole) = (bands.instructions, row.fast.frames[HEAD]);
+        let _ = writeln!(
+            out,
+            "| {} | {} | {} | {count} | {whole} | {:.2} |",
+            row.machine.core,
+            bands.number.trim_start_matches("bands "),
+            bands.ram,
+            count as f64 / whole as f64,
+        );
     }
     frames_a_second(&mut out, rows, machines);
     out

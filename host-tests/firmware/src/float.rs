@@ -131,7 +131,16 @@ pub fn render(scene: &SceneData, lit: bool, b: &mut Buffers, mark: &mut impl FnM
             b.measured += 1;
         }
         mark(0);
-        fold(scene, &plan, &plane, lit.then_some(&lamps), spacing, (support, dark), b, mark);
+        fold(
+            scene,
+            &plan,
+            &plane,
+            lit.then_some(&lamps),
+            spacing,
+            (support, dark),
+            b,
+            mark,
+        );
     }
     true
 }
@@ -273,7 +282,11 @@ fn fold(
                 shade(lamps, len, &b.g, &mut b.colour);
                 mark(6);
             }
-            composite(&mut b.image[pixels.clone()][start..end], &b.opacity[start..end], &b.colour);
+            composite(
+                &mut b.image[pixels.clone()][start..end],
+                &b.opacity[start..end],
+                &b.colour,
+            );
             mark(8);
         }
     }

@@ -57,8 +57,13 @@ fn run_float(scene: &SceneData, lit: bool, buffers: &mut Buffers, wide: &[u32]) 
     let mut clock = Clock::new();
     let rendered = float::render(scene, lit, buffers, &mut |stage| clock.mark(stage));
     clock.report();
-    let difference = scene.plan().map_or(1.0, |plan| float::largest_difference(&plan, buffers, wide));
-    println!("f32 differs from wide by at most {} millionths", (difference * 1e6) as u32);
+    let difference = scene
+        .plan()
+        .map_or(1.0, |plan| float::largest_difference(&plan, buffers, wide));
+    println!(
+        "f32 differs from wide by at most {} millionths",
+        (difference * 1e6) as u32
+    );
     rendered && difference < 1.0 / 255.0
 }
 
