@@ -122,10 +122,10 @@ const FAULTS: [Fault; 13] = [
         finder: Finder::Proof("panic"),
     },
     Fault {
-        what: "a field of the C interface renamed",
-        file: "core/ffi/src/scene.rs",
-        from: "    pub phases: u32,",
-        to: "    pub phase_count: u32,",
+        what: "the C interface changed, its header not",
+        file: "core/ffi/src/lib.rs",
+        from: "pub const SLICECAST_VERSION: u32 = 1;",
+        to: "pub const SLICECAST_VERSION: u32 = 2;",
         finder: Finder::Header,
     },
 ];
