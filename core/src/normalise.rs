@@ -143,7 +143,7 @@ pub fn normalise_row<V: Lanes>(g: [&mut [i32]; 3], r: &mut [i32]) {
     if V::COUNT == 1 {
         normalise_row_by::<V, 1>(g, r);
     } else {
-        normalise_row_by::<V, 8>(g, r);
+        normalise_row_by::<V, 4>(g, r);
     }
 }
 

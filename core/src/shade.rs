@@ -397,7 +397,7 @@ fn weighted<P: Precision, V: Lanes>(k: u32, x: V) -> V {
     match P::SHADING {
         Shading::Truncated16 => k.wrapping_mul(x).shr_unsigned(15),
         Shading::Rounded16 => k.wrapping_mul(x),
-        Shading::Rounded31 => k.product(x).shr(31).narrow(),
+        Shading::Rounded31 => k.product(x).shr_narrow(31),
     }
 }
 
@@ -458,7 +458,7 @@ pub fn formed<V: Lanes>(g: [V; 3], r: V, bits: u32) -> [V; 3] {
 
 #[inline(always)]
 fn formed_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
-    let magnitude = g.abs().product(r).shr(35 - bits).narrow();
+    let magnitude = g.abs().product(r).shr_narrow(35 - bits);
     magnitude.with_sign_of(V::splat(0) - g)
 }
 
@@ -483,7 +483,7 @@ pub fn formed_nearest<V: Lanes>(g: [V; 3], r: V, bits: u32) -> [V; 3] {
 #[inline(always)]
 fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
     let product = g.abs().product(r) + V::Wide::splat(1 << (34 - bits));
-    let magnitude = product.shr(35 - bits).narrow().at_most(V::splat(1 << bits));
+    let magnitude = product.shr_narrow(35 - bits).at_most(V::splat(1 << bits));
     magnitude.with_sign_of(V::splat(0) - g)
 }
 
