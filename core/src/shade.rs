@@ -438,14 +438,6 @@ impl<P: Precision> Shader<P> for Phong<P> {
 
     #[inline(always)]
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]) {
-        if V::COUNT > 1 {
-            let normals = Normals { g, r };
-            return if self.grey {
-                self.shade_row_by::<V, 8, 1>(normals, colour)
-            } else {
-                self.shade_row_by::<V, 8, 3>(normals, colour)
-            };
-        }
         let ([gx, gy, gz], [red, green, blue], len) = (g, colour, r.len());
         let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
             return;
@@ -454,6 +446,14 @@ impl<P: Precision> Shader<P> for Phong<P> {
         else {
             return;
         };
+        if V::COUNT > 1 {
+            let normals = Normals { g: [gx, gy, gz], r };
+            return if self.grey {
+                self.shade_row_by::<V, 8, 1>(normals, [red, green, blue])
+            } else {
+                self.shade_row_by::<V, 8, 3>(normals, [red, green, blue])
+            };
+        }
         for at in places::<V>(len) {
             let one = at..at + 1;
             let normals = Normals {
