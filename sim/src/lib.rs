@@ -9,6 +9,7 @@ pub mod exchange;
 pub mod expanded;
 pub mod export;
 pub mod model;
+pub mod opponent;
 pub mod oriented;
 pub mod pipelines;
 pub mod presets;
