@@ -2,6 +2,7 @@
 
 #![deny(unsafe_code)]
 
+pub mod bench;
 pub mod camera;
 pub mod compare;
 pub mod engine;
@@ -13,6 +14,7 @@ pub mod opponent;
 pub mod oriented;
 pub mod pipelines;
 pub mod presets;
+pub mod rays;
 pub mod scene;
 pub mod simd;
 pub mod table;
