@@ -16,7 +16,7 @@ use crate::camera::{CameraError, Picture, Setup, set_up};
 use crate::oriented::{packed, with_slices};
 use crate::pipelines::{Job, compile, dispatch};
 use crate::scene::Scene;
-use crate::simd::{OverLanes, Simd, with_lanes};
+use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
 use crate::table::Table;
 use crate::volume::Volume;
 
@@ -143,13 +143,26 @@ impl<'a> Prepared<'a> {
     /// [`RenderError`]; nothing is rendered then.
     pub fn render(&self, layer: Layer, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
         with_slices(self.volume, self.setup.plan.view(), |slices| {
-            self.dispatch(Render {
-                prepared: self,
-                slices,
-                layer,
-                progress,
-            })
-        })??
+            self.render_slices(slices, layer, progress)
+        })?
+    }
+
+    /// Renders the frame from slices that [`with_slices`] has made for a view along the same axis and direction.
+    ///
+    /// # Errors
+    /// As [`Prepared::render`].
+    pub fn render_slices(
+        &self,
+        slices: &[Slice<'_>],
+        layer: Layer,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Frame, RenderError> {
+        self.dispatch(Render {
+            prepared: self,
+            slices,
+            layer,
+            progress,
+        })?
     }
 }
 
@@ -283,19 +296,42 @@ fn each_tile<L: Pipeline, R: Send>(
             tiles.map(move |(index, data)| (phase, index, data))
         })
         .map_init(
-            || vec![0; scratch_len::<L>(slice_width)],
+            || vec![0; scratch_len::<L>(slice_width) + LINE],
             |scratch, (phase, index, data)| {
                 let tile = Tile {
                     phase,
                     first: (index * tile_rows) as u32,
                     rows: (data.len() / row_len) as u32,
                 };
-                let result = work(tile, data, scratch);
+                let result = work(tile, data, on_a_line(scratch));
                 progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
                 result
             },
         )
         .collect()
+}
+
+/// How many slices ahead of a plane memory is asked for.
+const AHEAD: i32 = 3;
+
+impl<L: Pipeline, T> FoldTile<'_, '_, L, T> {
+    /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`.
+    #[inline(always)]
+    fn prefetch(&self, slice: &Slice<'_>, offset: i32) {
+        let first = (i64::from(self.tile.first) + i64::from(offset)).max(0) as usize;
+        for row in first..first + self.tile.rows as usize + 1 {
+            prefetch(slice.row(row));
+        }
+    }
+}
+
+/// Words of a line of the cache.
+const LINE: usize = 16;
+
+/// Memory from the first whole line of the cache on.
+fn on_a_line(memory: &mut [i32]) -> &mut [i32] {
+    let start = memory.as_ptr().align_offset(LINE * size_of::<i32>()).min(LINE);
+    &mut memory[start..]
 }
 
 /// A tile on its way through all planes.
@@ -316,10 +352,19 @@ impl<L: Pipeline, T: Tap> OverLanes for FoldTile<'_, '_, L, T> {
     fn run<V: Lanes>(self) {
         let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
         let planes = self.plan.planes();
+        let mut ahead = None;
         for step in 0..planes {
             let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
             let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
-            if let Some(window) = Window::at(cell(plane.z).index, slice) {
+            let z = cell(plane.z).index;
+            let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
+            if ahead != Some(wanted) {
+                ahead = Some(wanted);
+                if let Some(slice) = slice(wanted) {
+                    self.prefetch(&slice, cell(plane.y).index);
+                }
+            }
+            if let Some(window) = Window::at(z, slice) {
                 let rows = Rows {
                     first: self.tile.first,
                     data: &mut *self.data,
