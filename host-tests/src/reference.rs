@@ -51,7 +51,8 @@ pub fn render(frame: &Frame) -> Expected {
         recording: Recording::default(),
         required: Vec::new(),
     };
-    let image = frame.with_prepared(|prepared, _| rays::render(prepared, &mut keeper).expect("a material that core takes"));
+    let image =
+        frame.with_prepared(|prepared, _| rays::render(prepared, &mut keeper).expect("a material that core takes"));
     Expected {
         image,
         recording: keeper.recording,

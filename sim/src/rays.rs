@@ -110,6 +110,18 @@ struct Rays<'a, P: Precision> {
 /// A sample's cell along i, j, k.
 type Cells = [Cell; 3];
 
+/// The voxels around a sample: `[z][y][x]`.
+type Corners = [[[i16; 2]; 2]; 2];
+
+/// A ray of the base plane.
+struct Ray {
+    /// Where its phase starts.
+    start: [Step; 2],
+    phase: u32,
+    column: u32,
+    row: u32,
+}
+
 impl<'a, P: Precision> Rays<'a, P> {
     fn new(prepared: &'a Prepared<'_>) -> Result<Self, PhongError> {
         let plan = &prepared.setup.plan;
@@ -161,7 +173,8 @@ impl<'a, P: Precision> Rays<'a, P> {
         (0..height).into_par_iter().map(row).sum()
     }
 
-    fn pixel<W: Witness>(&self, ray: [u32; 2], witness: &mut W) -> Pixel<ChannelOf<P>> {
+    fn pixel<W: Witness>(&self, pixel: [u32; 2], witness: &mut W) -> Pixel<ChannelOf<P>> {
+        let ray = &self.ray(pixel);
         match self.blend {
             Blend::FrontToBack => self.composited::<W, false>(ray, witness),
             Blend::BackToFront => self.composited::<W, true>(ray, witness),
@@ -170,32 +183,44 @@ impl<'a, P: Precision> Rays<'a, P> {
         }
     }
 
-    /// Cells of the sample of pixel (u, v) on a plane, or `None` outside the volume.
-    fn locate<W: Witness>(&self, [u, v]: [u32; 2], step: u32, witness: &mut W) -> Option<(Cells, Visit)> {
-        let index = self.index(step);
+    /// The ray of pixel (u, v).
+    fn ray(&self, [u, v]: [u32; 2]) -> Ray {
         let n = self.plan.sampling().rays_per_voxel;
-        let [si, sj, sk] = self.plan.step();
         let [oi, oj] = self.plan.origin();
         // The phase's offset to the nearest 2^-32, halves up.
         let start = |origin: i32, phase: u32| {
             let offset = ((u64::from(phase) << 33) + u64::from(n)) / (2 * u64::from(n));
             Step::from_bits((i64::from(origin) << 32) + offset as i64)
         };
-        let x = position(start(oi, u % n), si, index);
-        let y = position(start(oj, v % n), sj, index);
+        Ray {
+            start: [start(oi, u % n), start(oj, v % n)],
+            phase: u % n + v % n * n,
+            column: u / n,
+            row: v / n,
+        }
+    }
+
+    /// Cells of a ray's sample on a plane, or `None` outside the volume.
+    #[inline(always)]
+    fn locate<W: Witness>(&self, ray: &Ray, step: u32, witness: &mut W) -> Option<(Cells, Visit)> {
+        let index = self.index(step);
+        let [si, sj, sk] = self.plan.step();
+        let [start_i, start_j] = ray.start;
+        let x = position(start_i, si, index);
+        let y = position(start_j, sj, index);
         let z = position(Step::ZERO, sk, index);
         let visit = Visit {
             step,
-            phase: u % n + v % n * n,
-            row: v / n,
-            column: u / n,
+            phase: ray.phase,
+            row: ray.row,
+            column: ray.column,
         };
         witness.location(step, visit.phase, [x.to_bits(), y.to_bits(), z.to_bits()]);
         let mut cells = [cell(x), cell(y), cell(z)];
-        cells[0].index += (u / n) as i32;
-        cells[1].index += (v / n) as i32;
-        for (cell, last) in cells.iter().zip(self.grid.last) {
-            let inside = 0 <= cell.index && (cell.index < last || cell.index == last && cell.weight == Weight::ZERO);
+        cells[0].index += ray.column as i32;
+        cells[1].index += ray.row as i32;
+        for (cell, last) in cells.iter().zip(&self.grid.last) {
+            let inside = 0 <= cell.index && (cell.index < *last || cell.index == *last && cell.weight == Weight::ZERO);
             if !inside {
                 return None;
             }
@@ -212,11 +237,7 @@ impl<'a, P: Precision> Rays<'a, P> {
     }
 
     /// One ray, alpha compositing.
-    fn composited<W: Witness, const BACK_TO_FRONT: bool>(
-        &self,
-        ray: [u32; 2],
-        witness: &mut W,
-    ) -> Pixel<ChannelOf<P>> {
+    fn composited<W: Witness, const BACK_TO_FRONT: bool>(&self, ray: &Ray, witness: &mut W) -> Pixel<ChannelOf<P>> {
         let mut pixel = Pixel::clear();
         for step in 0..self.plan.planes() {
             let Some((cells, at)) = self.locate(ray, step, witness) else {
@@ -266,7 +287,7 @@ impl<'a, P: Precision> Rays<'a, P> {
     }
 
     /// One ray, the extreme of its samples.
-    fn projected<X: Extreme, W: Witness>(&self, ray: [u32; 2], witness: &mut W) -> Pixel<ChannelOf<P>> {
+    fn projected<X: Extreme, W: Witness>(&self, ray: &Ray, witness: &mut W) -> Pixel<ChannelOf<P>> {
         let mut kept = X::EMPTY;
         for step in 0..self.plan.planes() {
             if let Some((cells, at)) = self.locate(ray, step, witness) {
@@ -285,12 +306,25 @@ impl<'a, P: Precision> Rays<'a, P> {
         cells: Cells,
         colour: [u32; 3],
     ) -> ([i32; 3], Normal, [u32; 3]) {
-        let [dx, dy] = [[1, 0], [0, 1]].map(|[di, dj]| {
-            let at = |sign: i32| bits_of_sample::<P>(self.sample_beyond::<INNER>(cells, [sign * di, sign * dj]));
-            at(1) - at(-1)
-        });
+        let weights = cells.map(|c| c.weight);
+        let at = |corners: Corners| bits_of_sample::<P>(trilinear::<P>(corners, weights));
+        let grid = &self.grid;
+        let [dx, dy, dz] = if INNER {
+            let ([i, j, k], here) = (grid.stride, grid.place(cells));
+            [
+                at(grid.corners(here + i)) - at(grid.corners(here - i)),
+                at(grid.corners(here + j)) - at(grid.corners(here - j)),
+                at(difference(grid.corners(here + k), grid.corners(here - k))),
+            ]
+        } else {
+            let beside = |di, dj| at(corners_of(cells, [di, dj], |place| grid.continued(place)));
+            [
+                beside(1, 0) - beside(-1, 0),
+                beside(0, 1) - beside(0, -1),
+                at(corners_of(cells, [0; 2], |place| grid.derivative(place))),
+            ]
+        };
         let [fx, fy, fz] = self.plan.spacing();
-        let dz = self.derivative::<INNER>(cells);
         let mut gradient = [space(dx, fx), space(dy, fy), space(dz, fz)];
         if P::GRADIENT_BITS < 15 {
             gradient = coarsen(gradient, P::GRADIENT_BITS);
@@ -300,39 +334,30 @@ impl<'a, P: Precision> Rays<'a, P> {
     }
 
     /// The sample that is classified: voxels of the volume only; behind the last there is none and none is needed.
+    #[inline(always)]
     fn sample<const INNER: bool>(&self, cells: Cells) -> P::Sample {
-        interpolated::<P>(cells, [0; 2], |at| self.grid.voxel::<INNER>(at))
-    }
-
-    /// A neighbouring sample of the same plane: the volume continued linearly by one voxel along i and j.
-    fn sample_beyond<const INNER: bool>(&self, cells: Cells, shift: [i32; 2]) -> P::Sample {
-        interpolated::<P>(cells, shift, |at| {
-            if INNER {
-                self.grid.voxel::<true>(at)
-            } else {
-                self.grid.continued(at)
-            }
-        })
-    }
-
-    /// Derivative along k: `V[k+1] - V[k-1]` in place of voxels, the volume continued along k.
-    fn derivative<const INNER: bool>(&self, cells: Cells) -> i32 {
-        bits_of_sample::<P>(interpolated::<P>(cells, [0; 2], |[i, j, k]| {
-            if INNER {
-                self.grid.voxel::<true>([i, j, k + 1]) - self.grid.voxel::<true>([i, j, k - 1])
-            } else {
-                self.grid.derivative([i, j, k])
-            }
-        }))
+        let corners = if INNER {
+            self.grid.corners(self.grid.place(cells))
+        } else {
+            corners_of(cells, [0; 2], |at| self.grid.voxel(at))
+        };
+        trilinear::<P>(corners, cells.map(|c| c.weight))
     }
 }
 
-/// A sample made of the voxels that `value` gives.
-fn interpolated<P: Precision>(cells: Cells, [di, dj]: [i32; 2], value: impl Fn([i32; 3]) -> i32) -> P::Sample {
+/// The voxels that `value` gives around a sample's neighbour.
+fn corners_of(cells: Cells, [di, dj]: [i32; 2], value: impl Fn([i32; 3]) -> i32) -> Corners {
     let [i, j, k] = cells.map(|c| c.index);
     // Derivatives and continued voxels are within -4095 to 8190.
-    let corners = [0, 1].map(|z| [0, 1].map(|y| [0, 1].map(|x| value([i + di + x, j + dj + y, k + z]) as i16)));
-    trilinear::<P>(corners, cells.map(|c| c.weight))
+    [0, 1].map(|z| [0, 1].map(|y| [0, 1].map(|x| value([i + di + x, j + dj + y, k + z]) as i16)))
+}
+
+/// Corner by corner.
+#[inline(always)]
+fn difference([a, b]: Corners, [c, d]: Corners) -> Corners {
+    let row = |[a, b]: [i16; 2], [c, d]: [i16; 2]| [a - c, b - d];
+    let face = |[a, b]: [[i16; 2]; 2], [c, d]: [[i16; 2]; 2]| [row(a, c), row(b, d)];
+    [face(a, c), face(b, d)]
 }
 
 fn bits_of_sample<P: Precision>(sample: P::Sample) -> i32 {
@@ -372,16 +397,35 @@ impl<'a> Grid<'a> {
     }
 
     /// Whether a sample of this cell and all its neighbours look at voxels that exist.
+    #[inline(always)]
     fn is_inner(&self, cells: Cells) -> bool {
-        let inner = |(cell, last): (Cell, i32)| 1 <= cell.index && cell.index < last - 1;
-        cells.into_iter().zip(self.last).all(inner)
+        let inner = |(cell, last): (&Cell, &i32)| 1 <= cell.index && cell.index < last - 1;
+        cells.iter().zip(&self.last).all(inner)
+    }
+
+    /// Where the first voxel of an inner cell lies.
+    #[inline(always)]
+    fn place(&self, [x, y, z]: Cells) -> isize {
+        let [i, j, k] = self.stride;
+        self.start + x.index as isize * i + y.index as isize * j + z.index as isize * k
+    }
+
+    /// The voxels from a place on.
+    #[inline(always)]
+    fn corners(&self, at: isize) -> Corners {
+        let [i, j, k] = self.stride;
+        let voxel = |offset: isize| self.voxels[(at + offset) as usize] as i16;
+        [
+            [[voxel(0), voxel(i)], [voxel(j), voxel(i + j)]],
+            [[voxel(k), voxel(i + k)], [voxel(j + k), voxel(i + j + k)]],
+        ]
     }
 
     /// A voxel; the last one stands for those behind it.
-    fn voxel<const INNER: bool>(&self, ijk: [i32; 3]) -> i32 {
+    fn voxel(&self, ijk: [i32; 3]) -> i32 {
         let mut at = self.start;
         for ((place, last), stride) in ijk.into_iter().zip(self.last).zip(self.stride) {
-            at += (if INNER { place } else { place.min(last) }) as isize * stride;
+            at += place.min(last) as isize * stride;
         }
         i32::from(self.voxels[at as usize])
     }
@@ -389,13 +433,13 @@ impl<'a> Grid<'a> {
     /// The volume continued by one voxel along i and j. Further out only weights of 0 reach.
     fn continued(&self, [i, j, k]: [i32; 3]) -> i32 {
         let [ni, nj, _] = self.last.map(|last| last + 1);
-        beyond(i.min(ni), ni, |i| beyond(j.min(nj), nj, |j| self.voxel::<false>([i, j, k])))
+        beyond(i.min(ni), ni, |i| beyond(j.min(nj), nj, |j| self.voxel([i, j, k])))
     }
 
     /// `V[k+1] - V[k-1]`, the volume continued along k.
     fn derivative(&self, [i, j, k]: [i32; 3]) -> i32 {
         let last = self.last[2];
-        let along_k = |k: i32| beyond(k, last + 1, |k| self.voxel::<false>([i, j, k]));
+        let along_k = |k: i32| beyond(k, last + 1, |k| self.voxel([i, j, k]));
         let k = k.min(last);
         along_k(k + 1) - along_k(k - 1)
     }

@@ -74,7 +74,9 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
 
 /// A transfer function under which every sample is visible and a tenth of the light passes.
 pub fn everything(volume: &Volume, colourful: bool) -> TransferFunction {
-    let longest = (0..3).map(|a| volume.dims[a] as f64 * volume.spacing[a]).fold(1.0, f64::max);
+    let longest = (0..3)
+        .map(|a| volume.dims[a] as f64 * volume.spacing[a])
+        .fold(1.0, f64::max);
     let [low, high] = [0.0, 4095.0].map(|code| volume.mapping.value(code));
     let thin = (2.3 / longest).min(0.5);
     let point = |place: f64, colour: [f64; 3], opacity: f64| Point {
@@ -119,12 +121,21 @@ mod tests {
         let volume = cube(24);
         assert!(volume.voxels.iter().all(|v| (256..=3840).contains(v)));
         assert!(volume.voxels.windows(2).filter(|pair| pair[0] == pair[1]).count() < volume.voxels.len() / 10);
-        let scene = fog(&volume, Fog { lights: 8, colourful: true });
+        let scene = fog(
+            &volume,
+            Fog {
+                lights: 8,
+                colourful: true,
+            },
+        );
         scene.check().unwrap();
         let prepared = Prepared::new(&scene, &volume).unwrap();
         assert!((0..prepared.table.entries.len()).all(|entry| prepared.table.opacity(entry).to_bits() > 0));
         let frame = prepared.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
         let least = frame.base.planes[3].iter().min().copied().unwrap();
-        assert!((1.0 / 64.0..0.5).contains(&(f64::from(least) / f64::from(frame.base.one))), "{least}");
+        assert!(
+            (1.0 / 64.0..0.5).contains(&(f64::from(least) / f64::from(frame.base.one))),
+            "{least}"
+        );
     }
 }

@@ -11,7 +11,13 @@ fn samples_are_what_the_rays_meet() {
         }
     }
     let volume = cube(16);
-    let mut scene = fog(&volume, Fog { lights: 0, colourful: false });
+    let mut scene = fog(
+        &volume,
+        Fog {
+            lights: 0,
+            colourful: false,
+        },
+    );
     scene.sampling.rays_per_voxel = 2;
     scene.sampling.planes_per_voxel = 3;
     let prepared = Prepared::new(&scene, &volume).unwrap();
@@ -19,14 +25,22 @@ fn samples_are_what_the_rays_meet() {
     let by_rays = rays::render(&prepared, &mut count).unwrap();
     assert_eq!(samples(&prepared.setup.plan), count.0);
     // The definitions, skipping nothing, against the engine.
-    let frame = prepared.render(crate::engine::Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
+    let frame = prepared
+        .render(crate::engine::Layer::Tiles(TILE_ROWS), &|_, _| ())
+        .unwrap();
     assert!(by_rays == frame.base);
 }
 
 #[test]
 fn every_subject_is_measured_and_compared_with_its_own_kind() {
     let volume = cube(16);
-    let scene = fog(&volume, Fog { lights: 1, colourful: true });
+    let scene = fog(
+        &volume,
+        Fog {
+            lights: 1,
+            colourful: true,
+        },
+    );
     let subject = |engine, simd, all_threads| Subject {
         engine,
         simd,
@@ -48,5 +62,8 @@ fn every_subject_is_measured_and_compared_with_its_own_kind() {
         let product = row.samples_per_second * row.milliseconds / 1e3;
         assert!((product / samples as f64 - 1.0).abs() < 1e-9, "{row:?}");
     }
-    assert_eq!(rows[2].against_compact, Some(rows[0].milliseconds / rows[2].milliseconds));
+    assert_eq!(
+        rows[2].against_compact,
+        Some(rows[0].milliseconds / rows[2].milliseconds)
+    );
 }

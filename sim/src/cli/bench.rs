@@ -181,7 +181,10 @@ impl Bench {
             measure(scene, volume, &field.subjects(), self.frames, &self.threads, progress)
         })?;
         let millions = samples as f64 / 1e6;
-        println!("== {name}: {millions:.1} M samples a frame ==\n\n{}\n", tables::speed(&rows));
+        println!(
+            "== {name}: {millions:.1} M samples a frame ==\n\n{}\n",
+            tables::speed(&rows)
+        );
         self.sections.push(Section {
             name: name.to_owned(),
             dims: volume.dims,
@@ -267,7 +270,10 @@ impl Args {
     pub fn run(self) -> Result<(), Failure> {
         if let Some(path) = &self.json {
             if !self.force && path.symlink_metadata().is_ok() {
-                return Err(Failure::input(format!("{} exists; --force replaces it", path.display())));
+                return Err(Failure::input(format!(
+                    "{} exists; --force replaces it",
+                    path.display()
+                )));
             }
         }
         let loaded = self.volume.load()?;

@@ -6,7 +6,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
 use super::floats::Floats;
-use crate::simd::partial::{chunk, chunk_mut, part, store_part};
+use crate::simd::partial::{chunk, chunk_mut, rest};
 
 /// Eight floats. Of use only where the processor has AVX2 and FMA; see [`super::floats::with_floats`].
 #[derive(Clone, Copy)]
@@ -16,7 +16,7 @@ pub struct Avx2(__m256);
 macro_rules! avx2 {
     ($call:expr) => {
         // SAFETY: `with_floats` runs this code only on processors that have AVX2 and FMA; pointers come from slices
-        // that are long enough (`chunk`).
+        // that are long enough (`chunk`), or a mask leaves out what the slice does not have.
         unsafe { $call }
     };
 }
@@ -43,6 +43,15 @@ impl Mul for Avx2 {
     fn mul(self, other: Self) -> Self {
         Self(avx2!(_mm256_mul_ps(self.0, other.0)))
     }
+}
+
+/// All bits in as many of the first lanes as there are elements.
+#[inline(always)]
+fn ones(elements: usize) -> __m256i {
+    avx2!(_mm256_cmpgt_epi32(
+        _mm256_set1_epi32(elements.min(8) as i32),
+        _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0)
+    ))
 }
 
 /// Low and high halves of eight pairs.
@@ -74,7 +83,9 @@ fn of_colours(pairs: &[u64; 8]) -> [[Avx2; 3]; 2] {
 
 #[inline(always)]
 fn of_voxels(voxels: &[u16; 8]) -> Avx2 {
-    Avx2(avx2!(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(voxels.as_ptr().cast())))))
+    Avx2(avx2!(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(
+        voxels.as_ptr().cast()
+    )))))
 }
 
 impl Floats for Avx2 {
@@ -88,7 +99,10 @@ impl Floats for Avx2 {
     fn load(row: &[f32], at: usize) -> Self {
         match chunk::<_, 8>(row, at) {
             Some(lanes) => Self(avx2!(_mm256_loadu_ps(lanes.as_ptr()))),
-            None => Self(avx2!(_mm256_loadu_ps(part::<_, 8>(row, at).as_ptr()))),
+            None => Self(avx2!(_mm256_maskload_ps(
+                row.as_ptr().wrapping_add(at),
+                ones(rest(row, at))
+            ))),
         }
     }
     #[inline(always)]
@@ -96,9 +110,8 @@ impl Floats for Avx2 {
         match chunk_mut::<_, 8>(row, at) {
             Some(lanes) => avx2!(_mm256_storeu_ps(lanes.as_mut_ptr(), self.0)),
             None => {
-                let mut lanes = [0.0; 8];
-                avx2!(_mm256_storeu_ps(lanes.as_mut_ptr(), self.0));
-                store_part(row, at, &lanes);
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)));
+                avx2!(_mm256_maskstore_ps(first, mask, self.0));
             }
         }
     }
@@ -106,34 +119,35 @@ impl Floats for Avx2 {
     fn load_voxels(row: &[u16], at: usize) -> Self {
         match chunk::<_, 8>(row, at) {
             Some(lanes) => of_voxels(lanes),
-            None => of_voxels(&part(row, at)),
+            None => {
+                let mut lanes = [0; 8];
+                for (lane, voxel) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
+                    *lane = *voxel;
+                }
+                of_voxels(&lanes)
+            }
         }
     }
     #[inline(always)]
     fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
         match chunk::<_, 8>(row, at) {
             Some(pairs) => of_pairs(pairs),
-            None => of_pairs(&part(row, at)),
+            None => [Self::splat(0.0); 2],
         }
     }
     #[inline(always)]
     fn load_colours(row: &[u64], at: usize) -> [[Self; 3]; 2] {
         match chunk::<_, 8>(row, at) {
             Some(pairs) => of_colours(pairs),
-            None => of_colours(&part(row, at)),
+            None => [[Self::splat(0.0); 3]; 2],
         }
     }
     #[inline(always)]
     fn split(self, whole: &mut [u32], at: usize) -> Self {
         avx2!({
             let index = _mm256_cvttps_epi32(self.0);
-            match chunk_mut::<_, 8>(whole, at) {
-                Some(lanes) => _mm256_storeu_si256(lanes.as_mut_ptr().cast(), index),
-                None => {
-                    let mut lanes = [0u32; 8];
-                    _mm256_storeu_si256(lanes.as_mut_ptr().cast(), index);
-                    store_part(whole, at, &lanes);
-                }
+            if let Some(lanes) = chunk_mut::<_, 8>(whole, at) {
+                _mm256_storeu_si256(lanes.as_mut_ptr().cast(), index);
             }
             Self(_mm256_sub_ps(self.0, _mm256_cvtepi32_ps(index)))
         })

@@ -6,7 +6,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
 use super::floats::Floats;
-use crate::simd::partial::{chunk, chunk_mut, part, store_part};
+use crate::simd::partial::{chunk, chunk_mut, rest};
 
 /// Sixteen floats. Of use only where the processor has AVX-512; see [`super::floats::with_floats`].
 #[derive(Clone, Copy)]
@@ -16,7 +16,7 @@ pub struct Avx512(__m512);
 macro_rules! avx512 {
     ($call:expr) => {
         // SAFETY: `with_floats` runs this code only on processors that have AVX-512 (F, BW, CD, DQ, VL); pointers come
-        // from slices that are long enough (`chunk`).
+        // from slices that are long enough (`chunk`), or a mask leaves out what the slice does not have.
         unsafe { $call }
     };
 }
@@ -43,6 +43,12 @@ impl Mul for Avx512 {
     fn mul(self, other: Self) -> Self {
         Self(avx512!(_mm512_mul_ps(self.0, other.0)))
     }
+}
+
+/// As many low bits as there are elements, fewer than 16.
+#[inline(always)]
+fn ones(elements: usize) -> u16 {
+    ((1u32 << (elements & 15)) - 1) as u16
 }
 
 /// Low and high halves of sixteen pairs.
@@ -78,7 +84,9 @@ fn of_colours(pairs: &[u64; 16]) -> [[Avx512; 3]; 2] {
 
 #[inline(always)]
 fn of_voxels(voxels: &[u16; 16]) -> Avx512 {
-    Avx512(avx512!(_mm512_cvtepi32_ps(_mm512_cvtepu16_epi32(_mm256_loadu_si256(voxels.as_ptr().cast())))))
+    Avx512(avx512!(_mm512_cvtepi32_ps(_mm512_cvtepu16_epi32(_mm256_loadu_si256(
+        voxels.as_ptr().cast()
+    )))))
 }
 
 impl Floats for Avx512 {
@@ -92,7 +100,10 @@ impl Floats for Avx512 {
     fn load(row: &[f32], at: usize) -> Self {
         match chunk::<_, 16>(row, at) {
             Some(lanes) => Self(avx512!(_mm512_loadu_ps(lanes.as_ptr()))),
-            None => Self(avx512!(_mm512_loadu_ps(part::<_, 16>(row, at).as_ptr()))),
+            None => Self(avx512!(_mm512_maskz_loadu_ps(
+                ones(rest(row, at)),
+                row.as_ptr().wrapping_add(at)
+            ))),
         }
     }
     #[inline(always)]
@@ -100,9 +111,8 @@ impl Floats for Avx512 {
         match chunk_mut::<_, 16>(row, at) {
             Some(lanes) => avx512!(_mm512_storeu_ps(lanes.as_mut_ptr(), self.0)),
             None => {
-                let mut lanes = [0.0; 16];
-                avx512!(_mm512_storeu_ps(lanes.as_mut_ptr(), self.0));
-                store_part(row, at, &lanes);
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)));
+                avx512!(_mm512_mask_storeu_ps(first, mask, self.0));
             }
         }
     }
@@ -110,34 +120,33 @@ impl Floats for Avx512 {
     fn load_voxels(row: &[u16], at: usize) -> Self {
         match chunk::<_, 16>(row, at) {
             Some(lanes) => of_voxels(lanes),
-            None => of_voxels(&part(row, at)),
+            None => {
+                let first = row.as_ptr().wrapping_add(at).cast();
+                let voxels = avx512!(_mm256_maskz_loadu_epi16(ones(rest(row, at)), first));
+                Self(avx512!(_mm512_cvtepi32_ps(_mm512_cvtepu16_epi32(voxels))))
+            }
         }
     }
     #[inline(always)]
     fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
         match chunk::<_, 16>(row, at) {
             Some(pairs) => of_pairs(pairs),
-            None => of_pairs(&part(row, at)),
+            None => [Self::splat(0.0); 2],
         }
     }
     #[inline(always)]
     fn load_colours(row: &[u64], at: usize) -> [[Self; 3]; 2] {
         match chunk::<_, 16>(row, at) {
             Some(pairs) => of_colours(pairs),
-            None => of_colours(&part(row, at)),
+            None => [[Self::splat(0.0); 3]; 2],
         }
     }
     #[inline(always)]
     fn split(self, whole: &mut [u32], at: usize) -> Self {
         avx512!({
             let index = _mm512_cvttps_epi32(self.0);
-            match chunk_mut::<_, 16>(whole, at) {
-                Some(lanes) => _mm512_storeu_si512(lanes.as_mut_ptr().cast(), index),
-                None => {
-                    let mut lanes = [0u32; 16];
-                    _mm512_storeu_si512(lanes.as_mut_ptr().cast(), index);
-                    store_part(whole, at, &lanes);
-                }
+            if let Some(lanes) = chunk_mut::<_, 16>(whole, at) {
+                _mm512_storeu_si512(lanes.as_mut_ptr().cast(), index);
             }
             Self(_mm512_sub_ps(self.0, _mm512_cvtepi32_ps(index)))
         })

@@ -17,11 +17,13 @@ pub trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn store(self, row: &mut [f32], at: usize);
     /// Voxels `at ..` of a row; 0 behind its end.
     fn load_voxels(row: &[u16], at: usize) -> Self;
-    /// The low and the high halves of elements `at ..` of a row of pairs of floats.
+    /// The low and the high halves of elements `at ..` of a row of pairs of floats, of which it has whole vectors.
     fn load_pairs(row: &[u64], at: usize) -> [Self; 2];
-    /// Red, green and blue, 0 to 255, of the low and the high halves of elements `at ..` of a row of pairs of colours.
+    /// Red, green and blue, 0 to 255, of the low and the high halves of elements `at ..` of such a row
+    /// of pairs of colours.
     fn load_colours(row: &[u64], at: usize) -> [[Self; 3]; 2];
-    /// Whole parts of numbers that are not negative, written to elements `at ..` of a row; returns the fractions.
+    /// Whole parts of numbers that are not negative, written to elements `at ..` of a row that has whole vectors; returns
+    /// the fractions.
     fn split(self, whole: &mut [u32], at: usize) -> Self;
 
     /// Lanes 1 .. of this and the first of `next`: each lane's right neighbour.

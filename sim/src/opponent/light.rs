@@ -14,6 +14,8 @@ pub struct FloatPhong {
     viewer: [f32; 3],
     highlight: Highlight,
     exponent_log2: u32,
+    /// The least cosine whose power counts.
+    least_bright: f32,
     grey: bool,
 }
 
@@ -61,6 +63,7 @@ impl FloatPhong {
             viewer,
             highlight: material.highlight,
             exponent_log2: material.exponent_log2,
+            least_bright: (-20.0 / f32::from(1u16 << material.exponent_log2)).exp2(),
         }
     }
 
@@ -101,12 +104,19 @@ impl FloatPhong {
                     nv.positive_then(reflected.at_least(zero).at_most(F::splat(1.0)))
                 }
             };
+            for ([d, _], kd) in sums.iter_mut().zip(light.diffuse) {
+                *d = nl.times_plus(F::splat(kd), *d);
+            }
             let mut y = nl.positive_then(base);
+            // A power below 2^-20 shows in no picture and is not formed.
+            y = y.at_least_then(F::splat(self.least_bright), y);
+            if !y.any_positive() {
+                continue;
+            }
             for _ in 0..self.exponent_log2 {
                 y = y * y;
             }
-            for (([d, s], kd), ks) in sums.iter_mut().zip(light.diffuse).zip(light.specular) {
-                *d = nl.times_plus(F::splat(kd), *d);
+            for ([_, s], ks) in sums.iter_mut().zip(light.specular) {
                 *s = y.times_plus(F::splat(ks), *s);
             }
         }

@@ -164,12 +164,7 @@ pub(super) fn shade_and_fold_row<F: Floats>(
 
 /// Folds the samples of a row into its pixels, as far as `opacities` goes.
 #[inline(always)]
-pub(super) fn fold_row<F: Floats>(
-    [cr, cg, cb]: [&[f32]; 3],
-    opacities: &[f32],
-    pixels: &mut Pixels<'_>,
-    floor: f32,
-) {
+pub(super) fn fold_row<F: Floats>([cr, cg, cb]: [&[f32]; 3], opacities: &[f32], pixels: &mut Pixels<'_>, floor: f32) {
     for at in (0..opacities.len()).step_by(F::COUNT) {
         let colour = [F::load(cr, at), F::load(cg, at), F::load(cb, at)];
         over(colour, F::load(opacities, at), pixels, at, floor);

@@ -12,7 +12,8 @@ use slicecast::slice::{RowRange, Slice, Window};
 use super::floats::{Floats, OverFloats};
 use super::rows::*;
 use super::{Opponent, run_len};
-use crate::engine::Tile;
+use crate::engine::{AHEAD, Tile};
+use crate::simd::prefetch;
 
 /// Folds all planes into a tile.
 pub(super) struct FoldTile<'a, 's> {
@@ -195,9 +196,19 @@ impl OverFloats for FoldTile<'_, '_> {
     fn run<F: Floats>(mut self) {
         let slices = self.slices;
         let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
+        let mut ahead = None;
         for index in 0..self.plan.planes() {
             let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
             let (x, y, z) = (cell(plane.x), cell(plane.y), cell(plane.z));
+            if ahead != Some(z.index) {
+                ahead = Some(z.index);
+                if let Some(slice) = slice(z.index + AHEAD) {
+                    let first = (i64::from(self.tile.first) + i64::from(y.index)).max(0) as usize;
+                    for row in first..first + self.tile.rows as usize + 1 {
+                        prefetch(slice.row(row));
+                    }
+                }
+            }
             let Some(window) = Window::at(z.index, slice) else {
                 continue;
             };
@@ -256,7 +267,12 @@ impl FoldTile<'_, '_> {
         for (number, data) in numbered.filter(|(number, _)| meeting.rows.contains(number)) {
             let voxel_row = number as i32 + meeting.y.index;
             let mut runs = data.chunks_exact_mut(run);
-            let mut pixels = || runs.next().unwrap_or(&mut []).get_mut(meeting.columns.start..).unwrap_or(&mut []);
+            let mut pixels = || {
+                runs.next()
+                    .unwrap_or(&mut [])
+                    .get_mut(meeting.columns.start..)
+                    .unwrap_or(&mut [])
+            };
             let mut pixels: Pixels<'_> = [pixels(), pixels(), pixels(), pixels()];
             if all_finished::<F>(&pixels[3][..n]) || !meets(table.support, window, meeting.voxel_rows(voxel_row)) {
                 continue;
@@ -282,9 +298,15 @@ impl FoldTile<'_, '_> {
                 if let (true, Some(phong)) = (LIT, phong) {
                     let normals = normals.each_mut().map(|row| &mut row[..length]);
                     let [nx, ny, nz] = normals;
-                    make_normals::<F>(self.opponent, &mut sampler, meeting, window, voxel_row, &span, [
-                        &mut *nx, &mut *ny, &mut *nz,
-                    ]);
+                    make_normals::<F>(
+                        self.opponent,
+                        &mut sampler,
+                        meeting,
+                        window,
+                        voxel_row,
+                        &span,
+                        [&mut *nx, &mut *ny, &mut *nz],
+                    );
                     shade_and_fold_row::<F>(phong, [nx, ny, nz], colours, opacities, &mut pixels, *floor);
                 } else {
                     fold_row::<F>(colours, opacities, &mut pixels, *floor);
