@@ -316,7 +316,9 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
         self.support
     }
 
-    #[inline(always)]
+    // With registers of its own it takes fewer instructions where there are few.
+    #[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
+    #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
     fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
         let dark = self.support.dark::<P>();
         for (o, &s) in out.iter_mut().zip(samples) {

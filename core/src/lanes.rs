@@ -15,6 +15,18 @@ use crate::normalise::reciprocal_root;
 /// than the work that it saves.
 pub(crate) const SMALL: bool = cfg!(any(target_arch = "arm", target_arch = "riscv32"));
 
+/// The places at which a loop over rows of this length handles its lanes. Row kernels first cut all their rows to that
+/// length: with a single lane the compiler then sees that every place lies inside, and leaves its checks out.
+#[inline(always)]
+pub fn places<V: Lanes>(len: usize) -> impl Iterator<Item = usize> {
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let at = next;
+        next += V::COUNT;
+        (at < len).then_some(at)
+    })
+}
+
 /// Some 32-bit lanes.
 pub trait Lanes:
     Copy

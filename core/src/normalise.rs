@@ -16,7 +16,8 @@
 //! millidegrees of angle, 2^-19.2 of length. Overflow: none. State: none.
 
 use crate::format::{ReciprocalNorm, Unit};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, SMALL, places};
+use crate::rows::part_mut;
 
 /// A block-normalised gradient and its reciprocal length: the direction is `g * r / 2^35`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,6 +57,12 @@ pub fn block<V: Lanes>(gradient: [V; 3]) -> [V; 3] {
 fn shifted<V: Lanes>(c: V, [up, down]: [V; 2]) -> V {
     let half = V::splat(1).shl_each(down).shr_unsigned(1);
     let magnitude = c.abs().shl_each(up).wrapping_add(half).shr_each(down);
+    // On small machines a clamp from both sides is one instruction, a minimum three.
+    let magnitude = if SMALL {
+        magnitude.at_least(V::splat(0))
+    } else {
+        magnitude
+    };
     magnitude.at_most(V::splat(32767)).with_sign_of(c)
 }
 
@@ -140,10 +147,17 @@ pub fn unit(normal: Normal) -> [Unit; 3] {
 /// processor waiting.
 #[inline(always)]
 pub fn normalise_row<V: Lanes>(g: [&mut [i32]; 3], r: &mut [i32]) {
-    if V::COUNT == 1 {
-        normalise_row_by::<V, 1>(g, r);
-    } else {
-        normalise_row_by::<V, 4>(g, r);
+    let ([x, y, z], len) = (g, r.len());
+    let (Some(x), Some(y), Some(z)) = (x.get_mut(..len), y.get_mut(..len), z.get_mut(..len)) else {
+        return;
+    };
+    if V::COUNT > 1 {
+        return normalise_row_by::<V, 4>([x, y, z], r);
+    }
+    for at in places::<V>(len) {
+        let one = at..at + 1;
+        let g = [&mut *x, &mut *y, &mut *z].map(|row| part_mut(row, one.clone()));
+        normalise_row_by::<V, 1>(g, part_mut(r, one));
     }
 }
 

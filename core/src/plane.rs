@@ -257,10 +257,25 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
     /// Makes the samples between voxel rows `row` and `row + 1`; a lit scene may ask for one row beyond each face.
     #[inline(always)]
     fn make<V: Lanes>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
-        let slot = Self::slot(row);
-        if self.sample_row.get(slot) == Some(&row) {
+        if self.sample_row.get(Self::slot(row)) == Some(&row) {
             return;
         }
+        if SMALL {
+            self.make_once::<V>(meeting, window, row);
+        } else {
+            self.make_anew::<V>(meeting, window, row);
+        }
+    }
+
+    /// Small machines have the code once: it may be called, because it holds no vectors.
+    #[inline(never)]
+    fn make_once<V: Lanes>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
+        self.make_anew::<V>(meeting, window, row);
+    }
+
+    #[inline(always)]
+    fn make_anew<V: Lanes>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
+        let slot = Self::slot(row);
         let beyond = if LIT { meeting.height } else { meeting.height - 1 };
         // Behind the last row there is none; its weight is zero.
         let next = if row < beyond { row + 1 } else { row };
@@ -359,6 +374,7 @@ fn visible_span<O: Order, C: Channel, V: Lanes>(
     transparencies: &[C],
     from: usize,
 ) -> Option<Range<usize>> {
+    let transparencies = transparencies.get(..opacities.len())?;
     let mut start = from;
     while start < opacities.len() && !any_visible::<O, C, V>(opacities, transparencies, start) {
         start += V::COUNT;

@@ -30,9 +30,10 @@ use core::marker::PhantomData;
 use heapless::Vec;
 
 use crate::format::{Coefficient, Cosine, Vector};
-use crate::lanes::{Lanes, Wide as _};
+use crate::lanes::{Lanes, Wide as _, places};
 use crate::normalise::Normal;
 use crate::precision::{NormalForm, Power, Precision, Shading};
+use crate::rows::{part, part_mut};
 
 /// The largest number of lights.
 pub const LIGHTS_MAX: usize = 8;
@@ -412,11 +413,14 @@ fn lit<P: Precision, V: Lanes>(colour: V, [diffuse, specular]: [V; 2]) -> V {
         }
         Shading::Rounded16 => {
             let m = diffuse
-                .saturating_add(V::splat(1 << 14))
-                .shr_unsigned(15)
-                .at_most(one16);
-            let sum = colour.wrapping_mul(m).saturating_add(specular);
-            sum.saturating_add(one15).shr_unsigned(16).at_most(one15)
+                .at_most_unsigned(one31)
+                .wrapping_add(V::splat(1 << 14))
+                .shr_unsigned(15);
+            // O m, and as much of the highlight as there is room for below 1.
+            let diffuse = colour.wrapping_mul(m);
+            let room = one31.wrapping_sub(diffuse);
+            let sum = diffuse.wrapping_add(specular.at_most_unsigned(room));
+            sum.wrapping_add(one15).shr_unsigned(16)
         }
         Shading::Rounded31 => {
             let product = colour.product(diffuse.at_most_unsigned(one31)) + V::Wide::splat(1 << 30);
@@ -434,12 +438,34 @@ impl<P: Precision> Shader<P> for Phong<P> {
 
     #[inline(always)]
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]) {
-        let normals = Normals { g, r };
-        match (V::COUNT, self.grey) {
-            (1, true) => self.shade_row_by::<V, 1, 1>(normals, colour),
-            (1, false) => self.shade_row_by::<V, 1, 3>(normals, colour),
-            (_, true) => self.shade_row_by::<V, 8, 1>(normals, colour),
-            (_, false) => self.shade_row_by::<V, 8, 3>(normals, colour),
+        let ([gx, gy, gz], [red, green, blue], len) = (g, colour, r.len());
+        let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
+            return;
+        };
+        let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len))
+        else {
+            return;
+        };
+        if V::COUNT > 1 {
+            let normals = Normals { g: [gx, gy, gz], r };
+            return if self.grey {
+                self.shade_row_by::<V, 8, 1>(normals, [red, green, blue])
+            } else {
+                self.shade_row_by::<V, 8, 3>(normals, [red, green, blue])
+            };
+        }
+        for at in places::<V>(len) {
+            let one = at..at + 1;
+            let normals = Normals {
+                g: [gx, gy, gz].map(|row| part(row, one.clone())),
+                r: part(r, one.clone()),
+            };
+            let colour = [&mut *red, &mut *green, &mut *blue].map(|row| part_mut(row, one.clone()));
+            if self.grey {
+                self.shade_row_by::<V, 1, 1>(normals, colour);
+            } else {
+                self.shade_row_by::<V, 1, 3>(normals, colour);
+            }
         }
     }
 }
