@@ -312,7 +312,7 @@ fn each_tile<L: Pipeline, R: Send>(
 }
 
 /// How many slices ahead of a plane memory is asked for.
-const AHEAD: i32 = 3;
+pub(crate) const AHEAD: i32 = 3;
 
 impl<L: Pipeline, T> FoldTile<'_, '_, L, T> {
     /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`.
