@@ -260,7 +260,7 @@ pub fn mix_colour<P: Precision, V: Lanes>(a: V, b: V, f: V) -> V {
         (a * rest + b * f + V::splat(half)) >> P::SAMPLE_BITS
     } else {
         let sum = a.product(rest) + b.product(f) + V::Wide::splat(i64::from(half));
-        sum.shr(P::SAMPLE_BITS).narrow()
+        sum.shr_narrow(P::SAMPLE_BITS)
     }
 }
 

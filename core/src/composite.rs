@@ -208,7 +208,7 @@ pub struct Telescoping31;
 /// Product of two 1.31 numbers, truncated.
 #[inline(always)]
 fn product31<V: Lanes>(a: V, b: V) -> V {
-    a.product(b).shr(31).narrow()
+    a.product(b).shr_narrow(31)
 }
 
 impl Recurrence for Telescoping31 {
@@ -264,7 +264,7 @@ impl<C: Channel> Dithered<C> {
     #[inline(always)]
     fn taken<V: Lanes>(transparency: V, opacity: V, dither: Dither) -> V {
         let half = V::Wide::splat(i64::from(2 * dither.transparency + 1) << 15);
-        (transparency.product(opacity) + half).shr(31).narrow()
+        (transparency.product(opacity) + half).shr_narrow(31)
     }
 }
 
@@ -281,7 +281,7 @@ impl<C: Channel> Dithered<C> {
         let scaled = colour.wrapping_mul(V::splat(C::ONE.bits() as i32));
         let scaled = scaled.wrapping_add(V::splat(1 << 14)).shr_unsigned(15);
         let sum = V::Wide::of(old).shl(31) + scaled.product(opacity) - old.product(opacity);
-        (sum + half).shr(31).narrow()
+        (sum + half).shr_narrow(31)
     }
 }
 

@@ -159,10 +159,15 @@ pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
     fn square31(self) -> Self {
         (self.square() + Self::splat(1 << 30)).shr(31)
     }
+    /// The low 32 bits after a right shift by 1 to 31.
+    #[inline(always)]
+    fn shr_narrow(self, by: u32) -> Self::Narrow {
+        self.shr(by).narrow()
+    }
     /// Right shift of a number that is not negative, at most 2^31 then. The result before that is below 2^32.
     #[inline(always)]
     fn shr_to_one(self, by: u32) -> Self::Narrow {
-        self.shr(by).narrow().at_most_unsigned(Self::Narrow::splat(i32::MIN))
+        self.shr_narrow(by).at_most_unsigned(Self::Narrow::splat(i32::MIN))
     }
     /// Unsigned 32-bit lanes in 64 bits.
     fn of(narrow: Self::Narrow) -> Self;

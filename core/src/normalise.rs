@@ -147,13 +147,13 @@ pub fn unit(normal: Normal) -> [Unit; 3] {
 /// processor waiting.
 #[inline(always)]
 pub fn normalise_row<V: Lanes>(g: [&mut [i32]; 3], r: &mut [i32]) {
-    if V::COUNT > 1 {
-        return normalise_row_by::<V, 8>(g, r);
-    }
     let ([x, y, z], len) = (g, r.len());
     let (Some(x), Some(y), Some(z)) = (x.get_mut(..len), y.get_mut(..len), z.get_mut(..len)) else {
         return;
     };
+    if V::COUNT > 1 {
+        return normalise_row_by::<V, 4>([x, y, z], r);
+    }
     for at in places::<V>(len) {
         let one = at..at + 1;
         let g = [&mut *x, &mut *y, &mut *z].map(|row| part_mut(row, one.clone()));

@@ -398,7 +398,7 @@ fn weighted<P: Precision, V: Lanes>(k: u32, x: V) -> V {
     match P::SHADING {
         Shading::Truncated16 => k.wrapping_mul(x).shr_unsigned(15),
         Shading::Rounded16 => k.wrapping_mul(x),
-        Shading::Rounded31 => k.product(x).shr(31).narrow(),
+        Shading::Rounded31 => k.product(x).shr_narrow(31),
     }
 }
 
@@ -438,14 +438,6 @@ impl<P: Precision> Shader<P> for Phong<P> {
 
     #[inline(always)]
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]) {
-        if V::COUNT > 1 {
-            let normals = Normals { g, r };
-            return if self.grey {
-                self.shade_row_by::<V, 8, 1>(normals, colour)
-            } else {
-                self.shade_row_by::<V, 8, 3>(normals, colour)
-            };
-        }
         let ([gx, gy, gz], [red, green, blue], len) = (g, colour, r.len());
         let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
             return;
@@ -454,6 +446,14 @@ impl<P: Precision> Shader<P> for Phong<P> {
         else {
             return;
         };
+        if V::COUNT > 1 {
+            let normals = Normals { g: [gx, gy, gz], r };
+            return if self.grey {
+                self.shade_row_by::<V, 8, 1>(normals, [red, green, blue])
+            } else {
+                self.shade_row_by::<V, 8, 3>(normals, [red, green, blue])
+            };
+        }
         for at in places::<V>(len) {
             let one = at..at + 1;
             let normals = Normals {
@@ -484,7 +484,7 @@ pub fn formed<V: Lanes>(g: [V; 3], r: V, bits: u32) -> [V; 3] {
 
 #[inline(always)]
 fn formed_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
-    let magnitude = g.abs().product(r).shr(35 - bits).narrow();
+    let magnitude = g.abs().product(r).shr_narrow(35 - bits);
     magnitude.with_sign_of(V::splat(0) - g)
 }
 
@@ -509,7 +509,7 @@ pub fn formed_nearest<V: Lanes>(g: [V; 3], r: V, bits: u32) -> [V; 3] {
 #[inline(always)]
 fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
     let product = g.abs().product(r) + V::Wide::splat(1 << (34 - bits));
-    let magnitude = product.shr(35 - bits).narrow().at_most(V::splat(1 << bits));
+    let magnitude = product.shr_narrow(35 - bits).at_most(V::splat(1 << bits));
     magnitude.with_sign_of(V::splat(0) - g)
 }
 

@@ -2,6 +2,7 @@
 
 #![deny(unsafe_code)]
 
+pub mod bench;
 pub mod camera;
 pub mod compare;
 pub mod engine;
@@ -9,9 +10,11 @@ pub mod exchange;
 pub mod expanded;
 pub mod export;
 pub mod model;
+pub mod opponent;
 pub mod oriented;
 pub mod pipelines;
 pub mod presets;
+pub mod rays;
 pub mod scene;
 pub mod simd;
 pub mod table;

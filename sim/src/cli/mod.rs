@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand.
 
+mod bench;
 mod compare;
 mod default;
 mod inputs;
@@ -88,6 +89,7 @@ enum Command {
     Inspect(inspect::Args),
     Table(table::Args),
     Turntable(turntable::Args),
+    Bench(Box<bench::Args>),
 }
 
 impl Cli {
@@ -101,6 +103,7 @@ impl Cli {
             Some(Command::Inspect(args)) => args.run(),
             Some(Command::Table(args)) => args.run(),
             Some(Command::Turntable(args)) => args.run(),
+            Some(Command::Bench(args)) => args.run(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Error figures as text tables.
 
 use comfy_table::{CellAlignment, Table, presets};
+use slicecast_sim::bench::Row;
 use slicecast_sim::compare::Comparison;
 use slicecast_sim::compare::image::ImageFigures;
 use slicecast_sim::compare::stages::StageReport;
@@ -123,4 +124,29 @@ pub fn image_lines(name: &str, comparison: &Comparison) -> [(String, ImageFigure
         (format!("{name}, base plane"), comparison.image),
         (format!("{name}, picture"), comparison.picture),
     ]
+}
+
+/// Times of frames.
+pub fn speed(rows: &[Row]) -> Table {
+    let mut table = table(&[
+        "who",
+        "vectors",
+        "threads",
+        "ms a frame",
+        "M samples/s",
+        "ns a sample",
+        "against compact",
+    ]);
+    for row in rows {
+        table.add_row([
+            row.engine.clone(),
+            row.width.to_owned(),
+            row.threads.to_string(),
+            format!("{:.2}", row.milliseconds),
+            format!("{:.1}", row.samples_per_second / 1e6),
+            format!("{:.3}", row.nanoseconds),
+            row.against_compact.map_or("-".into(), |ratio| format!("{ratio:.2}")),
+        ]);
+    }
+    table
 }

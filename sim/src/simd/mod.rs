@@ -5,7 +5,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 #[cfg(target_arch = "x86_64")]
-mod partial;
+pub(crate) mod partial;
 #[cfg(target_arch = "x86_64")]
 mod root;
 #[cfg(test)]
