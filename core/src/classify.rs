@@ -260,7 +260,7 @@ pub fn mix_colour<P: Precision, V: Lanes>(a: V, b: V, f: V) -> V {
         (a * rest + b * f + V::splat(half)) >> P::SAMPLE_BITS
     } else {
         let sum = a.product(rest) + b.product(f) + V::Wide::splat(i64::from(half));
-        sum.shr(P::SAMPLE_BITS).narrow()
+        sum.shr_narrow(P::SAMPLE_BITS)
     }
 }
 
@@ -316,7 +316,9 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
         self.support
     }
 
-    #[inline(always)]
+    // With registers of its own it takes fewer instructions where there are few.
+    #[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
+    #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
     fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
         let dark = self.support.dark::<P>();
         for (o, &s) in out.iter_mut().zip(samples) {

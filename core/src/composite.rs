@@ -21,7 +21,7 @@ use core::marker::PhantomData;
 use core::ops::Range;
 
 use crate::format::Opacity;
-use crate::lanes::{Lanes, Wide as _};
+use crate::lanes::{Lanes, Wide as _, places};
 use crate::rows::take;
 
 /// An accumulator format: 0 to 1, both included, as whole multiples of 1 / [`Channel::ONE`].
@@ -208,7 +208,7 @@ pub struct Telescoping31;
 /// Product of two 1.31 numbers, truncated.
 #[inline(always)]
 fn product31<V: Lanes>(a: V, b: V) -> V {
-    a.product(b).shr(31).narrow()
+    a.product(b).shr_narrow(31)
 }
 
 impl Recurrence for Telescoping31 {
@@ -264,7 +264,7 @@ impl<C: Channel> Dithered<C> {
     #[inline(always)]
     fn taken<V: Lanes>(transparency: V, opacity: V, dither: Dither) -> V {
         let half = V::Wide::splat(i64::from(2 * dither.transparency + 1) << 15);
-        (transparency.product(opacity) + half).shr(31).narrow()
+        (transparency.product(opacity) + half).shr_narrow(31)
     }
 }
 
@@ -281,7 +281,7 @@ impl<C: Channel> Dithered<C> {
         let scaled = colour.wrapping_mul(V::splat(C::ONE.bits() as i32));
         let scaled = scaled.wrapping_add(V::splat(1 << 14)).shr_unsigned(15);
         let sum = V::Wide::of(old).shl(31) + scaled.product(opacity) - old.product(opacity);
-        (sum + half).shr(31).narrow()
+        (sum + half).shr_narrow(31)
     }
 }
 
@@ -475,14 +475,24 @@ pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
     let [red, green, blue] = &mut row.colour;
     let [cr, cg, cb] = colour;
     let (bits, from_bits) = (R::Channel::bits, R::Channel::from_bits);
-    for at in (0..opacity.len()).step_by(V::COUNT) {
+    let len = opacity.len();
+    let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len)) else {
+        return;
+    };
+    let (Some(cr), Some(cg), Some(cb)) = (cr.get(..len), cg.get(..len), cb.get(..len)) else {
+        return;
+    };
+    let Some(transparency) = row.transparency.get_mut(..len) else {
+        return;
+    };
+    for at in places::<V>(len) {
         let pixel = Pixel {
             colour: [
                 V::load_as(red, at, bits),
                 V::load_as(green, at, bits),
                 V::load_as(blue, at, bits),
             ],
-            transparency: V::load_as(row.transparency, at, bits),
+            transparency: V::load_as(transparency, at, bits),
         };
         let colour = [V::load(cr, at), V::load(cg, at), V::load(cb, at)];
         let out = O::fold::<R, V>(pixel, colour, V::load(opacity, at), dither, floor);
@@ -490,7 +500,7 @@ pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
         r.store_as(red, at, from_bits);
         g.store_as(green, at, from_bits);
         b.store_as(blue, at, from_bits);
-        out.transparency.store_as(row.transparency, at, from_bits);
+        out.transparency.store_as(transparency, at, from_bits);
     }
 }
 

@@ -18,12 +18,16 @@
 //! Overflow: none, |G| <= 8190 * 2^15 < 2^28.01. State: none.
 
 use crate::format::Intensity;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, places};
 
 /// Difference of two rows of samples: `next - previous`. All rows equally long.
 #[inline(always)]
 pub fn difference_row<V: Lanes>(next: &[i32], previous: &[i32], out: &mut [i32]) {
-    for at in (0..out.len()).step_by(V::COUNT) {
+    let len = out.len();
+    let (Some(next), Some(previous)) = (next.get(..len), previous.get(..len)) else {
+        return;
+    };
+    for at in places::<V>(len) {
         (V::load(next, at) - V::load(previous, at)).store(out, at);
     }
 }
@@ -40,7 +44,7 @@ pub fn space<V: Lanes>(component: V, factor: Intensity) -> V {
 #[inline(always)]
 pub fn space_row<V: Lanes>(row: &mut [i32], factor: Intensity) {
     if factor != Intensity::ONE {
-        for at in (0..row.len()).step_by(V::COUNT) {
+        for at in places::<V>(row.len()) {
             space(V::load(row, at), factor).store(row, at);
         }
     }
@@ -69,7 +73,7 @@ fn coarse<V: Lanes>(c: V, cut: V, bits: u32) -> V {
 #[inline(always)]
 pub fn coarsen_row<V: Lanes>(g: [&mut [i32]; 3], bits: u32) {
     let [x, y, z] = g;
-    for at in (0..x.len()).step_by(V::COUNT) {
+    for at in places::<V>(x.len()) {
         let [a, b, c] = coarsen([V::load(x, at), V::load(y, at), V::load(z, at)], bits);
         a.store(x, at);
         b.store(y, at);

@@ -18,13 +18,13 @@
 use core::ops::Range;
 
 use crate::format::Weight;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, SMALL, places};
 use crate::precision::Precision;
 
 /// Sixteen-bit weight with the bits that a precision does not have cut off.
 #[inline(always)]
 fn cut<P: Precision>(weight: Weight) -> i32 {
-    (weight.to_bits() & (0xffff << (16 - P::WEIGHT_BITS)) & 0xffff) as i32
+    (weight.to_bits() & (u32::MAX << (16 - P::WEIGHT_BITS))) as i32
 }
 
 /// `WHOLE`: `a` and `b` are whole numbers, and so their difference times the weight is exact.
@@ -66,15 +66,19 @@ pub fn trilinear<P: Precision>(voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3])
 /// z interpolation of a row of voxels. `out`: s15.16, as long as the rows.
 #[inline(always)]
 pub fn z_row<P: Precision, V: Lanes>(near: &[u16], far: &[u16], weight: Weight, out: &mut [i32]) {
+    let len = out.len();
+    let (Some(near), Some(far)) = (near.get(..len), far.get(..len)) else {
+        return;
+    };
     if weight == Weight::ZERO {
         // A plane that lies in a slice: all of them at one plane a voxel.
-        for at in (0..out.len()).step_by(V::COUNT) {
+        for at in places::<V>(len) {
             (V::load_voxels(near, at) << 16).store(out, at);
         }
         return;
     }
     let w = V::splat(cut::<P>(weight));
-    for at in (0..out.len()).step_by(V::COUNT) {
+    for at in places::<V>(len) {
         V::load_voxels(near, at)
             .between16(V::load_voxels(far, at), w)
             .store(out, at);
@@ -129,6 +133,16 @@ pub struct Difference<'a> {
 }
 
 impl Difference<'_> {
+    /// The first columns, if there are as many.
+    #[inline(always)]
+    fn first(self, len: usize) -> Option<Self> {
+        Some(Self {
+            scale: self.scale,
+            minuend: self.minuend.get(..len)?,
+            subtrahend: self.subtrahend.get(..len)?,
+        })
+    }
+
     /// Columns `at ..`, before scaling.
     #[inline(always)]
     fn lanes<V: Lanes>(&self, at: usize) -> V {
@@ -154,16 +168,20 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
     weight: Weight,
     out: &mut [i32],
 ) {
+    let len = out.len();
+    let (Some(near), Some(far)) = (near.first(len), far.first(len)) else {
+        return;
+    };
     if weight == Weight::ZERO {
         let scale = V::splat(near.scale << 16);
-        for at in (0..out.len()).step_by(V::COUNT) {
+        for at in places::<V>(len) {
             (near.lanes::<V>(at) * scale).store(out, at);
         }
         return;
     }
     let w = V::splat(cut::<P>(weight));
     let scales = [near.scale, far.scale];
-    for at in (0..out.len()).step_by(V::COUNT) {
+    for at in places::<V>(len) {
         let (mut a, mut b) = (near.lanes::<V>(at), far.lanes::<V>(at));
         // At a face of the volume; everywhere else the scales are 1.
         if scales != [1, 1] {
@@ -180,7 +198,8 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
 /// last voxel lies outside the volume).
 #[inline(always)]
 pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
-    if whole {
+    // On small machines both take as many instructions.
+    if whole && !SMALL {
         yx_row_of::<P, V, true>(a, b, weights, out);
     } else {
         yx_row_of::<P, V, false>(a, b, weights, out);
@@ -191,12 +210,23 @@ pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], whole: bool, weights
 fn yx_row_of<P: Precision, V: Lanes, const WHOLE: bool>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2], out: &mut [i32]) {
     let (wx, wy) = (V::splat(cut::<P>(wx)), V::splat(cut::<P>(wy)));
     let mut here = lerp_y::<P, V, WHOLE>(V::load(a, 0), V::load(b, 0), wy);
-    for at in (0..out.len()).step_by(V::COUNT) {
-        let behind = at + V::COUNT;
-        let next = lerp_y::<P, V, WHOLE>(V::load(a, behind), V::load(b, behind), wy);
-        lerp_x::<P, V>(here, here.followed_by(next), wx).store(out, at);
+    let [a, b] = [a, b].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
+    let (len, a, b) = if V::COUNT == 1 {
+        // A single lane stops before an element that has no right neighbour.
+        let len = out.len().min(a.len()).min(b.len());
+        (len, a.get(..len), b.get(..len))
+    } else {
+        (out.len(), Some(a), Some(b))
+    };
+    let (Some(a), Some(b), Some((inner, last))) = (a, b, out.split_at_mut_checked(len)) else {
+        return;
+    };
+    for at in places::<V>(len) {
+        let next = lerp_y::<P, V, WHOLE>(V::load(a, at), V::load(b, at), wy);
+        lerp_x::<P, V>(here, here.followed_by(next), wx).store(inner, at);
         here = next;
     }
+    lerp_x::<P, V>(here, V::splat(0), wx).store(last, 0);
 }
 
 #[cfg(test)]

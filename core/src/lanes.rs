@@ -15,6 +15,18 @@ use crate::normalise::reciprocal_root;
 /// than the work that it saves.
 pub(crate) const SMALL: bool = cfg!(any(target_arch = "arm", target_arch = "riscv32"));
 
+/// The places at which a loop over rows of this length handles its lanes. Row kernels first cut all their rows to that
+/// length: with a single lane the compiler then sees that every place lies inside, and leaves its checks out.
+#[inline(always)]
+pub fn places<V: Lanes>(len: usize) -> impl Iterator<Item = usize> {
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let at = next;
+        next += V::COUNT;
+        (at < len).then_some(at)
+    })
+}
+
 /// Some 32-bit lanes.
 pub trait Lanes:
     Copy
@@ -147,10 +159,15 @@ pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
     fn square31(self) -> Self {
         (self.square() + Self::splat(1 << 30)).shr(31)
     }
+    /// The low 32 bits after a right shift by 1 to 31.
+    #[inline(always)]
+    fn shr_narrow(self, by: u32) -> Self::Narrow {
+        self.shr(by).narrow()
+    }
     /// Right shift of a number that is not negative, at most 2^31 then. The result before that is below 2^32.
     #[inline(always)]
     fn shr_to_one(self, by: u32) -> Self::Narrow {
-        self.shr(by).narrow().at_most_unsigned(Self::Narrow::splat(i32::MIN))
+        self.shr_narrow(by).at_most_unsigned(Self::Narrow::splat(i32::MIN))
     }
     /// Unsigned 32-bit lanes in 64 bits.
     fn of(narrow: Self::Narrow) -> Self;

@@ -73,7 +73,7 @@ pub fn plane(plan: &Plan, phase: Phase, index: u32) -> Plane {
 ///
 /// A sample is inside from the first voxel to the last, both included: cell 0 to side - 2, and side - 1 when its
 /// weight is zero.
-pub(crate) fn inside(at: Cell, side: u32, pixels: u32) -> core::ops::Range<u32> {
+pub fn inside(at: Cell, side: u32, pixels: u32) -> core::ops::Range<u32> {
     let cells = i64::from(side) - i64::from(at.weight != Weight::ZERO);
     let clamp = |p: i64| p.clamp(0, i64::from(pixels)) as u32;
     let first = clamp(-i64::from(at.index));

@@ -16,7 +16,8 @@
 //! millidegrees of angle, 2^-19.2 of length. Overflow: none. State: none.
 
 use crate::format::{ReciprocalNorm, Unit};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, SMALL, places};
+use crate::rows::part_mut;
 
 /// A block-normalised gradient and its reciprocal length: the direction is `g * r / 2^35`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,20 +28,18 @@ pub struct Normal {
     pub r: ReciprocalNorm,
 }
 
-/// Direction of a gradient.
+/// Direction of a gradient. This function is the definition.
 #[inline]
 pub fn normalise(gradient: [i32; 3]) -> Normal {
-    let (g, r) = normalise_lanes(gradient);
-    Normal { g, r: r as u32 }
+    let g = block(gradient);
+    let r = square_of(g).reciprocal_root() as u32;
+    Normal { g, r }
 }
 
-/// Directions of gradients: g and r. This function is the definition.
+/// S.
 #[inline(always)]
-pub fn normalise_lanes<V: Lanes>(gradient: [V; 3]) -> ([V; 3], V) {
-    let g = block(gradient);
-    let [x, y, z] = g;
-    let square = (x * x).wrapping_add(y * y).wrapping_add(z * z);
-    (g, square.reciprocal_root())
+fn square_of<V: Lanes>([x, y, z]: [V; 3]) -> V {
+    (x * x).wrapping_add(y * y).wrapping_add(z * z)
 }
 
 /// Brings the largest component of a gradient to 15 bits.
@@ -58,6 +57,12 @@ pub fn block<V: Lanes>(gradient: [V; 3]) -> [V; 3] {
 fn shifted<V: Lanes>(c: V, [up, down]: [V; 2]) -> V {
     let half = V::splat(1).shl_each(down).shr_unsigned(1);
     let magnitude = c.abs().shl_each(up).wrapping_add(half).shr_each(down);
+    // On small machines a clamp from both sides is one instruction, a minimum three.
+    let magnitude = if SMALL {
+        magnitude.at_least(V::splat(0))
+    } else {
+        magnitude
+    };
     magnitude.at_most(V::splat(32767)).with_sign_of(c)
 }
 
@@ -137,15 +142,42 @@ pub fn unit(normal: Normal) -> [Unit; 3] {
 }
 
 /// Applies [`normalise`] along rows, in place; `r` receives the reciprocal lengths. All rows equally long.
+///
+/// In two passes over a few vectors at a time: one chain of dependent operations as long as both would leave a
+/// processor waiting.
 #[inline(always)]
 pub fn normalise_row<V: Lanes>(g: [&mut [i32]; 3], r: &mut [i32]) {
+    let ([x, y, z], len) = (g, r.len());
+    let (Some(x), Some(y), Some(z)) = (x.get_mut(..len), y.get_mut(..len), z.get_mut(..len)) else {
+        return;
+    };
+    if V::COUNT > 1 {
+        return normalise_row_by::<V, 4>([x, y, z], r);
+    }
+    for at in places::<V>(len) {
+        let one = at..at + 1;
+        let g = [&mut *x, &mut *y, &mut *z].map(|row| part_mut(row, one.clone()));
+        normalise_row_by::<V, 1>(g, part_mut(r, one));
+    }
+}
+
+/// `B` vectors at a time.
+#[inline(always)]
+fn normalise_row_by<V: Lanes, const B: usize>(g: [&mut [i32]; 3], r: &mut [i32]) {
     let [x, y, z] = g;
-    for at in (0..r.len()).step_by(V::COUNT) {
-        let ([gx, gy, gz], length) = normalise_lanes([V::load(x, at), V::load(y, at), V::load(z, at)]);
-        gx.store(x, at);
-        gy.store(y, at);
-        gz.store(z, at);
-        length.store(r, at);
+    for start in (0..r.len()).step_by(B * V::COUNT) {
+        let places = (start..r.len()).step_by(V::COUNT);
+        let mut squares = [V::splat(0); B];
+        for (square, at) in squares.iter_mut().zip(places.clone()) {
+            let [gx, gy, gz] = block([V::load(x, at), V::load(y, at), V::load(z, at)]);
+            *square = square_of([gx, gy, gz]);
+            gx.store(x, at);
+            gy.store(y, at);
+            gz.store(z, at);
+        }
+        for (square, at) in squares.into_iter().zip(places) {
+            square.reciprocal_root().store(r, at);
+        }
     }
 }
 

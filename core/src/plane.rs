@@ -18,7 +18,7 @@ use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence, fold
 use crate::format::Weight;
 use crate::gradient::{coarsen_row, difference_row, space_row};
 use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, z_difference_row, z_row};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, SMALL};
 use crate::locate::{Cell, Plane, cell, inside};
 use crate::normalise::normalise_row;
 use crate::plan::Plan;
@@ -100,9 +100,15 @@ pub const fn scratch_len<L: Pipeline>(width: u32) -> usize {
     L::SCRATCH_ROWS * row_len(width)
 }
 
-/// A row with one place more at each end.
+/// Words of a row: its voxels, and one place at each end.
 const fn row_len(width: u32) -> usize {
     width as usize + 2
+}
+
+/// Cuts a row off scratch memory.
+#[inline(always)]
+fn take_row<'m>(memory: &mut &'m mut [i32], width: u32) -> &'m mut [i32] {
+    take(memory, row_len(width))
 }
 
 /// Consecutive rows of one phase of the base-plane image.
@@ -213,14 +219,20 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
     const ROWS: usize = if LIT { 6 } else { 3 };
 
     #[inline(always)]
-    fn new(memory: &mut &'s mut [i32], len: usize) -> Self {
-        let beyond = if LIT { len } else { 0 };
+    fn new(memory: &mut &'s mut [i32], width: u32) -> Self {
+        let z = [take_row(memory, width), take_row(memory, width)];
+        let (samples, inner) = if LIT {
+            let samples = [(); 3].map(|()| take_row(memory, width));
+            (samples, take_row(memory, width))
+        } else {
+            ([take_row(memory, width), &mut [], &mut []], &mut [][..])
+        };
         Self {
-            z: [take(memory, len), take(memory, len)],
+            z,
             z_row: [NO_ROW; 2],
-            samples: [take(memory, len), take(memory, beyond), take(memory, beyond)],
+            samples,
             sample_row: [NO_ROW; 3],
-            inner: take(memory, beyond),
+            inner,
             precision: PhantomData,
         }
     }
@@ -240,10 +252,25 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
     /// Makes the samples between voxel rows `row` and `row + 1`; a lit scene may ask for one row beyond each face.
     #[inline(always)]
     fn make<V: Lanes>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
-        let slot = Self::slot(row);
-        if self.sample_row.get(slot) == Some(&row) {
+        if self.sample_row.get(Self::slot(row)) == Some(&row) {
             return;
         }
+        if SMALL {
+            self.make_once::<V>(meeting, window, row);
+        } else {
+            self.make_anew::<V>(meeting, window, row);
+        }
+    }
+
+    /// Small machines have the code once: it may be called, because it holds no vectors.
+    #[inline(never)]
+    fn make_once<V: Lanes>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
+        self.make_anew::<V>(meeting, window, row);
+    }
+
+    #[inline(always)]
+    fn make_anew<V: Lanes>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
+        let slot = Self::slot(row);
         let beyond = if LIT { meeting.height } else { meeting.height - 1 };
         // Behind the last row there is none; its weight is zero.
         let next = if row < beyond { row + 1 } else { row };
@@ -333,6 +360,7 @@ fn visible_span<O: Order, C: Channel, V: Lanes>(
     transparencies: &[C],
     from: usize,
 ) -> Option<Range<usize>> {
+    let transparencies = transparencies.get(..opacities.len())?;
     let mut start = from;
     while start < opacities.len() && !any_visible::<O, C, V>(opacities, transparencies, start) {
         start += V::COUNT;
@@ -403,11 +431,10 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         }
         let [base_width, _] = plan.base().map(|side| side as usize);
         let [slice_width, _, _] = plan.dims();
-        let len = row_len(slice_width);
-        let mut sampler = Sampler::<P, LIT>::new(&mut scratch, len);
-        let opacities = part_mut(take(&mut scratch, len), 0..n);
-        let mut colours = [(); 3].map(|()| take(&mut scratch, len));
-        let mut normals = NormalRows::<LIT>::new(&mut scratch, len);
+        let mut sampler = Sampler::<P, LIT>::new(&mut scratch, slice_width);
+        let opacities = part_mut(take_row(&mut scratch, slice_width), 0..n);
+        let mut colours = [(); 3].map(|()| take_row(&mut scratch, slice_width));
+        let mut normals = NormalRows::<LIT>::new(&mut scratch, slice_width);
         let dither = Dither::of_plane(plane.index);
         let support = self.classifier.support();
 
@@ -532,12 +559,12 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
     const ROWS: usize = 6;
 
     #[inline(always)]
-    fn new(memory: &mut &'s mut [i32], len: usize) -> Self {
-        let len = if LIT { len } else { 0 };
+    fn new(memory: &mut &'s mut [i32], width: u32) -> Self {
+        let mut row = || if LIT { take_row(memory, width) } else { &mut [] };
         Self {
-            g: [(); 3].map(|()| take(memory, len)),
-            r: take(memory, len),
-            z: [(); 2].map(|()| take(memory, len)),
+            g: [row(), row(), row()],
+            r: row(),
+            z: [row(), row()],
             z_made: [(0, 0..0), (0, 0..0)],
             len: 0,
         }
@@ -579,10 +606,8 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
         places: Range<usize>,
     ) {
         self.len = places.len();
-        // A row has a place before its first voxel, so there is one to the left of every sample.
-        let first = places.start.saturating_sub(1);
         // Along z: derivatives in place of voxels, one column more than the span where there is one.
-        let columns = first..places.end.min(window.near.width());
+        let columns = places.start.saturating_sub(1)..places.end.min(window.near.width());
         let (this, next) = meeting.voxel_rows(row);
         self.make_z::<P, V>(meeting, window, this, &columns);
         self.make_z::<P, V>(meeting, window, next, &columns);
@@ -592,7 +617,11 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
         let [gx, gy, gz] = self.g.each_mut().map(|g| part_mut(g, 0..places.len()));
         yx_row::<P, V>(pick(this), pick(next), meeting.in_slice(), meeting.weights(), gz);
         let here = sampler.row(row);
-        let (right, left) = (places.start + 1..places.end + 1, first..places.end - 1);
+        // A row has a place before its first voxel, so there is one to the left of every sample.
+        let (right, left) = (
+            places.start + 1..places.end + 1,
+            places.start.saturating_sub(1)..places.end - 1,
+        );
         difference_row::<V>(part(here, right), part(here, left), gx);
         let (next, previous) = (sampler.row(row + 1), sampler.row(row - 1));
         difference_row::<V>(part(next, places.clone()), part(previous, places), gy);
@@ -676,7 +705,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             return;
         }
         let [base_width, _] = plan.base().map(|side| side as usize);
-        let mut sampler = Sampler::<P, false>::new(&mut scratch, row_len(slice_width));
+        let mut sampler = Sampler::<P, false>::new(&mut scratch, slice_width);
         for (row, data, voxel_row) in met_rows(&meeting, rows, base_width) {
             sampler.make::<V>(&meeting, window, voxel_row);
             let place = meeting.voxel + 1;

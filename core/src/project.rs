@@ -5,7 +5,7 @@
 
 use crate::classify::Classifier;
 use crate::composite::{Dither, Pixel, Recurrence};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, places};
 use crate::precision::Precision;
 
 /// Which sample of a ray is kept.
@@ -43,7 +43,9 @@ impl Extreme for Minimum {
 /// Folds one sample into each pixel of a row. Both rows equally long.
 #[inline(always)]
 pub fn keep_row<X: Extreme, V: Lanes>(row: &mut [i32], samples: &[i32]) {
-    for at in (0..row.len()).step_by(V::COUNT) {
+    let len = row.len();
+    let Some(samples) = samples.get(..len) else { return };
+    for at in places::<V>(len) {
         X::keep(V::load(row, at), V::load(samples, at)).store(row, at);
     }
 }

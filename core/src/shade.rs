@@ -30,9 +30,10 @@ use core::marker::PhantomData;
 use heapless::Vec;
 
 use crate::format::{Coefficient, Cosine, Vector};
-use crate::lanes::{Lanes, Wide as _};
+use crate::lanes::{Lanes, Wide as _, places};
 use crate::normalise::Normal;
 use crate::precision::{NormalForm, Power, Precision, Shading};
+use crate::rows::{part, part_mut};
 
 /// The largest number of lights.
 pub const LIGHTS_MAX: usize = 8;
@@ -93,6 +94,8 @@ pub struct Phong<P> {
     exponent_log2: u32,
     /// Whether no coefficient differs between the channels: then one sum serves all three.
     grey: bool,
+    /// See [`least_bright`].
+    least_bright: u32,
     precision: PhantomData<P>,
 }
 
@@ -240,6 +243,7 @@ impl<P: Precision> Phong<P> {
         Ok(Self {
             ambient,
             grey,
+            least_bright: least_bright::<P>(exponent_log2),
             lights: sources,
             viewer: keep_vector::<P>(viewer),
             highlight,
@@ -248,56 +252,123 @@ impl<P: Precision> Phong<P> {
         })
     }
 
-    /// Colour of a sample with this normal and classified colour.
+    /// Colour of a sample with this normal and classified colour. This function is the definition: a row of one.
     #[inline]
     pub fn shade(&self, normal: Normal, colour: [u32; 3]) -> [u32; 3] {
-        let out = self.shade_lanes(normal.g, normal.r as i32, colour.map(|c| c as i32));
-        out.map(|c| c as u32)
+        let [x, y, z] = normal.g.map(|c| [c]);
+        let [mut red, mut green, mut blue] = colour.map(|c| [c as i32]);
+        Shader::<P>::shade_row::<i32>(
+            self,
+            [&x, &y, &z],
+            &[normal.r as i32],
+            [&mut red, &mut green, &mut blue],
+        );
+        [red, green, blue].map(|[c]| c as u32)
     }
 
-    /// Colours of samples with these normals and classified colours. This function is the definition.
+    /// Shades a row, `B` vectors at a time and each step on all of them: one chain of dependent operations as long as
+    /// all steps would leave a processor waiting. `N` channels differ in their coefficients: 1 (grey light) or 3.
     #[inline(always)]
-    pub fn shade_lanes<V: Lanes>(&self, g: [V; 3], r: V, colour: [V; 3]) -> [V; 3] {
-        let [red, green, blue] = colour;
-        if self.grey {
-            let [sum] = self.lighting::<V, 1>(g, r);
-            [lit::<P, V>(red, sum), lit::<P, V>(green, sum), lit::<P, V>(blue, sum)]
+    fn shade_row_by<V: Lanes, const B: usize, const N: usize>(
+        &self,
+        normals: Normals<'_>,
+        [red, green, blue]: [&mut [i32]; 3],
+    ) {
+        let len = normals.r.len();
+        let zero = V::splat(0);
+        let reflection = self.highlight == Highlight::Reflection;
+        for start in (0..len).step_by(B * V::COUNT) {
+            let places = (start..len).step_by(V::COUNT);
+            let mut sums = [[[zero; 2]; N]; B];
+            let mut facing = [zero; B];
+            for ((sums, facing), at) in sums.iter_mut().zip(&mut facing).zip(places.clone()) {
+                for (sum, k) in sums.iter_mut().zip(self.ambient) {
+                    *sum = [ambient::<P, V>(k), zero];
+                }
+                if reflection {
+                    *facing = normals.dot::<P, V>(at, self.viewer);
+                }
+            }
+            for light in &self.lights {
+                let (mut towards, mut bases) = ([zero; B], [zero; B]);
+                for ((nl, base), (nv, at)) in towards
+                    .iter_mut()
+                    .zip(&mut bases)
+                    .zip(facing.iter().zip(places.clone()))
+                {
+                    *nl = normals.dot::<P, V>(at, light.direction);
+                    if nl.all_zero() {
+                        continue;
+                    }
+                    *base = if !reflection {
+                        nl.nonzero_then(normals.dot::<P, V>(at, light.half))
+                    } else if nv.all_zero() {
+                        zero
+                    } else {
+                        nl.nonzero_then(nv.nonzero_then(reflected_off::<P, V>(*nv, *nl, light.along)))
+                    };
+                }
+                let least = V::splat(self.least_bright as i32);
+                for (sums, base) in sums.iter_mut().zip(&bases) {
+                    // A power that products would not see is not formed.
+                    let bright = base.at_least_then(least, *base);
+                    if !bright.all_zero() {
+                        let y = for_products::<P, V>(power_lanes::<P, V>(bright, self.exponent_log2));
+                        for ([_, s], k) in sums.iter_mut().zip(light.specular) {
+                            *s = s.saturating_add(weighted::<P, V>(k, y));
+                        }
+                    }
+                }
+                for (sums, nl) in sums.iter_mut().zip(&towards) {
+                    let x = for_products::<P, V>(*nl);
+                    for ([d, _], k) in sums.iter_mut().zip(light.diffuse) {
+                        *d = d.saturating_add(weighted::<P, V>(k, x));
+                    }
+                }
+            }
+            for (sums, at) in sums.iter().zip(places) {
+                let sum = |channel: usize| sums.get(channel).copied().unwrap_or([zero; 2]);
+                lit::<P, V>(V::load(red, at), sum(0)).store(red, at);
+                lit::<P, V>(V::load(green, at), sum(N >> 1)).store(green, at);
+                lit::<P, V>(V::load(blue, at), sum(N - 1)).store(blue, at);
+            }
+        }
+    }
+}
+
+/// Rows of normals.
+#[derive(Clone, Copy)]
+struct Normals<'a> {
+    g: [&'a [i32]; 3],
+    r: &'a [i32],
+}
+
+impl Normals<'_> {
+    /// [`dot_lanes`] of the normals at a place.
+    #[inline(always)]
+    fn dot<P: Precision, V: Lanes>(&self, at: usize, vector: [i32; 3]) -> V {
+        let [x, y, z] = self.g;
+        dot_lanes::<P, V>(
+            [V::load(x, at), V::load(y, at), V::load(z, at)],
+            V::load(self.r, at),
+            vector,
+        )
+    }
+}
+
+/// The least base of a highlight of which products see anything: its power rises with it.
+fn least_bright<P: Precision>(exponent_log2: u32) -> u32 {
+    let seen = |x: u32| for_products::<P, i32>(power_lanes::<P, i32>(x as i32, exponent_log2)) != 0;
+    let (mut dark, mut bright) = (0u32, 1u32 << 31);
+    while bright - dark > 1 {
+        let middle = dark + ((bright - dark) >> 1);
+        if seen(middle) {
+            bright = middle;
         } else {
-            let [a, b, c] = self.lighting::<V, 3>(g, r);
-            [lit::<P, V>(red, a), lit::<P, V>(green, b), lit::<P, V>(blue, c)]
+            dark = middle;
         }
     }
-
-    /// What the first `N` channels receive from all lights: diffuse (with ambient) and specular.
-    #[inline(always)]
-    fn lighting<V: Lanes, const N: usize>(&self, g: [V; 3], r: V) -> [[V; 2]; N] {
-        let mut sums = [[V::splat(0); 2]; N];
-        for (sum, k) in sums.iter_mut().zip(self.ambient) {
-            *sum = [ambient::<P, V>(k), V::splat(0)];
-        }
-        let nv = match self.highlight {
-            Highlight::HalfVector => V::splat(0),
-            Highlight::Reflection => dot_lanes::<P, V>(g, r, self.viewer),
-        };
-        for light in &self.lights {
-            let nl = dot_lanes::<P, V>(g, r, light.direction);
-            if nl.all_zero() {
-                continue;
-            }
-            let base = match self.highlight {
-                Highlight::HalfVector => dot_lanes::<P, V>(g, r, light.half),
-                Highlight::Reflection if nv.all_zero() => V::splat(0),
-                Highlight::Reflection => nv.nonzero_then(reflected_off::<P, V>(nv, nl, light.along)),
-            };
-            let y = power_lanes::<P, V>(nl.nonzero_then(base), self.exponent_log2);
-            let (x, y) = (for_products::<P, V>(nl), for_products::<P, V>(y));
-            for (([d, s], kd), ks) in sums.iter_mut().zip(light.diffuse).zip(light.specular) {
-                *d = d.saturating_add(weighted::<P, V>(kd, x));
-                *s = s.saturating_add(weighted::<P, V>(ks, y));
-            }
-        }
-        sums
-    }
+    bright
 }
 
 /// The ambient coefficient as a sum of products begins with it.
@@ -327,7 +398,7 @@ fn weighted<P: Precision, V: Lanes>(k: u32, x: V) -> V {
     match P::SHADING {
         Shading::Truncated16 => k.wrapping_mul(x).shr_unsigned(15),
         Shading::Rounded16 => k.wrapping_mul(x),
-        Shading::Rounded31 => k.product(x).shr(31).narrow(),
+        Shading::Rounded31 => k.product(x).shr_narrow(31),
     }
 }
 
@@ -342,11 +413,14 @@ fn lit<P: Precision, V: Lanes>(colour: V, [diffuse, specular]: [V; 2]) -> V {
         }
         Shading::Rounded16 => {
             let m = diffuse
-                .saturating_add(V::splat(1 << 14))
-                .shr_unsigned(15)
-                .at_most(one16);
-            let sum = colour.wrapping_mul(m).saturating_add(specular);
-            sum.saturating_add(one15).shr_unsigned(16).at_most(one15)
+                .at_most_unsigned(one31)
+                .wrapping_add(V::splat(1 << 14))
+                .shr_unsigned(15);
+            // O m, and as much of the highlight as there is room for below 1.
+            let diffuse = colour.wrapping_mul(m);
+            let room = one31.wrapping_sub(diffuse);
+            let sum = diffuse.wrapping_add(specular.at_most_unsigned(room));
+            sum.wrapping_add(one15).shr_unsigned(16)
         }
         Shading::Rounded31 => {
             let product = colour.product(diffuse.at_most_unsigned(one31)) + V::Wide::splat(1 << 30);
@@ -364,15 +438,34 @@ impl<P: Precision> Shader<P> for Phong<P> {
 
     #[inline(always)]
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]) {
-        let [gx, gy, gz] = g;
-        let [red, green, blue] = colour;
-        for at in (0..r.len()).step_by(V::COUNT) {
-            let g = [V::load(gx, at), V::load(gy, at), V::load(gz, at)];
-            let colour = [V::load(red, at), V::load(green, at), V::load(blue, at)];
-            let [r, g, b] = self.shade_lanes(g, V::load(r, at), colour);
-            r.store(red, at);
-            g.store(green, at);
-            b.store(blue, at);
+        let ([gx, gy, gz], [red, green, blue], len) = (g, colour, r.len());
+        let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
+            return;
+        };
+        let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len))
+        else {
+            return;
+        };
+        if V::COUNT > 1 {
+            let normals = Normals { g: [gx, gy, gz], r };
+            return if self.grey {
+                self.shade_row_by::<V, 8, 1>(normals, [red, green, blue])
+            } else {
+                self.shade_row_by::<V, 8, 3>(normals, [red, green, blue])
+            };
+        }
+        for at in places::<V>(len) {
+            let one = at..at + 1;
+            let normals = Normals {
+                g: [gx, gy, gz].map(|row| part(row, one.clone())),
+                r: part(r, one.clone()),
+            };
+            let colour = [&mut *red, &mut *green, &mut *blue].map(|row| part_mut(row, one.clone()));
+            if self.grey {
+                self.shade_row_by::<V, 1, 1>(normals, colour);
+            } else {
+                self.shade_row_by::<V, 1, 3>(normals, colour);
+            }
         }
     }
 }
@@ -391,7 +484,7 @@ pub fn formed<V: Lanes>(g: [V; 3], r: V, bits: u32) -> [V; 3] {
 
 #[inline(always)]
 fn formed_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
-    let magnitude = g.abs().product(r).shr(35 - bits).narrow();
+    let magnitude = g.abs().product(r).shr_narrow(35 - bits);
     magnitude.with_sign_of(V::splat(0) - g)
 }
 
@@ -416,7 +509,7 @@ pub fn formed_nearest<V: Lanes>(g: [V; 3], r: V, bits: u32) -> [V; 3] {
 #[inline(always)]
 fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
     let product = g.abs().product(r) + V::Wide::splat(1 << (34 - bits));
-    let magnitude = product.shr(35 - bits).narrow().at_most(V::splat(1 << bits));
+    let magnitude = product.shr_narrow(35 - bits).at_most(V::splat(1 << bits));
     magnitude.with_sign_of(V::splat(0) - g)
 }
 

@@ -16,7 +16,7 @@ use crate::camera::{CameraError, Picture, Setup, set_up};
 use crate::oriented::{packed, with_slices};
 use crate::pipelines::{Job, compile, dispatch};
 use crate::scene::Scene;
-use crate::simd::{OverLanes, Simd, with_lanes};
+use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
 use crate::table::Table;
 use crate::volume::Volume;
 
@@ -146,13 +146,26 @@ impl<'a> Prepared<'a> {
     /// [`RenderError`]; nothing is rendered then.
     pub fn render(&self, layer: Layer, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
         with_slices(self.volume, self.setup.plan.view(), |slices| {
-            self.dispatch(Render {
-                prepared: self,
-                slices,
-                layer,
-                progress,
-            })
-        })??
+            self.render_slices(slices, layer, progress)
+        })?
+    }
+
+    /// Renders the frame from slices that [`with_slices`] has made for a view along the same axis and direction.
+    ///
+    /// # Errors
+    /// As [`Prepared::render`].
+    pub fn render_slices(
+        &self,
+        slices: &[Slice<'_>],
+        layer: Layer,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Frame, RenderError> {
+        self.dispatch(Render {
+            prepared: self,
+            slices,
+            layer,
+            progress,
+        })?
     }
 }
 
@@ -324,6 +337,20 @@ pub fn fold_tile<L: Pipeline, T: Tap>(
     fold.run::<i32>();
 }
 
+/// How many slices ahead of a plane memory is asked for.
+pub(crate) const AHEAD: i32 = 3;
+
+impl<L: Pipeline, T> FoldTile<'_, '_, L, T> {
+    /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`.
+    #[inline(always)]
+    fn prefetch(&self, slice: &Slice<'_>, offset: i32) {
+        let first = (i64::from(self.tile.first) + i64::from(offset)).max(0) as usize;
+        for row in first..first + self.tile.rows as usize + 1 {
+            prefetch(slice.row(row));
+        }
+    }
+}
+
 /// A tile on its way through all planes.
 struct FoldTile<'a, 's, L: Pipeline, T> {
     plan: &'a Plan,
@@ -342,10 +369,19 @@ impl<L: Pipeline, T: Tap> OverLanes for FoldTile<'_, '_, L, T> {
     fn run<V: Lanes>(self) {
         let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
         let planes = self.plan.planes();
+        let mut ahead = None;
         for step in 0..planes {
             let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
             let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
-            if let Some(window) = Window::at(cell(plane.z).index, slice) {
+            let z = cell(plane.z).index;
+            let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
+            if ahead != Some(wanted) {
+                ahead = Some(wanted);
+                if let Some(slice) = slice(wanted) {
+                    self.prefetch(&slice, cell(plane.y).index);
+                }
+            }
+            if let Some(window) = Window::at(z, slice) {
                 let rows = Rows {
                     first: self.tile.first,
                     data: &mut *self.data,

@@ -7,7 +7,7 @@
 use fixed::traits::Fixed;
 use slicecast::classify::{AlphaCode, Classifier, ENTRIES, Linear, PointTable, Support, colour_of_entry, mix_colour};
 use slicecast::format::Opacity;
-use slicecast::lanes::Lanes;
+use slicecast::lanes::{Lanes, places};
 use slicecast::precision::Precision;
 
 use crate::scene::LookupName;
@@ -101,8 +101,9 @@ impl<P: Precision> Classifier<P> for &Expanded {
         let (offset, mask) = self.rule::<P>();
         let mut pairs = [0; AHEAD];
         for (samples, out) in samples.chunks(AHEAD).zip(out.chunks_mut(AHEAD)) {
+            let samples = &samples[..out.len()];
             look_up::<P>(&self.opacities, samples, offset, &mut pairs);
-            for at in (0..samples.len()).step_by(V::COUNT) {
+            for at in places::<V>(samples.len()) {
                 let [a, b] = V::load_pairs(&pairs, at);
                 let f = V::load(samples, at) & V::splat(mask);
                 a.mix(b, f, P::SAMPLE_BITS).store(out, at);
@@ -128,7 +129,9 @@ impl<P: Precision> Classifier<P> for &Expanded {
             .zip(blue.chunks_mut(AHEAD));
         for (samples, ((red, green), blue)) in samples.chunks(AHEAD).zip(rows) {
             look_up::<P>(&self.colours, samples, offset, &mut pairs);
-            for at in (0..samples.len()).step_by(V::COUNT) {
+            let len = samples.len();
+            let (red, green, blue) = (&mut red[..len], &mut green[..len], &mut blue[..len]);
+            for at in places::<V>(len) {
                 let [a, b] = V::load_pairs(&pairs, at);
                 let f = V::load(samples, at) & V::splat(mask);
                 mixed_colour::<P, V>(a, b, 0, f).store(red, at);

@@ -2,6 +2,7 @@
 
 #![deny(unsafe_code)]
 
+pub mod bench;
 pub mod camera;
 pub mod compare;
 pub mod engine;
@@ -10,9 +11,11 @@ pub mod expanded;
 pub mod explain;
 pub mod export;
 pub mod model;
+pub mod opponent;
 pub mod oriented;
 pub mod pipelines;
 pub mod presets;
+pub mod rays;
 pub mod report;
 pub mod scene;
 pub mod simd;

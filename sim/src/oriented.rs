@@ -1,7 +1,10 @@
 //! A volume read along the view's major axis: measured slices, nearest to the eye first.
 //!
-//! Slices across y and z are read in place (rows along x are contiguous); slices across x need a transposed copy.
+//! Slices across y and z are read in place (rows along x are contiguous); slices across x need a transposed copy, as
+//! large as the volume. Copying and measuring take all threads; who renders many frames does it once for those that look
+//! along the same axis ([`Prepared::render_slices`](crate::engine::Prepared::render_slices)).
 
+use rayon::prelude::*;
 use slicecast::slice::{RowRange, Slice, SliceError};
 use slicecast::view::{Axis, View};
 
@@ -24,26 +27,37 @@ pub fn with_slices<R>(volume: &Volume, view: &View, run: impl FnOnce(&[Slice<'_>
         }
     };
     let mut ranges = vec![RowRange::EMPTY; height * depth];
-    let mut slices = Vec::with_capacity(depth);
-    for (k, ranges) in ranges.chunks_mut(height).enumerate() {
+    let measure = |(k, ranges)| {
         let voxels = voxels.get(k * start..).unwrap_or(&[]);
-        slices.push(Slice::measure(voxels, width, height, stride, ranges)?);
-    }
+        Slice::measure(voxels, width, height, stride, ranges)
+    };
+    let slices: Result<Vec<_>, _> = ranges.par_chunks_mut(height).enumerate().map(measure).collect();
+    let mut slices = slices?;
     if view.reversed() {
         slices.reverse();
     }
     Ok(run(&slices))
 }
 
+/// Slices across x that are filled together: so many voxels of a row lie in one line of the cache.
+const TOGETHER: usize = 32;
+
 /// The voxels of slices across x, rows along y: `out[(x * nz + z) * ny + y]`.
 fn transpose(voxels: &[u16], [nx, ny, nz]: [usize; 3]) -> Vec<u16> {
     let mut out = vec![0; voxels.len()];
-    for (row_index, row) in voxels.chunks_exact(nx).enumerate() {
-        let (y, z) = (row_index % ny, row_index / ny);
-        for (x, &v) in row.iter().enumerate() {
-            out[(x * nz + z) * ny + y] = v;
-        }
-    }
+    let slice = ny * nz;
+    out.par_chunks_mut(TOGETHER * slice)
+        .enumerate()
+        .for_each(|(group, out)| {
+            let first = group * TOGETHER;
+            let columns = first..first + out.len() / slice;
+            for (row_index, row) in voxels.chunks_exact(nx).enumerate() {
+                let (y, z) = (row_index % ny, row_index / ny);
+                for (slice_out, &v) in out.chunks_exact_mut(slice).zip(&row[columns.clone()]) {
+                    slice_out[z * ny + y] = v;
+                }
+            }
+        });
     out
 }
 

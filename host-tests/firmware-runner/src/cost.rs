@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
+use std::path::{Path, PathBuf};
 
 use slicecast_firmware_shared::boundary::STAGES;
+use slicecast_sim::scene::PrecisionName;
 
 use crate::References;
 use crate::footprint::Footprint;
@@ -58,16 +60,36 @@ const PARTS: [Part; 4] = [
 struct Measured {
     machine: Machine,
     kind: Kind,
-    library_flash: u64,
-    program_flash: u64,
+    fast: Taken,
+    /// Optimised for size.
+    small: Option<Taken>,
+    /// Instructions of the stages, by scene,
+    stages: BTreeMap<&'static str, Stages>,
+    /// and those of the f32 pipeline.
+    float: BTreeMap<&'static str, Stages>,
+    bands: Option<Bands>,
+}
+
+/// The head in bands.
+struct Bands {
+    /// How many, of how many rows.
+    number: String,
+    instructions: u64,
+    /// Statics and stack.
+    ram: u64,
+}
+
+/// Instructions by stage.
+type Stages = BTreeMap<String, u64>;
+
+/// What a program takes.
+struct Taken {
+    library: u64,
+    program: u64,
     memory: u64,
     stack: u64,
     /// Instructions of a frame, by scene.
     frames: BTreeMap<&'static str, u64>,
-    /// Instructions of the stages of the dense scene.
-    stages: BTreeMap<String, u64>,
-    /// Instructions of the f32 pipeline, by scene.
-    float: BTreeMap<&'static str, u64>,
 }
 
 /// Measures and writes the table.
@@ -88,57 +110,118 @@ pub fn write(workshop: &Workshop, machines: &[Machine], references: &References)
     Ok(())
 }
 
+/// The program of one pipeline.
+fn program_name(kind: Kind) -> String {
+    format!("frame-{}", kind.name().replace(' ', "-"))
+}
+
+/// Whether a kind is measured for size, too: those of the default precision.
+fn in_small(kind: Kind) -> bool {
+    kind.precision() == Kind::COMPACT_LIT.precision()
+}
+
 fn measure(workshop: &Workshop, machine: &Machine, references: &References) -> Result<Vec<Measured>, Failure> {
-    let programs = workshop.images(machine)?;
-    let archive = library(&workshop.toolchain, &workshop.root, machine.target, machine.cpu)?;
-    let stages = parse(&execute(machine, &programs.join("stages"), true)?.out)?;
+    let build = |profile: &str, library_profile: &str, kinds: &[Kind], others: &[&str]| {
+        let names: Vec<String> = kinds.iter().map(|kind| program_name(*kind)).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).chain(others.iter().copied()).collect();
+        let programs = workshop.images(machine, profile, &names)?;
+        let archive = library(
+            &workshop.toolchain,
+            &workshop.root,
+            library_profile,
+            machine.target,
+            machine.cpu,
+        )?;
+        Ok::<_, Failure>((programs, archive))
+    };
+    let kinds: Vec<Kind> = Kind::all().collect();
+    let small_kinds: Vec<Kind> = Kind::all().filter(|kind| in_small(*kind)).collect();
+    let fast = build("release", "firmware", &kinds, &["stages", "bands"])?;
+    let small = build("small", "firmware-small", &small_kinds, &[])?;
+    let finished = execute(machine, &fast.0.join("stages"), true)?;
+    let stages = parse(&finished.out)?;
+    if !finished.passed {
+        return fail(format!("{}: the f32 pipeline renders another picture", machine.name));
+    }
     let find = |name: &str| -> Result<&Case, Failure> {
         let found = stages.cases.iter().find(|case| case.name == name);
         found.ok_or_else(|| Failure(format!("no stages of {name}")))
     };
     let mut rows = Vec::new();
-    for kind in Kind::all() {
-        let program = programs.join(format!("frame-{}", kind.name().replace(' ', "-")));
-        let finished = execute(machine, &program, true)?;
-        let report = parse(&finished.out)?;
-        let (mut frames, mut float) = (BTreeMap::new(), BTreeMap::new());
+    for kind in kinds {
+        let (mut stages, mut float) = (BTreeMap::new(), BTreeMap::new());
         for scene in [DENSE, HEAD] {
-            let name = format!("{scene} {}", kind.name());
-            let case = report.cases.iter().find(|case| case.name == name);
-            let (sums, _) = &references[&(scene, kind)];
-            match case {
-                Some(Case {
-                    sums: device,
-                    instructions: Some(count),
-                    ..
-                }) if device.image == sums.image => frames.insert(scene, *count),
-                _ => {
-                    return fail(format!(
-                        "{}: {name} was not rendered, or differs from the host",
-                        machine.name
-                    ));
-                }
-            };
-            let case = find(&format!("{scene} f32 {}", kind.shading()))?;
-            float.insert(scene, case.stages.values().sum());
+            stages.insert(scene, find(&format!("{scene} {}", kind.name()))?.stages.clone());
+            float.insert(scene, find(&format!("{scene} f32 {}", kind.shading()))?.stages.clone());
         }
         rows.push(Measured {
             machine: *machine,
             kind,
-            library_flash: link(workshop, machine, &archive, kind)?.flash,
-            program_flash: Footprint::of(&program)?.flash,
-            memory: report
-                .cases
-                .first()
-                .and_then(|case| case.memory)
-                .map_or(0, |m| m.iter().sum()),
-            stack: report.stack.unwrap_or(0),
-            frames,
-            stages: find(&format!("{DENSE} {}", kind.name()))?.stages.clone(),
+            fast: take(workshop, machine, kind, &fast, references)?,
+            small: if in_small(kind) {
+                Some(take(workshop, machine, kind, &small, references)?)
+            } else {
+                None
+            },
+            stages,
             float,
+            bands: if kind == Kind::COMPACT_LIT {
+                Some(bands(machine, &fast.0.join("bands"), references)?)
+            } else {
+                None
+            },
         });
     }
     Ok(rows)
+}
+
+/// The head, compact and lit, in bands.
+fn bands(machine: &Machine, program: &Path, references: &References) -> Result<Bands, Failure> {
+    let report = parse(&execute(machine, program, true)?.out)?;
+    let (sums, _) = &references[&(HEAD, Kind::COMPACT_LIT)];
+    match report.cases.first() {
+        Some(case) if case.sums.image == sums.image => Ok(Bands {
+            number: case.notes.first().cloned().unwrap_or_default(),
+            instructions: case.instructions.unwrap_or(0),
+            ram: Footprint::of(program)?.ram + report.stack.unwrap_or(0),
+        }),
+        _ => fail(format!("{}: the bands differ from the host", machine.name)),
+    }
+}
+
+/// What a pipeline takes of a built program and library.
+fn take(
+    workshop: &Workshop,
+    machine: &Machine,
+    kind: Kind,
+    (programs, archive): &(PathBuf, PathBuf),
+    references: &References,
+) -> Result<Taken, Failure> {
+    let program = programs.join(program_name(kind));
+    let report = parse(&execute(machine, &program, true)?.out)?;
+    let mut frames = BTreeMap::new();
+    for scene in [DENSE, HEAD] {
+        let name = format!("{scene} {}", kind.name());
+        let case = report.cases.iter().find(|case| case.name == name);
+        let (sums, _) = &references[&(scene, kind)];
+        match case.and_then(|case| case.instructions.filter(|_| case.sums.image == sums.image)) {
+            Some(count) => frames.insert(scene, count),
+            None => {
+                return fail(format!(
+                    "{}: {name} was not rendered, or differs from the host",
+                    machine.name
+                ));
+            }
+        };
+    }
+    let memory = report.cases.first().and_then(|case| case.memory);
+    Ok(Taken {
+        library: link(workshop, machine, archive, kind)?.flash,
+        program: Footprint::of(&program)?.flash,
+        memory: memory.map_or(0, |m| m.iter().sum()),
+        stack: report.stack.unwrap_or(0),
+        frames,
+    })
 }
 
 fn table(rows: &[Measured], machines: &[Machine], references: &References, compiler: &str) -> String {
@@ -156,65 +239,116 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
          - program: the whole bare-metal program with start-up, semihosting and text output, without scene and table\n\
          - memory: what a stream of the dense scene borrows (ring of slices, scratch, image); nothing else is static\n\
          - stack: high-water mark of the program, printing included\n\
-         - f32: the same pipeline written in f32 for the same machine, same scene, and the ratio f32 / fixed\n"
+         - f32: the same pipeline written in f32 for the same machine (`host-tests/firmware/src/float.rs`), same scene, same \
+         skips, the picture that of `wide` within an 8-bit step, which is checked; and the ratio f32 / fixed. It reads the volume \
+         in place (no ring) and needs a table of 64 KiB and 16 bytes a pixel. A square root or a division of a floating-point \
+         unit counts as one instruction here and takes about 14 cycles\n"
     );
     let _ = writeln!(
         out,
-        "| core | shading | precision | library | program | memory | stack | dense, instr. a sample | f32 | ratio | head, \
-         instr. a sample | f32 | ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+        "| core | pipeline | library | program | memory | stack | dense, instr. a sample | f32 | ratio | head, instr. a \
+         sample | f32 | ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
     );
     for row in rows {
-        let each = |scene: &str, count: u64, name| {
-            let _: &str = scene;
-            count as f64 / counts(name, row.kind).places as f64
-        };
+        let places = |scene| counts(scene, row.kind).places as f64;
         let mut cells = String::new();
         for scene in [DENSE, HEAD] {
-            let (fixed, float) = (
-                each(scene, row.frames[scene], scene),
-                each(scene, row.float[scene], scene),
-            );
+            let fixed = row.fast.frames[scene] as f64 / places(scene);
+            let float = row.float[scene].values().sum::<u64>() as f64 / places(scene);
             let _ = write!(cells, " {fixed:.1} | {float:.1} | {:.2} |", float / fixed);
         }
         let _ = writeln!(
             out,
-            "| {}{} | {} | {} | {} | {} | {} | {} |{cells}",
-            row.machine.core,
-            if row.machine.hard_float { "" } else { " (soft float)" },
-            row.kind.shading(),
-            row.kind.precision().name(),
-            row.library_flash,
-            row.program_flash,
-            row.memory,
-            row.stack,
+            "| {} | {} | {} | {} | {} | {} |{cells}",
+            row.name(),
+            row.kind.name(),
+            row.fast.library,
+            row.fast.program,
+            row.fast.memory,
+            row.fast.stack,
         );
     }
     let _ = writeln!(
         out,
-        "\n## Where the instructions go\n\nDense scene, instructions a sample, stage by stage: a tap reads the counter at \
-         the stage boundaries. *stream* takes the slice (its check, its ranges, its copy) and loops; in lit pipelines \
-         *gradient* includes the interpolation of the neighbouring row, which *interpolate* then finds done.\n"
-    );
-    let _ = writeln!(
-        out,
-        "| core | shading | precision | stream | {} |\n|---|---|---|---|{}",
-        STAGES[1..].join(" | "),
-        "---|".repeat(STAGES.len() - 1)
+        "\n## For size\n\nThe same with `opt-level = \"s\"` (profiles `firmware-small` and `small`), the default precision.\n\n\
+         | core | pipeline | library | program | stack | dense, instr. a sample | head, instr. a sample |\n\
+         |---|---|---|---|---|---|---|"
     );
     for row in rows {
-        let places = counts(DENSE, row.kind).places as f64;
-        let cells: String = STAGES
-            .iter()
-            .map(|stage| format!(" {:.1} |", row.stages.get(*stage).copied().unwrap_or(0) as f64 / places))
-            .collect();
-        let (core, kind) = (row.machine.core, row.kind);
+        let Some(small) = &row.small else { continue };
+        let each = |scene| small.frames[scene] as f64 / counts(scene, row.kind).places as f64;
         let _ = writeln!(
             out,
-            "| {core} | {} | {} |{cells}",
-            kind.shading(),
-            kind.precision().name()
+            "| {} | {} | {} | {} | {} | {:.1} | {:.1} |",
+            row.machine.core,
+            row.kind.name(),
+            small.library,
+            small.program,
+            small.stack,
+            each(DENSE),
+            each(HEAD),
         );
     }
+    for (scene, heading) in [
+        (DENSE, "Where the instructions go, dense"),
+        (HEAD, "Where the instructions go, head"),
+    ] {
+        let _ = writeln!(
+            out,
+            "\n## {heading}\n\nInstructions a sample, stage by stage: a tap reads the counter at the stage boundaries. \
+             *stream* takes the slice (its check, its ranges, its copy) and loops; *colour* includes the search for \
+             visible spans; in lit pipelines *gradient* includes the interpolation of the neighbouring row, which \
+             *interpolate* then finds done.\n\n| core | pipeline | stream | {} |\n|---|---|---|{}",
+            STAGES[1..STAGES.len() - 2].join(" | ") + " | composite",
+            "---|".repeat(STAGES.len() - 2)
+        );
+        for row in rows {
+            let places = counts(scene, row.kind).places as f64;
+            let mut line = |name: &str, stages: &Stages| {
+                let each = |stage: &str| stages.get(stage).copied().unwrap_or(0) as f64 / places;
+                let (last, first) = (STAGES.len() - 2, &STAGES[..STAGES.len() - 2]);
+                let mut cells: String = first.iter().map(|stage| format!(" {:.1} |", each(stage))).collect();
+                let composite: f64 = STAGES[last..].iter().map(|stage| each(stage)).sum();
+                let _ = write!(cells, " {composite:.1} |");
+                let _ = writeln!(out, "| {} | {name} |{cells}", row.machine.core);
+            };
+            line(&row.kind.name(), &row.stages[scene]);
+            // Once a shading, behind the last precision.
+            if row.kind.precision() == PrecisionName::Wide {
+                line(&format!("f32 {}", row.kind.shading()), &row.float[scene]);
+            }
+        }
+    }
+    let _ = writeln!(
+        out,
+        "\n## Bands\n\nHead, compact, lit, in at most 65,536 bytes of RAM for statics and stack together, printing included: \
+         the image in bands, the slices read again for each, against the image in one piece.\n\n\
+         | core | bands | RAM | instructions a frame | in one piece | ratio |\n|---|---|---|---|---|---|"
+    );
+    for row in rows {
+        let Some(bands) = &row.bands else { continue };
+        let (count, whole) = (bands.instructions, row.fast.frames[HEAD]);
+        let _ = writeln!(
+            out,
+            "| {} | {} | {} | {count} | {whole} | {:.2} |",
+            row.machine.core,
+            bands.number.trim_start_matches("bands "),
+            bands.ram,
+            count as f64 / whole as f64,
+        );
+    }
+    frames_a_second(&mut out, rows, machines);
+    out
+}
+
+impl Measured {
+    fn name(&self) -> String {
+        let soft = if self.machine.hard_float { "" } else { " (soft float)" };
+        format!("{}{soft}", self.machine.core)
+    }
+}
+
+fn frames_a_second(out: &mut String, rows: &[Measured], machines: &[Machine]) {
     let _ = writeln!(
         out,
         "\n## Frames a second\n\nThe 64^3 scenes on parts that can be bought, compact: clock times the instructions a cycle \
@@ -229,13 +363,11 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
         let mut cells = String::new();
         for scene in [DENSE, HEAD] {
             for lit in [false, true] {
-                let found = rows.iter().find(|row| {
-                    row.machine.name == part.machine
-                        && row.kind.lit == lit
-                        && row.kind.precision() == Kind::COMPACT_LIT.precision()
-                });
+                let found = rows
+                    .iter()
+                    .find(|row| row.machine.name == part.machine && row.kind.lit == lit && in_small(row.kind));
                 let frames = found.map_or(0.0, |row| {
-                    part.megahertz * 1e6 * part.per_cycle / row.frames[scene] as f64
+                    part.megahertz * 1e6 * part.per_cycle / row.fast.frames[scene] as f64
                 });
                 let _ = write!(cells, " {frames:.1} |");
             }
@@ -246,5 +378,4 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
             part.name, part.megahertz, part.per_cycle
         );
     }
-    out
 }

@@ -32,20 +32,37 @@ impl Workshop {
         self.root.join("target/firmware")
     }
 
-    /// Builds the programs for a machine and returns the directory that they are in.
+    /// Builds some of the programs for a machine in a profile and returns the directory that they are in.
     ///
     /// # Errors
     /// With what the compiler said.
-    pub fn images(&self, machine: &Machine) -> Result<PathBuf, Failure> {
-        let (mut command, directory) = self.toolchain.cargo_for("build", machine);
-        let layout = if machine.is_arm() { machine.name } else { "virt" };
-        command.current_dir(self.root.join("host-tests/firmware"));
-        command
-            .arg("--locked")
-            .env("SLICECAST_MACHINE", layout)
-            .env("SLICECAST_SCENES", &self.scenes);
-        build(&mut command)?;
+    pub fn images(&self, machine: &Machine, profile: &str, programs: &[&str]) -> Result<PathBuf, Failure> {
+        let (mut command, directory) = self.toolchain.cargo("build", profile, machine.target, machine.cpu);
+        for program in programs {
+            command.args(["--bin", program]);
+        }
+        build(self.of_firmware(&mut command, machine))?;
         Ok(directory)
+    }
+
+    /// Lints all the programs for a machine.
+    ///
+    /// # Errors
+    /// With what there is to say.
+    pub fn lint(&self, machine: &Machine) -> Result<(), Failure> {
+        let mut command = self.toolchain.clippy(machine);
+        self.of_firmware(&mut command, machine);
+        self.toolchain.deny_warnings(&mut command);
+        build(&mut command)
+    }
+
+    /// A `cargo` command for the programs of a machine.
+    fn of_firmware<'c>(&self, command: &'c mut Command, machine: &Machine) -> &'c mut Command {
+        command
+            .current_dir(self.root.join("host-tests/firmware"))
+            .arg("--locked")
+            .env("SLICECAST_MACHINE", machine.name)
+            .env("SLICECAST_SCENES", &self.scenes)
     }
 }
 
@@ -119,7 +136,7 @@ pub fn parse(output: &str) -> Result<Report, Failure> {
                 }
                 None => false,
             },
-            ("bands" | "queue", Some(case)) => {
+            ("bands" | "queue" | "f32", Some(case)) => {
                 case.notes.push(line.to_owned());
                 true
             }

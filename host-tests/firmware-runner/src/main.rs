@@ -4,6 +4,7 @@
 
 mod c;
 mod cost;
+mod faults;
 mod footprint;
 mod images;
 mod machines;
@@ -35,6 +36,9 @@ struct Arguments {
     /// Measure the cost and write docs/firmware-cost.md, instead of comparing bits.
     #[arg(long)]
     cost: bool,
+    /// Put faults into a copy of the sources and show that each is found, instead of comparing bits.
+    #[arg(long = "break", conflicts_with = "cost")]
+    faults: bool,
     /// Take Debian's compiler and core source although rustup has core for the machines.
     #[arg(long)]
     debian: bool,
@@ -87,18 +91,44 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 
     let mut failed = 0;
+    if arguments.faults {
+        for machine in &machines {
+            failed += faults::show(&workshop, machine, &references)?;
+        }
+        return if failed == 0 {
+            Ok(())
+        } else {
+            fail(format!("{failed} faults were not found"))
+        };
+    }
+    // One machine of each architecture: the programs are the same for the others.
+    for arm in [true, false] {
+        if let Some(machine) = machines.iter().find(|m| m.is_arm() == arm) {
+            workshop.lint(machine)?;
+            println!(
+                "{:<11} {:<10} lints                            good",
+                machine.name, machine.core
+            );
+        }
+    }
     for machine in &machines {
-        let programs = workshop.images(machine)?;
+        let programs = workshop.images(machine, "release", &["bits", "bands", "queue"])?;
         failed += bits(&programs, machine, &references)?;
         failed += bands(&programs, machine, &references)?;
         failed += queue(&programs, machine, &references)?;
-        let library = proofs::library(&workshop.toolchain, &workshop.root, machine.target, machine.cpu)?;
+        let library = proofs::library(
+            &workshop.toolchain,
+            &workshop.root,
+            "firmware",
+            machine.target,
+            machine.cpu,
+        )?;
         failed += proofs::prove(&workshop, machine, &library)?;
         failed += c::on_machine(&workshop, machine, &library)?;
     }
     failed += c::on_host(&workshop)?;
     for target in BUILT_ONLY {
-        proofs::library(&workshop.toolchain, &workshop.root, target, None)?;
+        proofs::library(&workshop.toolchain, &workshop.root, "firmware", target, None)?;
         println!("{target}: builds");
     }
     if failed > 0 {

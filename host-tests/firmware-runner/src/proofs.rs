@@ -24,12 +24,18 @@ const FUNCTIONS: [&str; 7] = [
     "slicecast_picture_row",
 ];
 
-/// Builds the static library for a target.
+/// Builds the static library for a target in a profile: `firmware`, or `firmware-small`.
 ///
 /// # Errors
 /// With what the compiler said.
-pub fn library(toolchain: &Toolchain, root: &Path, target: &str, cpu: Option<&str>) -> Result<PathBuf, Failure> {
-    let (mut command, directory) = toolchain.cargo("build", "firmware", target, cpu);
+pub fn library(
+    toolchain: &Toolchain,
+    root: &Path,
+    profile: &str,
+    target: &str,
+    cpu: Option<&str>,
+) -> Result<PathBuf, Failure> {
+    let (mut command, directory) = toolchain.cargo("build", profile, target, cpu);
     command.current_dir(root).args(["-p", "slicecast-ffi", "--lib"]);
     build(&mut command)?;
     Ok(directory.join("libslicecast_ffi.a"))
@@ -60,7 +66,7 @@ pub fn prove(workshop: &Workshop, machine: &Machine, library: &Path) -> Result<u
     let mut failed = 0;
     for kind in Kind::all() {
         let footprint = link(workshop, machine, library, kind)?;
-        let found: Vec<String> = footprint.symbols.iter().filter_map(|s| forbidden(s)).collect();
+        let found = findings(&footprint);
         let wanted = FUNCTIONS.iter().find(|f| !footprint.symbols.contains(**f));
         let failure = match (wanted, found.as_slice()) {
             (Some(function), _) => Some(format!("{function} was not linked: the proof proves nothing")),
@@ -71,6 +77,15 @@ pub fn prove(workshop: &Workshop, machine: &Machine, library: &Path) -> Result<u
         failed += line(machine, &what, "", failure.map(|f| format!("reachable: {f}")));
     }
     Ok(failed)
+}
+
+/// What must not be there.
+pub fn findings(footprint: &Footprint) -> Vec<String> {
+    let mut found: Vec<String> = footprint.symbols.iter().filter_map(|s| forbidden(s)).collect();
+    if let Some(function) = &footprint.float_in {
+        found.push(format!("a floating-point instruction in {function} (float)"));
+    }
+    found
 }
 
 /// Why a symbol must not be there.

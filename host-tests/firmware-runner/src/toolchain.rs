@@ -11,8 +11,10 @@ use crate::shell::{Failure, answers, fail, run, run_well};
 const RUSTUP_LIMIT: Duration = Duration::from_secs(60);
 /// How long a package installation or a build may take.
 const LONG: Duration = Duration::from_secs(1800);
-/// Debian's compiler.
+/// Debian's compiler,
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+/// and its lints.
+const DEBIAN_CLIPPY: &str = "/usr/bin/clippy-driver";
 
 /// Where core comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -91,7 +93,7 @@ impl Toolchain {
             Library::Ready
         } else {
             if !debian_is_there() {
-                install(&["rustc-web", "rust-web-src"]).map_err(|error| {
+                install(&["rustc-web", "rust-web-src", "rust-web-clippy"]).map_err(|error| {
                     let list = targets.join(" ");
                     Failure(format!(
                         "no core library for the machines. Either: rustup target add {list}\nor: {error}"
@@ -105,6 +107,14 @@ impl Toolchain {
             linker,
             directory: directory.to_owned(),
         })
+    }
+
+    /// The same with another directory for what is built.
+    pub fn in_directory(&self, directory: &Path) -> Self {
+        Self {
+            directory: directory.to_owned(),
+            ..self.clone()
+        }
     }
 
     /// In words.
@@ -151,9 +161,27 @@ impl Toolchain {
         (command, directory.join(target).join(profile))
     }
 
-    /// The same for a machine.
-    pub fn cargo_for(&self, verb: &str, machine: &Machine) -> (Command, PathBuf) {
-        self.cargo(verb, "release", machine.target, machine.cpu)
+    /// A `cargo` command that lints for a machine.
+    pub fn clippy(&self, machine: &Machine) -> Command {
+        match self.library {
+            Library::Ready => self.cargo("clippy", "release", machine.target, machine.cpu).0,
+            Library::Debian => {
+                let (mut command, _) = self.cargo("check", "release", machine.target, machine.cpu);
+                command.env("RUSTC_WORKSPACE_WRAPPER", DEBIAN_CLIPPY);
+                command
+            }
+        }
+    }
+}
+
+impl Toolchain {
+    /// Ends a `clippy` command: what is only a warning is a failure.
+    pub fn deny_warnings(&self, command: &mut Command) {
+        match self.library {
+            Library::Ready => command.args(["--", "-Dwarnings"]),
+            // As `cargo clippy` hands its arguments to the driver.
+            Library::Debian => command.env("CLIPPY_ARGS", "-Dwarnings__CLIPPY_HACKERY__"),
+        };
     }
 }
 
@@ -191,7 +219,7 @@ fn add(target: &str) -> bool {
 }
 
 fn debian_is_there() -> bool {
-    answers(DEBIAN_RUSTC) && Path::new("/usr/lib/rustlib/src/rust/library/core").exists()
+    answers(DEBIAN_RUSTC) && answers(DEBIAN_CLIPPY) && Path::new("/usr/lib/rustlib/src/rust/library/core").exists()
 }
 
 /// rust-lld, which rustup installs for the host.

@@ -1,9 +1,11 @@
 //! The same pipeline in f32, for comparison: what an engineer would write for a machine with floating point. The stages,
-//! their order, their row structure and what they skip are those of slicecast; only the numbers differ.
+//! their order, their row structure and what they skip are those of slicecast; only the numbers differ, and the slices
+//! are read where they lie, without a ring.
 
-use slicecast::classify::{ENTRIES, opacity_of_root};
+use slicecast::classify::{ENTRIES, Support, opacity_of_root};
 use slicecast::locate::{Plane, cell, plane};
 use slicecast::plan::{Phase, Plan};
+use slicecast::slice::{RowRange, Slice};
 use slicecast_firmware_shared::scene::{Lighting, SceneData};
 
 /// The longest side of a slice.
@@ -26,6 +28,9 @@ pub struct Buffers {
     colour: [Row; 3],
     g: [Row; 3],
     dz: [Row; 2],
+    /// Of every row of voxels, and how many slices have theirs.
+    ranges: [[RowRange; SIDE]; SIDE],
+    measured: usize,
 }
 
 impl Buffers {
@@ -41,6 +46,8 @@ impl Buffers {
             colour: [[0.0; SIDE + 2]; 3],
             g: [[0.0; SIDE + 2]; 3],
             dz: [[0.0; SIDE + 2]; 2],
+            ranges: [[RowRange { low: 0, high: 0 }; SIDE]; SIDE],
+            measured: 0,
         }
     }
 }
@@ -77,6 +84,9 @@ pub fn render(scene: &SceneData, lit: bool, b: &mut Buffers, mark: &mut impl FnM
         *t = [part(red), part(green), part(blue), opacity];
     }
     b.image.fill([0.0, 0.0, 0.0, 1.0]);
+    b.measured = 0;
+    let support = Support::of(b.table.iter().map(|entry| entry[3] != 0.0));
+    let dark = b.table.iter().position(|entry| entry[3] != 0.0).unwrap_or(ENTRIES) as f32 - 1.0;
     let unit = |v: [i32; 3]| v.map(|c| c as f32 / 1_073_741_824.0);
     let share = |v: [u32; 3]| v.map(|c| c as f32 / 2_147_483_648.0);
     let Lighting {
@@ -112,18 +122,52 @@ pub fn render(scene: &SceneData, lit: bool, b: &mut Buffers, mark: &mut impl FnM
     let spacing = plan.spacing().map(|f| f32::from(f.to_bits()) / 32768.0);
     for index in 0..plan.planes() {
         let plane = plane(&plan, Phase::default(), index);
+        let [width, height, depth] = plan.dims().map(|d| d as usize);
+        while b.measured < depth.min(cell(plane.z).index as usize + if lit { 3 } else { 2 }) {
+            let voxels = &scene.voxels[b.measured * width * height..][..width * height];
+            if Slice::measure(voxels, width, height, width, &mut b.ranges[b.measured]).is_err() {
+                return false;
+            }
+            b.measured += 1;
+        }
         mark(0);
-        fold(scene, &plan, &plane, lit.then_some(&lamps), spacing, b, mark);
+        fold(
+            scene,
+            &plan,
+            &plane,
+            lit.then_some(&lamps),
+            spacing,
+            (support, dark),
+            b,
+            mark,
+        );
     }
     true
 }
 
+/// The largest difference of a channel, 0 to 1, between the picture rendered last and a `Wide` image of the same scene.
+pub fn largest_difference(plan: &Plan, b: &Buffers, wide: &[u32]) -> f32 {
+    let [width, height] = plan.base().map(|d| d as usize);
+    let mut largest = 0.0f32;
+    for (row, pixels) in wide.chunks_exact(4 * width).zip(b.image.chunks_exact(128)).take(height) {
+        for (column, pixel) in pixels.iter().take(width).enumerate() {
+            for (channel, value) in pixel.iter().enumerate() {
+                let exact = row[channel * width + column] as f32 / 2_147_483_648.0;
+                largest = largest.max((value - exact).abs());
+            }
+        }
+    }
+    largest
+}
+
+#[expect(clippy::too_many_arguments, reason = "a comparison, kept in one place")]
 fn fold(
     scene: &SceneData,
     plan: &Plan,
     plane: &Plane,
     lamps: Option<&Lamps<'_>>,
     spacing: [f32; 3],
+    (support, dark): (Support, f32),
     b: &mut Buffers,
     mark: &mut impl FnMut(usize),
 ) {
@@ -157,22 +201,36 @@ fn fold(
     let first = (columns.start as i32 + x.index) as usize;
     let n = columns.len();
 
-    let mut made = 0usize;
+    let mut made = [false; SIDE + 2];
     let mut made_z = [usize::MAX; 2];
     for row in rows {
         let voxel_row = (row as i32 + y.index) as usize;
-        // Sample rows are made once a plane, as far as they are needed: with gradients one row more.
-        let until = if lamps.is_some() { voxel_row + 3 } else { voxel_row + 2 };
-        made = made.max(if lamps.is_some() { voxel_row } else { voxel_row + 1 });
-        while made < until {
-            make_row(made, height, width, [wx, wy, wz], [near, far], &row_of, b, &mut made_z);
-            made += 1;
-        }
         let here = voxel_row + 1;
+        let pixels = row * 128 + columns.start..row * 128 + columns.start + n;
+        if b.image[pixels.clone()].iter().all(|p| p[3] == 0.0) {
+            continue;
+        }
+        let range = |slice: usize, row: usize| b.ranges[slice][row.min(height - 1)];
+        let rows_of = |slice| range(slice, voxel_row).union(range(slice, voxel_row + 1));
+        if !support.meets(rows_of(near).union(rows_of(far))) {
+            continue;
+        }
+        // Sample rows are made once a plane, when they are needed.
+        let mut need = |row: usize, b: &mut Buffers| {
+            if !made[row] {
+                make_row(row, height, width, [wx, wy, wz], [near, far], &row_of, b, &mut made_z);
+                made[row] = true;
+            }
+        };
+        need(here, b);
         let places = first + 1..first + 1 + n;
         mark(1);
 
         for (o, s) in b.opacity.iter_mut().zip(&b.samples[here][places.clone()]) {
+            if *s <= dark {
+                *o = 0.0;
+                continue;
+            }
             let (i, f) = (*s as usize, *s - (*s as usize) as f32);
             let (p, q) = (b.table[i.min(ENTRIES - 1)][3], b.table[(i + 1).min(ENTRIES - 1)][3]);
             *o = p + (q - p) * f;
@@ -180,10 +238,10 @@ fn fold(
         mark(2);
 
         let mut from = 0;
-        let pixels = row * 128 + columns.start..row * 128 + columns.start + n;
         loop {
-            let visible = |(a, p): (&f32, &[f32; 4])| *a != 0.0 && p[3] != 0.0;
-            let mut rest = b.opacity[..n].iter().zip(&b.image[pixels.clone()]).skip(from);
+            // As integers: positive floats are 0 where their bits are.
+            let visible = |(a, p): (&f32, &[f32; 4])| a.to_bits() != 0 && p[3].to_bits() != 0;
+            let mut rest = b.opacity[from..n].iter().zip(&b.image[pixels.clone()][from..]);
             let Some(skipped) = rest.position(visible) else { break };
             let start = from + skipped;
             let end = rest.position(|s| !visible(s)).map_or(n, |p| start + p + 1);
@@ -200,6 +258,8 @@ fn fold(
             }
             mark(3);
             if let Some(lamps) = lamps {
+                need(here - 1, b);
+                need(here + 1, b);
                 gradients(
                     here,
                     span.clone(),
@@ -222,22 +282,27 @@ fn fold(
                 shade(lamps, len, &b.g, &mut b.colour);
                 mark(6);
             }
-            let [red, green, blue] = &b.colour;
-            let colours = red.iter().zip(green).zip(blue);
-            for ((p, a), ((r, g), bl)) in b.image[pixels.clone()][start..end]
-                .iter_mut()
-                .zip(&b.opacity[start..end])
-                .zip(colours)
-            {
-                let w = p[3] * a;
-                let t = p[3] - w;
-                p[3] = if t < 1.0 / 1_048_576.0 { 0.0 } else { t };
-                p[0] += r * w;
-                p[1] += g * w;
-                p[2] += bl * w;
-            }
+            composite(
+                &mut b.image[pixels.clone()][start..end],
+                &b.opacity[start..end],
+                &b.colour,
+            );
             mark(8);
         }
+    }
+}
+
+/// Folds a span into its pixels. Not inlined: with registers of its own it takes fewer instructions.
+#[inline(never)]
+fn composite(pixels: &mut [[f32; 4]], opacity: &[f32], [red, green, blue]: &[Row; 3]) {
+    let colours = red.iter().zip(green).zip(blue);
+    for ((p, a), ((r, g), b)) in pixels.iter_mut().zip(opacity).zip(colours) {
+        let w = p[3] * a;
+        let t = p[3] - w;
+        p[3] = if t < 1.0 / 1_048_576.0 { 0.0 } else { t };
+        p[0] += r * w;
+        p[1] += g * w;
+        p[2] += b * w;
     }
 }
 
@@ -261,6 +326,12 @@ fn make_row<'v>(
         made_z[slot] = voxel_row;
         let edge = voxel_row.clamp(1, height) - 1;
         let lerp = |row: usize, out: &mut [f32]| {
+            if wz == 0.0 {
+                for (o, n) in out.iter_mut().zip(row_of(near, row)) {
+                    *o = f32::from(*n);
+                }
+                return;
+            }
             for ((o, n), f) in out.iter_mut().zip(row_of(near, row)).zip(row_of(far, row)) {
                 let (n, f) = (f32::from(*n), f32::from(*f));
                 *o = n + (f - n) * wz;
@@ -332,6 +403,12 @@ fn gradients<'v>(
             &row[columns.start..columns.end.min(row.len())]
         };
         let near_rows = part(n1).iter().zip(part(n0));
+        if wz == 0.0 {
+            for (o, (a, c)) in out.iter_mut().zip(near_rows) {
+                *o = (f32::from(*a) - f32::from(*c)) * ns;
+            }
+            continue;
+        }
         let far_rows = part(f1).iter().zip(part(f0));
         for ((o, (a, c)), (d, e)) in out.iter_mut().zip(near_rows).zip(far_rows) {
             let w0 = (f32::from(*a) - f32::from(*c)) * ns;

@@ -249,12 +249,17 @@ impl SceneArgs {
 
     /// As [`SceneArgs::load`]; without a scene named, the one that fits the volume, which is told.
     pub fn load_for(&self, volume: &VolumeArgs, loaded: &Loaded) -> Result<Scene, Failure> {
+        self.load_or(scene::file::DEFAULT, volume, loaded)
+    }
+
+    /// As [`SceneArgs::load_for`], with another scene for the built-in volume and for what looks like it.
+    pub fn load_or(&self, default: &'static str, volume: &VolumeArgs, loaded: &Loaded) -> Result<Scene, Failure> {
         let statistics = Statistics::of(&loaded.volume);
         let (fitting, reason) = presets::suggest(loaded, &statistics);
-        let default = if volume.is_named() {
+        let default = if volume.is_named() && fitting != scene::file::DEFAULT {
             fitting
         } else {
-            scene::file::DEFAULT
+            default
         };
         if self.scene.is_none() && volume.is_named() {
             eprintln!("scene: {default}, since {reason}");

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand.
 
+mod bench;
 mod compare;
 mod default;
 mod explain;
@@ -98,6 +99,7 @@ enum Command {
     Hard(hard::Args),
     Explain(explain::Args),
     Report(report::Args),
+    Bench(Box<bench::Args>),
 }
 
 impl Cli {
@@ -116,6 +118,7 @@ impl Cli {
             Some(Command::Hard(args)) => args.run(),
             Some(Command::Explain(args)) => args.run(),
             Some(Command::Report(args)) => args.run(),
+            Some(Command::Bench(args)) => args.run(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Error figures as text tables.
 
 use comfy_table::{CellAlignment, Table, presets};
+use slicecast_sim::bench::Row;
 use slicecast_sim::compare::image::ImageFigures;
 use slicecast_sim::compare::stages::StageReport;
 use slicecast_sim::compare::statistics::Figures;
@@ -133,4 +134,29 @@ pub fn split_lines(split: &Split) -> [(String, ImageFigures); 3] {
         ("algorithm: f64, converged integral".into(), split.algorithm),
         ("both: pipeline, converged integral".into(), split.both),
     ]
+}
+
+/// Times of frames.
+pub fn speed(rows: &[Row]) -> Table {
+    let mut table = header(&[
+        "who",
+        "vectors",
+        "threads",
+        "ms a frame",
+        "M samples/s",
+        "ns a sample",
+        "against compact",
+    ]);
+    for row in rows {
+        table.add_row([
+            row.engine.clone(),
+            row.width.to_owned(),
+            row.threads.to_string(),
+            format!("{:.2}", row.milliseconds),
+            format!("{:.1}", row.samples_per_second / 1e6),
+            format!("{:.3}", row.nanoseconds),
+            row.against_compact.map_or("-".into(), |ratio| format!("{ratio:.2}")),
+        ]);
+    }
+    table
 }

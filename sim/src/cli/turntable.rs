@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use slicecast_sim::engine::{Layer, Prepared, Rgb, TILE_ROWS, on_threads};
+use slicecast_sim::engine::{Layer, Prepared, RenderError, Rgb, TILE_ROWS, on_threads};
+use slicecast_sim::oriented::with_slices;
 use slicecast_sim::scene::Scene;
 
 use super::Failure;
@@ -69,12 +70,23 @@ impl Args {
         let total = usize::from(self.frames);
         let pictures = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || {
+                let scenes: Vec<Scene> = (0..self.frames).map(|frame| self.turned(&scene, frame)).collect();
+                let prepared = scenes.iter().map(|scene| Prepared::new(scene, &loaded.volume));
+                let prepared: Vec<_> = prepared.collect::<Result<_, _>>()?;
                 let mut pictures = Vec::with_capacity(total);
-                for frame in 0..self.frames {
-                    let scene = self.turned(&scene, frame);
-                    let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
-                    pictures.push(prepared.render(Layer::Tiles(TILE_ROWS), &|_, _| {})?.picture);
-                    progress(pictures.len(), total);
+                let seen = |p: &Prepared<'_>| (p.setup.plan.view().major(), p.setup.plan.view().reversed());
+                // Slices are made once for all frames in a row that look along the same axis.
+                for run in prepared.chunk_by(|a, b| seen(a) == seen(b)) {
+                    with_slices(&loaded.volume, run[0].setup.plan.view(), |slices| {
+                        for frame in run {
+                            let frame = frame.clone().with_simd(self.threads.simd());
+                            let made = frame.render_slices(slices, Layer::Tiles(TILE_ROWS), &|_, _| {})?;
+                            pictures.push(made.picture);
+                            progress(pictures.len(), total);
+                        }
+                        Ok::<_, RenderError>(())
+                    })
+                    .map_err(RenderError::from)??;
                 }
                 Ok::<_, Failure>(pictures)
             })

@@ -7,7 +7,7 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use slicecast::lanes::{Lanes, Wide};
 
-use super::partial::{chunk, chunk_mut, part, store_part};
+use super::partial::{chunk, chunk_mut, rest};
 use super::root::{MARGIN, SCALE, scalar_roots};
 
 /// Eight 32-bit lanes. Of use only where the processor has AVX2 and FMA; see [`super::with_lanes`].
@@ -22,7 +22,7 @@ pub struct Products(__m256i, __m256i);
 macro_rules! avx2 {
     ($call:expr) => {
         // SAFETY: `super::with_lanes` runs this code only on processors that have AVX2 and FMA; pointers come from
-        // slices that are long enough (`chunk`).
+        // slices that are long enough (`chunk`), or a mask leaves out what the slice does not have.
         unsafe { $call }
     };
 }
@@ -82,10 +82,9 @@ impl Avx2 {
     }
 
     #[inline(always)]
-    fn of_pairs(pairs: &[u64; 8]) -> [Self; 2] {
+    fn of_pairs(first: __m256i, second: __m256i) -> [Self; 2] {
         avx2!({
-            let first = _mm256_castsi256_ps(_mm256_loadu_si256(pairs.as_ptr().cast()));
-            let second = _mm256_castsi256_ps(_mm256_loadu_si256(pairs.as_ptr().add(4).cast()));
+            let (first, second) = (_mm256_castsi256_ps(first), _mm256_castsi256_ps(second));
             let even = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(first, second));
             let odd = _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(first, second));
             [
@@ -108,6 +107,15 @@ impl Avx2 {
     }
 }
 
+/// All bits in as many of the first lanes as there are elements.
+#[inline(always)]
+fn ones(elements: usize) -> __m256i {
+    avx2!(_mm256_cmpgt_epi32(
+        _mm256_set1_epi32(elements.min(8) as i32),
+        _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0)
+    ))
+}
+
 /// `2^35 / sqrt(s)` of four, less and plus a margin that no rounding here reaches, as whole numbers.
 ///
 /// A value between two integers gives the same number twice, and that is the floor of the exact value.
@@ -128,9 +136,9 @@ fn reciprocal_roots(s: __m128i) -> [__m128i; 2] {
         let p = _mm256_fmadd_pd(p, e, _mm256_set1_pd(0.375));
         let p = _mm256_fmadd_pd(p, e, _mm256_set1_pd(0.5));
         let scaled = _mm256_mul_pd(y, _mm256_set1_pd(SCALE));
-        let rest = _mm256_mul_pd(_mm256_mul_pd(scaled, e), p);
-        let below = _mm256_add_pd(_mm256_sub_pd(scaled, _mm256_set1_pd(MARGIN)), rest);
-        let above = _mm256_add_pd(_mm256_add_pd(scaled, _mm256_set1_pd(MARGIN)), rest);
+        let step = _mm256_mul_pd(scaled, e);
+        let below = _mm256_fmadd_pd(step, p, _mm256_sub_pd(scaled, _mm256_set1_pd(MARGIN)));
+        let above = _mm256_fmadd_pd(step, p, _mm256_add_pd(scaled, _mm256_set1_pd(MARGIN)));
         [_mm256_cvttpd_epi32(below), _mm256_cvttpd_epi32(above)]
     })
 }
@@ -147,21 +155,27 @@ impl Lanes for Avx2 {
     fn load(row: &[i32], at: usize) -> Self {
         match chunk::<_, 8>(row, at) {
             Some(lanes) => Self::of_array(lanes),
-            None => Self::of_array(&part(row, at)),
+            None => {
+                let first = row.as_ptr().wrapping_add(at);
+                Self(avx2!(_mm256_maskload_epi32(first, ones(rest(row, at)))))
+            }
         }
     }
     #[inline(always)]
     fn store(self, row: &mut [i32], at: usize) {
         match chunk_mut::<_, 8>(row, at) {
             Some(lanes) => avx2!(_mm256_storeu_si256(lanes.as_mut_ptr().cast(), self.0)),
-            None => store_part(row, at, &self.to_array()),
+            None => {
+                let mask = ones(rest(row, at));
+                avx2!(_mm256_maskstore_epi32(row.as_mut_ptr().wrapping_add(at), mask, self.0));
+            }
         }
     }
     #[inline(always)]
     fn load_voxels(row: &[u16], at: usize) -> Self {
         match chunk::<_, 8>(row, at) {
             Some(lanes) => Self::of_voxels(lanes),
-            None => Self::of_voxels(&part(row, at)),
+            None => Self::load_as(row, at, u32::from),
         }
     }
     #[inline(always)]
@@ -192,8 +206,24 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
         match chunk::<_, 8>(row, at) {
-            Some(pairs) => Self::of_pairs(pairs),
-            None => Self::of_pairs(&part(row, at)),
+            Some(pairs) => {
+                let first = pairs.as_ptr().cast();
+                Self::of_pairs(
+                    avx2!(_mm256_loadu_si256(first)),
+                    avx2!(_mm256_loadu_si256(first.add(1))),
+                )
+            }
+            None => {
+                let (first, mask) = (row.as_ptr().wrapping_add(at).cast(), ones(rest(row, at)));
+                let halves = [
+                    avx2!(_mm256_cvtepi32_epi64(_mm256_castsi256_si128(mask))),
+                    avx2!(_mm256_cvtepi32_epi64(_mm256_extracti128_si256::<1>(mask))),
+                ];
+                Self::of_pairs(
+                    avx2!(_mm256_maskload_epi64(first, halves[0])),
+                    avx2!(_mm256_maskload_epi64(first.wrapping_add(4), halves[1])),
+                )
+            }
         }
     }
     #[inline(always)]
@@ -380,6 +410,13 @@ impl Wide for Products {
     fn of(narrow: Avx2) -> Self {
         let even = avx2!(_mm256_blend_epi32::<0b1010_1010>(narrow.0, _mm256_setzero_si256()));
         Self(even, narrow.odd())
+    }
+    #[inline(always)]
+    fn shr_narrow(self, by: u32) -> Avx2 {
+        // The odd lanes' bits go straight to where they belong.
+        let even = avx2!(_mm256_srl_epi64(self.0, _mm_cvtsi32_si128(by as i32)));
+        let odd = avx2!(_mm256_sll_epi64(self.1, _mm_cvtsi32_si128(32 - by as i32)));
+        Avx2(avx2!(_mm256_blend_epi32::<0b1010_1010>(even, odd)))
     }
     #[inline(always)]
     fn narrow(self) -> Avx2 {

@@ -7,7 +7,7 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use slicecast::lanes::{Lanes, Wide};
 
-use super::partial::{chunk, chunk_mut, part, store_part};
+use super::partial::{chunk, chunk_mut, rest};
 use super::root::{MARGIN, SCALE, scalar_roots};
 
 /// Sixteen 32-bit lanes. A value exists only where the processor has AVX-512 (F, BW, CD, DQ, VL): nothing but the
@@ -23,7 +23,7 @@ pub struct Products(__m512i, __m512i);
 macro_rules! avx512 {
     ($call:expr) => {
         // SAFETY: `super::with_lanes` runs this code only on processors that have AVX-512 (F, BW, CD, DQ, VL); pointers
-        // come from slices that are long enough (`chunk`).
+        // come from slices that are long enough (`chunk`), or a mask leaves out what the slice does not have.
         unsafe { $call }
     };
 }
@@ -78,12 +78,10 @@ impl Avx512 {
     }
 
     #[inline(always)]
-    fn of_pairs(pairs: &[u64; 16]) -> [Self; 2] {
+    fn of_pairs(first: __m512i, second: __m512i) -> [Self; 2] {
         const EVEN: [i32; 16] = [0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30];
         const ODD: [i32; 16] = [1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31];
         let (even, odd) = (Self::of_array(&EVEN).0, Self::of_array(&ODD).0);
-        let first = avx512!(_mm512_loadu_si512(pairs.as_ptr().cast()));
-        let second = avx512!(_mm512_loadu_si512(pairs.as_ptr().add(8).cast()));
         [
             Self(avx512!(_mm512_permutex2var_epi32(first, even, second))),
             Self(avx512!(_mm512_permutex2var_epi32(first, odd, second))),
@@ -104,6 +102,12 @@ impl Avx512 {
     }
 }
 
+/// As many low bits as there are elements, fewer than 16.
+#[inline(always)]
+fn ones(elements: usize) -> u32 {
+    (1 << (elements & 15)) - 1
+}
+
 /// `2^35 / sqrt(s)` of eight, less and plus a margin that no rounding here reaches, as whole numbers.
 ///
 /// A value between two integers gives the same number twice, and that is the floor of the exact value.
@@ -119,9 +123,9 @@ fn reciprocal_roots(s: __m256i) -> [__m256i; 2] {
         let p = _mm512_fmadd_pd(_mm512_set1_pd(0.3125), e, _mm512_set1_pd(0.375));
         let p = _mm512_fmadd_pd(p, e, _mm512_set1_pd(0.5));
         let scaled = _mm512_mul_pd(y, _mm512_set1_pd(SCALE));
-        let rest = _mm512_mul_pd(_mm512_mul_pd(scaled, e), p);
-        let below = _mm512_add_pd(_mm512_sub_pd(scaled, _mm512_set1_pd(MARGIN)), rest);
-        let above = _mm512_add_pd(_mm512_add_pd(scaled, _mm512_set1_pd(MARGIN)), rest);
+        let step = _mm512_mul_pd(scaled, e);
+        let below = _mm512_fmadd_pd(step, p, _mm512_sub_pd(scaled, _mm512_set1_pd(MARGIN)));
+        let above = _mm512_fmadd_pd(step, p, _mm512_add_pd(scaled, _mm512_set1_pd(MARGIN)));
         [_mm512_cvttpd_epu32(below), _mm512_cvttpd_epu32(above)]
     })
 }
@@ -138,21 +142,35 @@ impl Lanes for Avx512 {
     fn load(row: &[i32], at: usize) -> Self {
         match chunk::<_, 16>(row, at) {
             Some(lanes) => Self::of_array(lanes),
-            None => Self::of_array(&part(row, at)),
+            None => {
+                let first = row.as_ptr().wrapping_add(at);
+                Self(avx512!(_mm512_maskz_loadu_epi32(ones(rest(row, at)) as u16, first)))
+            }
         }
     }
     #[inline(always)]
     fn store(self, row: &mut [i32], at: usize) {
         match chunk_mut::<_, 16>(row, at) {
             Some(lanes) => avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0)),
-            None => store_part(row, at, &self.to_array()),
+            None => {
+                let mask = ones(rest(row, at)) as u16;
+                avx512!(_mm512_mask_storeu_epi32(
+                    row.as_mut_ptr().wrapping_add(at),
+                    mask,
+                    self.0
+                ));
+            }
         }
     }
     #[inline(always)]
     fn load_voxels(row: &[u16], at: usize) -> Self {
         match chunk::<_, 16>(row, at) {
             Some(lanes) => Self::of_voxels(lanes),
-            None => Self::of_voxels(&part(row, at)),
+            None => {
+                let first = row.as_ptr().wrapping_add(at).cast();
+                let voxels = avx512!(_mm256_maskz_loadu_epi16(ones(rest(row, at)) as u16, first));
+                Self(avx512!(_mm512_cvtepu16_epi32(voxels)))
+            }
         }
     }
     #[inline(always)]
@@ -183,8 +201,20 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
         match chunk::<_, 16>(row, at) {
-            Some(pairs) => Self::of_pairs(pairs),
-            None => Self::of_pairs(&part(row, at)),
+            Some(pairs) => {
+                let first = pairs.as_ptr().cast();
+                Self::of_pairs(
+                    avx512!(_mm512_loadu_si512(first)),
+                    avx512!(_mm512_loadu_si512(first.add(1))),
+                )
+            }
+            None => {
+                let (first, mask) = (row.as_ptr().wrapping_add(at).cast(), ones(rest(row, at)));
+                Self::of_pairs(
+                    avx512!(_mm512_maskz_loadu_epi64(mask as u8, first)),
+                    avx512!(_mm512_maskz_loadu_epi64((mask >> 8) as u8, first.wrapping_add(8))),
+                )
+            }
         }
     }
     #[inline(always)]
@@ -363,6 +393,13 @@ impl Wide for Products {
             avx512!(_mm512_maskz_mov_epi32(0x5555, narrow.0)),
             avx512!(_mm512_srli_epi64::<32>(narrow.0)),
         )
+    }
+    #[inline(always)]
+    fn shr_narrow(self, by: u32) -> Avx512 {
+        // The odd lanes' bits go straight to where they belong.
+        let even = avx512!(_mm512_srl_epi64(self.0, _mm_cvtsi32_si128(by as i32)));
+        let odd = avx512!(_mm512_sll_epi64(self.1, _mm_cvtsi32_si128(32 - by as i32)));
+        Avx512(avx512!(_mm512_mask_mov_epi32(odd, 0x5555, even)))
     }
     #[inline(always)]
     fn narrow(self) -> Avx512 {

@@ -5,7 +5,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 #[cfg(target_arch = "x86_64")]
-mod partial;
+pub(crate) mod partial;
 #[cfg(target_arch = "x86_64")]
 mod root;
 #[cfg(test)]
@@ -102,4 +102,20 @@ pub fn with_lanes<W: OverLanes>(simd: Simd, work: W) -> W::Output {
         }
         _ => work.run::<i32>(),
     }
+}
+
+/// Asks for a row of voxels, which will be read soon, from memory. Nothing but time depends on it.
+#[inline(always)]
+pub fn prefetch(row: &[u16]) {
+    #[cfg(target_arch = "x86_64")]
+    for line in row.chunks(32) {
+        use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
+        #[expect(unsafe_code, reason = "the instruction reads nothing that the program could see")]
+        // SAFETY: every x86-64 processor has it, and it cannot fail.
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T1>(line.as_ptr().cast());
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = row;
 }

@@ -19,22 +19,9 @@ pub fn chunk_mut<T, const N: usize>(row: &mut [T], at: usize) -> Option<&mut [T;
     (at < row.len().saturating_sub(N - 1)).then(|| unsafe { &mut *row.as_mut_ptr().add(at).cast() })
 }
 
-/// What a row has from `at` on, and zeros behind it.
-#[cold]
-#[inline(never)]
-pub fn part<T: Copy + Default, const N: usize>(row: &[T], at: usize) -> [T; N] {
-    let mut lanes = [T::default(); N];
-    for (lane, element) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
-        *lane = *element;
-    }
-    lanes
-}
-
-/// Writes as many lanes as the row has elements from `at` on.
-#[cold]
-#[inline(never)]
-pub fn store_part<T: Copy>(row: &mut [T], at: usize, lanes: &[T]) {
-    for (element, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
-        *element = *lane;
-    }
+/// How many elements a row has from `at` on, where they are fewer than a chunk. What reads them must not be a call: the
+/// compiler would keep no vector in a register across it.
+#[inline(always)]
+pub fn rest<T>(row: &[T], at: usize) -> usize {
+    row.len().saturating_sub(at)
 }

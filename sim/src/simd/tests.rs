@@ -28,7 +28,7 @@ impl OverLanes for &Rows {
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Vec<Vec<i32>> {
-        const OPERATIONS: usize = 45;
+        const OPERATIONS: usize = 46;
         let n = self.any.len();
         let mut out = vec![vec![0; n]; OPERATIONS];
         let pairs: Vec<u64> = (self.any.iter().zip(&self.other))
@@ -89,6 +89,7 @@ impl OverLanes for &Rows {
                 w.narrow(),
                 w.shr(by).narrow(),
                 w.shr(32).narrow(),
+                w.shr_narrow(by.max(1)),
                 (a.product_signed(b).shr(20) + v.shr(3) - V::Wide::splat(12345)).narrow(),
                 x.product_signed(y).at_least_zero().narrow(),
                 x.product_signed(y).at_most(V::Wide::of(one)).narrow(),

@@ -56,7 +56,7 @@ impl Scanner {
     fn turn(&mut self) {
         self.turn += 1;
         let second_half = self.slices.len() <= 32;
-        if self.slices.len() == 0 || (second_half && self.turn % SLOW != 0) {
+        if self.slices.len() == 0 || (second_half && !self.turn.is_multiple_of(SLOW)) {
             return;
         }
         let Some(buffer) = self.empty.dequeue() else {

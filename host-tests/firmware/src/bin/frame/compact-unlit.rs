@@ -2,4 +2,8 @@
 #![no_std]
 #![no_main]
 
-slicecast_firmware::frame_program!(slicecast::precision::Compact, slicecast::shade::Unlit, slicecast::composite::Unorm16(0));
+slicecast_firmware::frame_program!(
+    slicecast::precision::Compact,
+    slicecast::shade::Unlit,
+    slicecast::composite::Unorm16(0)
+);

@@ -2,4 +2,8 @@
 #![no_std]
 #![no_main]
 
-slicecast_firmware::frame_program!(slicecast::precision::Wide, slicecast::shade::Phong<slicecast::precision::Wide>, 0);
+slicecast_firmware::frame_program!(
+    slicecast::precision::Wide,
+    slicecast::shade::Phong<slicecast::precision::Wide>,
+    0
+);

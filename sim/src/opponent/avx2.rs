@@ -1,0 +1,225 @@
+//! Eight floats in AVX2 with FMA.
+
+#![expect(unsafe_code, reason = "vector instructions; every use says why it is sound")]
+
+use std::arch::x86_64::*;
+use std::ops::{Add, Mul, Sub};
+
+use super::floats::Floats;
+use crate::simd::partial::{chunk, chunk_mut, rest};
+
+/// Eight floats. Of use only where the processor has AVX2 and FMA; see [`super::floats::with_floats`].
+#[derive(Clone, Copy)]
+pub struct Avx2(__m256);
+
+/// Calls an intrinsic of AVX2 or FMA.
+macro_rules! avx2 {
+    ($call:expr) => {
+        // SAFETY: `with_floats` runs this code only on processors that have AVX2 and FMA; pointers come from slices
+        // that are long enough (`chunk`), or a mask leaves out what the slice does not have.
+        unsafe { $call }
+    };
+}
+
+impl Add for Avx2 {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(avx2!(_mm256_add_ps(self.0, other.0)))
+    }
+}
+
+impl Sub for Avx2 {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(avx2!(_mm256_sub_ps(self.0, other.0)))
+    }
+}
+
+impl Mul for Avx2 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(avx2!(_mm256_mul_ps(self.0, other.0)))
+    }
+}
+
+/// All bits in as many of the first lanes as there are elements.
+#[inline(always)]
+fn ones(elements: usize) -> __m256i {
+    avx2!(_mm256_cmpgt_epi32(
+        _mm256_set1_epi32(elements.min(8) as i32),
+        _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0)
+    ))
+}
+
+/// Low and high halves of eight pairs.
+#[inline(always)]
+fn halves(pairs: &[u64; 8]) -> [__m256i; 2] {
+    avx2!({
+        let first = _mm256_castsi256_ps(_mm256_loadu_si256(pairs.as_ptr().cast()));
+        let second = _mm256_castsi256_ps(_mm256_loadu_si256(pairs.as_ptr().add(4).cast()));
+        let even = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(first, second));
+        let odd = _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(first, second));
+        [
+            _mm256_permute4x64_epi64::<0b11_01_10_00>(even),
+            _mm256_permute4x64_epi64::<0b11_01_10_00>(odd),
+        ]
+    })
+}
+
+#[inline(always)]
+fn of_pairs(pairs: &[u64; 8]) -> [Avx2; 2] {
+    let [low, high] = halves(pairs);
+    avx2!([Avx2(_mm256_castsi256_ps(low)), Avx2(_mm256_castsi256_ps(high))])
+}
+
+#[inline(always)]
+fn of_colours(pairs: &[u64; 8]) -> [[Avx2; 3]; 2] {
+    let [low, high] = halves(pairs);
+    [colours(low), colours(high)]
+}
+
+#[inline(always)]
+fn of_voxels(voxels: &[u16; 8]) -> Avx2 {
+    Avx2(avx2!(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(
+        voxels.as_ptr().cast()
+    )))))
+}
+
+impl Floats for Avx2 {
+    const COUNT: usize = 8;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self(avx2!(_mm256_set1_ps(value)))
+    }
+    #[inline(always)]
+    fn load(row: &[f32], at: usize) -> Self {
+        match chunk::<_, 8>(row, at) {
+            Some(lanes) => Self(avx2!(_mm256_loadu_ps(lanes.as_ptr()))),
+            None => Self(avx2!(_mm256_maskload_ps(
+                row.as_ptr().wrapping_add(at),
+                ones(rest(row, at))
+            ))),
+        }
+    }
+    #[inline(always)]
+    fn store(self, row: &mut [f32], at: usize) {
+        match chunk_mut::<_, 8>(row, at) {
+            Some(lanes) => avx2!(_mm256_storeu_ps(lanes.as_mut_ptr(), self.0)),
+            None => {
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)));
+                avx2!(_mm256_maskstore_ps(first, mask, self.0));
+            }
+        }
+    }
+    #[inline(always)]
+    fn load_voxels(row: &[u16], at: usize) -> Self {
+        match chunk::<_, 8>(row, at) {
+            Some(lanes) => of_voxels(lanes),
+            None => {
+                let mut lanes = [0; 8];
+                for (lane, voxel) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
+                    *lane = *voxel;
+                }
+                of_voxels(&lanes)
+            }
+        }
+    }
+    #[inline(always)]
+    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
+        match chunk::<_, 8>(row, at) {
+            Some(pairs) => of_pairs(pairs),
+            None => [Self::splat(0.0); 2],
+        }
+    }
+    #[inline(always)]
+    fn load_colours(row: &[u64], at: usize) -> [[Self; 3]; 2] {
+        match chunk::<_, 8>(row, at) {
+            Some(pairs) => of_colours(pairs),
+            None => [[Self::splat(0.0); 3]; 2],
+        }
+    }
+    #[inline(always)]
+    fn split(self, whole: &mut [u32], at: usize) -> Self {
+        avx2!({
+            let index = _mm256_cvttps_epi32(self.0);
+            if let Some(lanes) = chunk_mut::<_, 8>(whole, at) {
+                _mm256_storeu_si256(lanes.as_mut_ptr().cast(), index);
+            }
+            Self(_mm256_sub_ps(self.0, _mm256_cvtepi32_ps(index)))
+        })
+    }
+    #[inline(always)]
+    fn followed_by(self, next: Self) -> Self {
+        avx2!({
+            let (this, next) = (_mm256_castps_si256(self.0), _mm256_castps_si256(next.0));
+            // The middle: upper half of this, lower half of the next.
+            let middle = _mm256_permute2x128_si256::<0x21>(this, next);
+            Self(_mm256_castsi256_ps(_mm256_alignr_epi8::<4>(middle, this)))
+        })
+    }
+    #[inline(always)]
+    fn times_plus(self, factor: Self, term: Self) -> Self {
+        Self(avx2!(_mm256_fmadd_ps(self.0, factor.0, term.0)))
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self {
+        Self(avx2!(_mm256_min_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn at_least(self, other: Self) -> Self {
+        Self(avx2!(_mm256_max_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn positive_then(self, value: Self) -> Self {
+        avx2!({
+            let mask = _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, _mm256_setzero_ps());
+            Self(_mm256_and_ps(mask, value.0))
+        })
+    }
+    #[inline(always)]
+    fn at_least_then(self, floor: Self, value: Self) -> Self {
+        avx2!({
+            let mask = _mm256_cmp_ps::<_CMP_GE_OQ>(self.0, floor.0);
+            Self(_mm256_and_ps(mask, value.0))
+        })
+    }
+    #[inline(always)]
+    fn any_positive(self) -> bool {
+        avx2!({
+            let mask = _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, _mm256_setzero_ps());
+            _mm256_movemask_ps(mask) != 0
+        })
+    }
+    #[inline(always)]
+    fn reciprocal_root(self) -> Self {
+        avx2!({
+            // 12 bits, then y (3 - s y^2) / 2; the estimate of 0 is infinite.
+            let mask = _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, _mm256_setzero_ps());
+            let y = _mm256_and_ps(mask, _mm256_rsqrt_ps(self.0));
+            let e = _mm256_fnmadd_ps(_mm256_mul_ps(self.0, y), y, _mm256_set1_ps(3.0));
+            Self(_mm256_mul_ps(_mm256_mul_ps(y, _mm256_set1_ps(0.5)), e))
+        })
+    }
+}
+
+/// Red, green and blue in the low bytes.
+#[inline(always)]
+fn colours(entries: __m256i) -> [Avx2; 3] {
+    avx2!({
+        let byte = _mm256_set1_epi32(255);
+        let [red, green, blue] = [
+            _mm256_and_si256(entries, byte),
+            _mm256_and_si256(_mm256_srli_epi32::<8>(entries), byte),
+            _mm256_srli_epi32::<16>(entries),
+        ];
+        [
+            Avx2(_mm256_cvtepi32_ps(red)),
+            Avx2(_mm256_cvtepi32_ps(green)),
+            Avx2(_mm256_cvtepi32_ps(blue)),
+        ]
+    })
+}
