@@ -511,10 +511,9 @@ mod tests {
             ray_of(&prepared, [100_000, 0]),
             Err(ExplainError::Pixel { .. })
         ));
-        assert!(matches!(
-            ray_of(&prepared, [0, 0]),
-            Err(ExplainError::Background { .. })
-        ));
+        scene.image.zoom = 0.1;
+        let small = Prepared::new(&scene, &volume).unwrap();
+        assert!(matches!(ray_of(&small, [0, 0]), Err(ExplainError::Background { .. })));
         scene.blend = Blend::Maximum;
         let prepared = Prepared::new(&scene, &volume).unwrap();
         assert!(matches!(explain(&prepared, [0, 0]), Err(ExplainError::Blend)));

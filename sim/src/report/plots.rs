@@ -75,12 +75,13 @@ pub fn stages(reports: &[(&str, &[StageReport])], label: &str) -> Result<String,
         for (row, (name, required)) in names.iter().enumerate() {
             let top = count - row as f64 - 0.1;
             let (_, y) = chart.backend_coord(&(0.0, top - 0.4));
-            let style = TextStyle::from(("sans-serif", 13).into_font().color(&INK)).pos(
-                plotters::style::text_anchor::Pos::new(
+            let style = ("sans-serif", 13)
+                .into_font()
+                .color(&INK)
+                .pos(plotters::style::text_anchor::Pos::new(
                     plotters::style::text_anchor::HPos::Right,
                     plotters::style::text_anchor::VPos::Center,
-                ),
-            );
+                ));
             root.draw(&Text::new((*name).to_owned(), (202, y), style))?;
             for (place, (_, stages)) in reports.iter().enumerate() {
                 let Some(stage) = stages.iter().find(|stage| stage.name == *name) else {

@@ -132,7 +132,8 @@ mod tests {
         within::<Plain8>(|_| 0.5 / 255.0);
         // The largest code is 65535 / 65536.
         within::<Plain16>(|_| 1.0 / 65536.0);
-        within::<Sqrt8>(|a| a.sqrt() / 255.0 + 0.25 / 65025.0);
+        // A code is 257 q / 65536, which is 2^-16 less than q / 255.
+        within::<Sqrt8>(|a| a.sqrt() / 255.0 + 0.25 / 65025.0 + 2.0 * a / 65536.0);
         within::<Sqrt16>(|a| 2.0 * a.sqrt() / 65536.0 + 1.0 / 4294967296.0);
     }
 

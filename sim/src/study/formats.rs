@@ -122,8 +122,11 @@ pub type CompactValues = Blend<Sample12, 16, false>;
 /// The surface of `Compact`.
 pub type CompactSurface = Deferred<15>;
 
+/// What a precision is put together from: no value of these types ever exists.
+type Parts<V, S, X> = fn() -> (V, S, X);
+
 /// A precision of three parts.
-pub struct Study<V, S, X>(PhantomData<fn() -> (V, S, X)>);
+pub struct Study<V, S, X>(PhantomData<Parts<V, S, X>>);
 
 impl<V, S, X> Clone for Study<V, S, X> {
     fn clone(&self) -> Self {
