@@ -1,7 +1,8 @@
 """Times slicecast against VTK's vtkFixedPointVolumeRayCastMapper on the same volumes, rays, step, lights and threads.
 
     python3 -m venv peers && peers/bin/pip install vtk numpy
-    peers/bin/python vtk_ratio.py PATH/TO/slicecast PATH/TO/bone-ct.nrrd [--frames 3] [--rounds 4] [--threads N] [--pictures DIR]
+    peers/bin/python vtk_ratio.py PATH/TO/slicecast PATH/TO/bone-ct.nrrd [--frames 3] [--rounds 4]
+                                  [--threads N] [--only fog|bone] [--pictures DIR]
 
 Two scenes, both under one white light from the viewer: dense fog (made here, 256^3, nothing can be skipped) and the bone
 of a CT volume, made cubic first (linear along z), because rays are so many a voxel here and so many a millimetre there.
@@ -120,6 +121,7 @@ class Vtk:
         volume.SetProperty(look)
         renderer = vtk.vtkRenderer()
         renderer.AddVolume(volume)
+        renderer.TwoSidedLightingOff()  # What faces away from a light is dark in slicecast.
         camera = renderer.GetActiveCamera()
         centre = [side / 2 for side in sides]
         camera.ParallelProjectionOn()
@@ -172,6 +174,7 @@ def main():
     parser.add_argument("--frames", type=int, default=3)
     parser.add_argument("--rounds", type=int, default=4)
     parser.add_argument("--threads", type=int, default=None)
+    parser.add_argument("--only", choices=["fog", "bone"])
     parser.add_argument("--pictures", type=pathlib.Path)
     asked = parser.parse_args()
     threads = asked.threads or os.cpu_count()
@@ -180,6 +183,8 @@ def main():
         folder = pathlib.Path(folder)
         scenes = [("dense fog", fog(), 1.0, fog_points(256), 8), ("bone CT", *cubic(asked.ct), BONE, 4)]
         for name, voxels, spacing, points, aim in scenes:
+            if asked.only and asked.only not in name:
+                continue
             path = folder / f"{name.split()[0]}.nrrd"
             write(path, voxels, spacing)
             listed = ", ".join(f'{{ value = {v}, colour = "{c}", opacity = {o} }}' for v, c, o in points)
