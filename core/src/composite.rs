@@ -211,6 +211,12 @@ fn product31<V: Lanes>(a: V, b: V) -> V {
     a.product(b).shr_narrow(31)
 }
 
+/// What an opacity leaves of a value.
+#[inline(always)]
+fn left31<V: Lanes>(value: V, opacity: V) -> V {
+    value.wrapping_sub(product31(value, opacity))
+}
+
 impl Recurrence for Telescoping31 {
     type Channel = u32;
     const FLOOR: u32 = 1 << 11;
@@ -239,11 +245,14 @@ impl Recurrence for Telescoping31 {
 
     #[inline(always)]
     fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
-        let [r, g, b] = pixel.colour.map(|c| c.wrapping_sub(product31(c, opacity)));
-        let [cr, cg, cb] = colour.map(|c| product31(c, opacity));
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
-            colour: [r.wrapping_add(cr), g.wrapping_add(cg), b.wrapping_add(cb)],
-            transparency: pixel.transparency.wrapping_sub(product31(pixel.transparency, opacity)),
+            colour: [
+                left31(r, opacity).wrapping_add(product31(cr, opacity)),
+                left31(g, opacity).wrapping_add(product31(cg, opacity)),
+                left31(b, opacity).wrapping_add(product31(cb, opacity)),
+            ],
+            transparency: left31(pixel.transparency, opacity),
         }
     }
 }
@@ -364,10 +373,13 @@ impl Recurrence for Truncating15 {
     fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let (t, a) = Self::sample(opacity);
         let before = pixel.transparency;
-        let [r, g, b] = pixel.colour;
-        let [cr, cg, cb] = colour.map(|c| product15(product15(c, a), before));
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
-            colour: [r + cr, g + cg, b + cb],
+            colour: [
+                r + product15(product15(cr, a), before),
+                g + product15(product15(cg, a), before),
+                b + product15(product15(cb, a), before),
+            ],
             transparency: product15(before, t),
         }
     }
@@ -375,10 +387,13 @@ impl Recurrence for Truncating15 {
     #[inline(always)]
     fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let (t, a) = Self::sample(opacity);
-        let [r, g, b] = pixel.colour.map(|old| product15(old, t));
-        let [cr, cg, cb] = colour.map(|c| product15(c, a));
+        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
-            colour: [r + cr, g + cg, b + cb],
+            colour: [
+                product15(r, t) + product15(cr, a),
+                product15(g, t) + product15(cg, a),
+                product15(b, t) + product15(cb, a),
+            ],
             transparency: product15(pixel.transparency, t),
         }
     }

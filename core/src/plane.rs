@@ -100,20 +100,15 @@ pub const fn scratch_len<L: Pipeline>(width: u32) -> usize {
     L::SCRATCH_ROWS * row_len(width)
 }
 
-/// Places before the first voxel of a row: one, or as many as make whole vectors begin with it, so that they do not
-/// straddle lines of the cache (if the scratch memory begins with one).
-const LEAD: usize = if SMALL { 1 } else { 16 };
-
-/// Words of a row: its lead, its voxels, one place behind them.
+/// Words of a row: its voxels, and one place at each end.
 const fn row_len(width: u32) -> usize {
-    let places = LEAD + width as usize + 1;
-    if SMALL { places } else { places.next_multiple_of(16) }
+    width as usize + 2
 }
 
 /// Cuts a row off scratch memory.
 #[inline(always)]
 fn take_row<'m>(memory: &mut &'m mut [i32], width: u32) -> &'m mut [i32] {
-    part_mut(take(memory, row_len(width)), 0..LEAD + width as usize + 1)
+    take(memory, row_len(width))
 }
 
 /// Consecutive rows of one phase of the base-plane image.
@@ -283,16 +278,8 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
         self.make_z::<V>(meeting, window, next);
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
-        let len = even.len();
         if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
-            // From the place before the first voxel; vectors begin where they are whole.
-            let first = if V::COUNT == 1 { LEAD - 1 } else { 0 };
-            let (a, b, out) = (
-                part(pick(row), first..len),
-                part(pick(next), first..len),
-                part_mut(out, first..len),
-            );
-            yx_row::<P, V>(a, b, meeting.in_slice(), meeting.weights(), out);
+            yx_row::<P, V>(pick(row), pick(next), meeting.in_slice(), meeting.weights(), out);
             *key = row;
         }
     }
@@ -307,7 +294,7 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
             return;
         }
         *key = row;
-        let voxels = LEAD..out.len().saturating_sub(1);
+        let voxels = 1..out.len().saturating_sub(1);
         let far = window.far_or_near();
         let last = meeting.height - 1;
         let edge = row.min(last).max(0);
@@ -327,8 +314,7 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
                 );
                 extend_row(part_mut(out, voxels.clone()), part(self.inner, voxels));
             }
-            let extended = LEAD - 1..out.len();
-            extend_ends(part_mut(out, extended));
+            extend_ends(out);
         }
     }
 }
@@ -466,7 +452,7 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
                 column: (meeting.columns.start + offset) as u32,
             };
             sampler.make::<V>(&meeting, window, voxel_row);
-            let place = meeting.voxel + LEAD;
+            let place = meeting.voxel + 1;
             let samples = part(sampler.row(voxel_row), place..place + n);
             tap.samples(beam(0), samples);
             self.classifier.opacity_row::<V>(samples, opacities);
@@ -621,7 +607,7 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
     ) {
         self.len = places.len();
         // Along z: derivatives in place of voxels, one column more than the span where there is one.
-        let columns = places.start.saturating_sub(LEAD)..(places.end + 1 - LEAD).min(window.near.width());
+        let columns = places.start.saturating_sub(1)..places.end.min(window.near.width());
         let (this, next) = meeting.voxel_rows(row);
         self.make_z::<P, V>(meeting, window, this, &columns);
         self.make_z::<P, V>(meeting, window, next, &columns);
@@ -722,7 +708,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         let mut sampler = Sampler::<P, false>::new(&mut scratch, slice_width);
         for (row, data, voxel_row) in met_rows(&meeting, rows, base_width) {
             sampler.make::<V>(&meeting, window, voxel_row);
-            let place = meeting.voxel + LEAD;
+            let place = meeting.voxel + 1;
             let samples = part(sampler.row(voxel_row), place..place + n);
             let at = Beam {
                 plane,

@@ -122,6 +122,10 @@ class Vtk:
         renderer = vtk.vtkRenderer()
         renderer.AddVolume(volume)
         renderer.TwoSidedLightingOff()  # What faces away from a light is dark in slicecast.
+        light = vtk.vtkLight()
+        light.SetLightTypeToHeadlight()
+        light.SetAmbientColor(1, 1, 1)  # VTK's lights have no ambient part unless they are told.
+        renderer.AddLight(light)
         camera = renderer.GetActiveCamera()
         centre = [side / 2 for side in sides]
         camera.ParallelProjectionOn()

@@ -8,9 +8,11 @@ use slicecast::classify::opacity_of_root;
 use slicecast::composite::{Dither, Dithered, Pixel, Recurrence, Unorm16};
 use slicecast::format::{Cosine, Opacity, Weight};
 use slicecast::interpolate::trilinear;
+use slicecast::lanes::{Lanes, places};
 use slicecast::normalise::reciprocal_root;
 use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::shade::power;
+use slicecast_sim::simd::{OverLanes, Simd, with_lanes};
 
 /// A property: its name, what it says, and its check over every `stride`-th input, which gives the number of inputs or
 /// the first counterexample found.
@@ -27,12 +29,18 @@ pub struct Property {
 }
 
 /// All of them.
-pub const PROPERTIES: [Property; 6] = [
+pub const PROPERTIES: [Property; 7] = [
     Property {
         name: "roots",
         claim: "reciprocal_root(S) is the largest r with r^2 S <= 2^70, S from 2^28 to 3 * 32767^2",
         check: roots,
         sample_stride: 293,
+    },
+    Property {
+        name: "vector-roots",
+        claim: "reciprocal_root of every vector width that the processor has is the scalar one, all S",
+        check: vector_roots,
+        sample_stride: 211,
     },
     Property {
         name: "over",
@@ -110,6 +118,44 @@ fn roots(stride: u64) -> Result<u64, String> {
         count += check(s)?;
     }
     Ok(count)
+}
+
+/// Squares that are checked together.
+const TOGETHER: u64 = 4096;
+
+/// Reciprocal roots of consecutive squares.
+struct Roots(Vec<i32>);
+
+impl OverLanes for &Roots {
+    type Output = Vec<i32>;
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> Vec<i32> {
+        let mut out = vec![0; self.0.len()];
+        for at in places::<V>(out.len()) {
+            V::load(&self.0, at).reciprocal_root().store(&mut out, at);
+        }
+        out
+    }
+}
+
+fn vector_roots(stride: u64) -> Result<u64, String> {
+    const FIRST: u64 = 1 << 28;
+    const LARGEST: u64 = 3 * 32767 * 32767;
+    everywhere(0..=(LARGEST - FIRST) / TOGETHER, stride, |block| {
+        let first = FIRST + block * TOGETHER;
+        let squares = first..=(first + TOGETHER - 1).min(LARGEST);
+        let roots = Roots(squares.map(|s| s as i32).collect());
+        let expected = with_lanes(Simd::Scalar, &roots);
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+            let found = with_lanes(simd, &roots);
+            if let Some(at) = expected.iter().zip(&found).position(|(a, b)| a != b) {
+                let (s, e, f) = (first + at as u64, expected[at], found[at]);
+                return Err(format!("S = {s}: {f} by {}, {e} by the definition", simd.name()));
+            }
+        }
+        Ok(expected.len() as u64)
+    })
 }
 
 /// Dithers: the extremes of both sequences, and those of planes 0 and 1.

@@ -15,6 +15,11 @@ fn reciprocal_roots() {
 }
 
 #[test]
+fn reciprocal_roots_in_vectors() {
+    holds("vector-roots");
+}
+
+#[test]
 fn compositing_with_dither() {
     holds("over");
 }
@@ -41,6 +46,14 @@ fn interpolation() {
 
 #[test]
 fn no_property_is_left_out() {
-    let sampled = ["roots", "over", "opacity", "power", "paper-power", "interpolate"];
+    let sampled = [
+        "roots",
+        "vector-roots",
+        "over",
+        "opacity",
+        "power",
+        "paper-power",
+        "interpolate",
+    ];
     assert_eq!(PROPERTIES.map(|p| p.name), sampled);
 }

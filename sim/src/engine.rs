@@ -296,14 +296,14 @@ fn each_tile<L: Pipeline, R: Send>(
             tiles.map(move |(index, data)| (phase, index, data))
         })
         .map_init(
-            || vec![0; scratch_len::<L>(slice_width) + LINE],
+            || vec![0; scratch_len::<L>(slice_width)],
             |scratch, (phase, index, data)| {
                 let tile = Tile {
                     phase,
                     first: (index * tile_rows) as u32,
                     rows: (data.len() / row_len) as u32,
                 };
-                let result = work(tile, data, on_a_line(scratch));
+                let result = work(tile, data, scratch);
                 progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
                 result
             },
@@ -323,15 +323,6 @@ impl<L: Pipeline, T> FoldTile<'_, '_, L, T> {
             prefetch(slice.row(row));
         }
     }
-}
-
-/// Words of a line of the cache.
-const LINE: usize = 16;
-
-/// Memory from the first whole line of the cache on.
-fn on_a_line(memory: &mut [i32]) -> &mut [i32] {
-    let start = memory.as_ptr().align_offset(LINE * size_of::<i32>()).min(LINE);
-    &mut memory[start..]
 }
 
 /// A tile on its way through all planes.
