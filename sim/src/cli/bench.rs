@@ -268,13 +268,14 @@ struct Role {
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(path) = &self.json {
-            if !self.force && path.symlink_metadata().is_ok() {
-                return Err(Failure::input(format!(
-                    "{} exists; --force replaces it",
-                    path.display()
-                )));
-            }
+        if let Some(path) = &self.json
+            && !self.force
+            && path.symlink_metadata().is_ok()
+        {
+            return Err(Failure::input(format!(
+                "{} exists; --force replaces it",
+                path.display()
+            )));
         }
         let loaded = self.volume.load()?;
         let scene = self.scene.load_or("ct-bone", &self.volume, &loaded)?;
