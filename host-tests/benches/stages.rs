@@ -1,4 +1,5 @@
-//! Throughput of each stage's row kernel (256 samples) and of the whole pipeline (128^3 synthetic volume), in samples.
+//! Throughput of each stage's row kernel (256 samples, at every vector width) and of the whole pipeline (128^3 synthetic
+//! volume), in samples.
 //! Nothing is asserted: times are for people to read.
 
 use std::hint::black_box;
@@ -11,19 +12,22 @@ use slicecast::composite::{Channel, Dither, FrontToBack, PixelRow, Recurrence, f
 use slicecast::format::{Coefficient, Intensity, Vector, Weight};
 use slicecast::gradient::{difference_row, space_row};
 use slicecast::interpolate::{yx_row, z_row};
+use slicecast::lanes::Lanes;
 use slicecast::normalise::normalise_row;
 use slicecast::plan::Plan;
-use slicecast::plane::Pipeline;
+use slicecast::plane::{ChannelOf, Pipeline};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
-use slicecast::shade::{Highlight, Light, Shader};
+use slicecast::shade::{Highlight, Light, Phong, Shader};
 use slicecast::slice::Slice;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_sim::camera::Material;
-use slicecast_sim::engine::{fold_tiles, new_image, on_threads};
+use slicecast_sim::engine::{TILE_ROWS, fold_tiles, new_image, on_threads};
+use slicecast_sim::expanded::Expanded;
 use slicecast_sim::pipelines::Job;
-use slicecast_sim::scene::PrecisionName;
-use slicecast_sim::simd::Simd;
+use slicecast_sim::scene::{AlphaCodeName, LookupName, PrecisionName};
+use slicecast_sim::simd::{OverLanes, Simd, with_lanes};
+use slicecast_sim::table::Table;
 
 const WIDTH: usize = 256;
 
@@ -48,99 +52,174 @@ fn lights() -> Material {
     }
 }
 
-/// The kernels whose arithmetic depends on the precision.
-fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
-    let random = &mut Random::new(1);
-    let voxels = || volume([WIDTH, 4, 1], Filling::Noise, 2).voxels;
-    let (near, far) = (voxels(), voxels());
-    let weight = Weight::from_bits(21_845);
-    let name = |stage: &str| format!("{stage}/{}", P::NAME);
-    let mut out = vec![0; WIDTH];
-    group.bench_function(name("interpolate-z"), |b| {
-        b.iter(|| {
-            z_row::<P, i32>(
-                black_box(&near[..WIDTH]),
-                black_box(&far[..WIDTH]),
-                weight,
-                black_box(&mut out),
-            )
-        });
-    });
-    let (a, b16) = (row(random, 4095 << 16), row(random, 4095 << 16));
-    group.bench_function(name("interpolate-yx"), |b| {
-        b.iter(|| {
-            yx_row::<P, i32>(
-                black_box(&a),
-                black_box(&b16),
-                false,
-                [weight, weight],
-                black_box(&mut out),
-            )
-        });
-    });
+/// Calls of a kernel at a time, so that entering the code of a width costs nothing beside them.
+const CALLS: usize = 16;
 
+/// A row kernel.
+#[derive(Clone, Copy, Debug)]
+enum Kernel {
+    InterpolateZ,
+    InterpolateYx,
+    Opacity,
+    Colour,
+    Difference,
+    Spacing,
+    Normalise,
+    Shade,
+    Composite,
+}
+
+impl Kernel {
+    /// All of them, in the order of the pipeline.
+    const ALL: [(Self, &'static str); 9] = [
+        (Self::InterpolateZ, "interpolate-z"),
+        (Self::InterpolateYx, "interpolate-yx"),
+        (Self::Opacity, "opacity-linear-16"),
+        (Self::Colour, "colour-linear-16"),
+        (Self::Difference, "gradient-difference"),
+        (Self::Spacing, "gradient-spacing"),
+        (Self::Normalise, "normalise"),
+        (Self::Shade, "shade"),
+        (Self::Composite, "composite"),
+    ];
+}
+
+/// What the kernels of a precision read and write.
+struct Bench<P: Precision> {
+    near: Vec<u16>,
+    far: Vec<u16>,
+    /// Voxels interpolated along z.
+    between: [Vec<i32>; 2],
+    samples: Vec<i32>,
+    opacities: Vec<i32>,
+    colours: [Vec<i32>; 3],
+    gradients: [Vec<i32>; 3],
+    normals: [Vec<i32>; 3],
+    lengths: Vec<i32>,
+    table: Expanded,
+    phong: Phong<P>,
+    pixels: Vec<ChannelOf<P>>,
+    out: [Vec<i32>; 4],
+}
+
+impl<P: Precision> Bench<P> {
+    fn new() -> Self {
+        let random = &mut Random::new(1);
+        let mut voxels = || volume([WIDTH, 1, 1], Filling::Noise, random.next_bits()).voxels;
+        let (near, far) = (voxels(), voxels());
+        let mut rows = |end: u32| [(); 3].map(|()| row(random, end));
+        let ([a, b, _], [samples, ..]) = (rows(4095 << 16), rows(4095 << P::SAMPLE_BITS));
+        let ([opacities, ..], colours) = (rows(1 << 24), rows(1 << P::COLOUR_BITS));
+        let gradients = rows(1 << 28);
+        let (mut normals, mut lengths) = (gradients.clone(), vec![0; WIDTH]);
+        let [x, y, z] = &mut normals;
+        normalise_row::<i32>([x, y, z], &mut lengths);
+        let table = Table {
+            entries: Box::new(std::array::from_fn(|_| random.next_bits() as u32)),
+            plane: Box::new(std::array::from_fn(|_| random.next_bits() as u8)),
+            code: AlphaCodeName::Sqrt16,
+            lookup: LookupName::Linear,
+            underflows: 0,
+        };
+        Self {
+            near,
+            far,
+            between: [a, b],
+            samples,
+            opacities,
+            colours,
+            gradients,
+            normals,
+            lengths,
+            table: table.expanded(),
+            phong: lights().phong::<P>().expect("one light"),
+            pixels: vec![ChannelOf::<P>::default(); 4 * WIDTH],
+            out: [(); 4].map(|()| vec![0; WIDTH]),
+        }
+    }
+
+    /// An image that nothing has been folded into, so that no ray is finished.
+    fn clear(&mut self) {
+        let (colour, transparency) = self.pixels.split_at_mut(3 * WIDTH);
+        colour.fill(ChannelOf::<P>::default());
+        transparency.fill(ChannelOf::<P>::ONE);
+    }
+}
+
+/// A kernel over the rows of a bench, [`CALLS`] times.
+struct Call<'a, P: Precision>(Kernel, &'a mut Bench<P>);
+
+impl<P: Precision> OverLanes for Call<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        let Self(kernel, bench) = self;
+        let weight = Weight::from_bits(21_845);
+        for _ in 0..CALLS {
+            let bench = black_box(&mut *bench);
+            let [out, red, green, blue] = &mut bench.out;
+            match kernel {
+                Kernel::InterpolateZ => z_row::<P, V>(&bench.near, &bench.far, weight, out),
+                Kernel::InterpolateYx => {
+                    let [a, b] = &bench.between;
+                    yx_row::<P, V>(a, b, false, [weight, weight], out);
+                }
+                Kernel::Opacity => Classifier::<P>::opacity_row::<V>(&&bench.table, &bench.samples, out),
+                Kernel::Colour => Classifier::<P>::colour_row::<V>(&&bench.table, &bench.samples, [red, green, blue]),
+                Kernel::Difference => {
+                    let [a, b, _] = &bench.gradients;
+                    difference_row::<V>(a, b, out);
+                }
+                Kernel::Spacing => space_row::<V>(out, Intensity::from_bits(32_767)),
+                Kernel::Normalise => {
+                    let [x, y, z] = &bench.gradients;
+                    red.copy_from_slice(x);
+                    green.copy_from_slice(y);
+                    blue.copy_from_slice(z);
+                    normalise_row::<V>([red, green, blue], out);
+                }
+                Kernel::Shade => {
+                    let [x, y, z] = &bench.normals;
+                    Shader::<P>::shade_row::<V>(&bench.phong, [x, y, z], &bench.lengths, [red, green, blue]);
+                }
+                Kernel::Composite => {
+                    let [red, green, blue] = &bench.colours;
+                    let mut row = PixelRow::of_runs(&mut bench.pixels, WIDTH, 0..WIDTH);
+                    let (dither, floor) = (Dither::of_plane(7), P::Pixel::FLOOR);
+                    fold_row::<P::Pixel, FrontToBack, V>(&mut row, [red, green, blue], &bench.opacities, dither, floor);
+                }
+            }
+        }
+    }
+}
+
+/// Every row kernel of a precision at every width that the processor has.
+fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
+    let mut bench = Bench::<P>::new();
+    for (kernel, name) in Kernel::ALL {
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+            group.bench_function(format!("{name}/{}/{}", P::NAME, simd.name()), |b| {
+                bench.clear();
+                b.iter(|| with_lanes(simd, Call(kernel, &mut bench)));
+            });
+        }
+    }
+}
+
+/// The tables as firmware reads them: entries of 32 bits, decoded at every sample.
+fn point_tables<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
+    let random = &mut Random::new(2);
     let samples = row(random, 4095 << P::SAMPLE_BITS);
     let entries: Box<[u32; ENTRIES]> = Box::new(std::array::from_fn(|_| random.next_bits() as u32));
     let plane: Box<[u8; ENTRIES]> = Box::new(std::array::from_fn(|_| random.next_bits() as u8));
-    let mut colours = [(); 3].map(|()| vec![0; WIDTH]);
-    classify::<P>(
-        group,
-        "nearest-8",
-        &PointTable::<Sqrt8, Nearest>::new(&entries, ()),
-        &samples,
-    );
-    classify::<P>(
-        group,
-        "linear-16",
-        &PointTable::<Sqrt16, Linear>::new(&entries, &plane),
-        &samples,
-    );
-
-    let g = [(); 3].map(|()| row(random, 1 << 28));
-    let mut normals = g.clone();
-    let mut r = vec![0; WIDTH];
-    {
-        let [x, y, z] = &mut normals;
-        normalise_row::<i32>([x, y, z], &mut r);
-    }
-    let phong = lights().phong::<P>().expect("one light");
-    group.bench_function(name("shade"), |b| {
-        let [x, y, z] = &normals;
-        let [cr, cg, cb] = &mut colours;
-        b.iter(|| {
-            let colours = [&mut cr[..], &mut cg[..], &mut cb[..]];
-            Shader::shade_row::<i32>(
-                &phong,
-                [black_box(x), black_box(y), black_box(z)],
-                black_box(&r),
-                colours,
-            );
-        });
-    });
-
-    let colours = [(); 3].map(|()| row(random, 1 << P::COLOUR_BITS));
-    let opacities = row(random, 1 << 24);
-    let mut pixels = vec![<P::Pixel as Recurrence>::Channel::default(); 4 * WIDTH];
-    group.bench_function(name("composite"), |b| {
-        let [cr, cg, cb] = &colours;
-        b.iter(|| {
-            let one = <<P::Pixel as Recurrence>::Channel as Channel>::ONE;
-            pixels[..3 * WIDTH].fill(Channel::from_bits(0));
-            pixels[3 * WIDTH..].fill(one);
-            let mut row = PixelRow::of_runs(black_box(&mut pixels), WIDTH, 0..WIDTH);
-            let floor = P::Pixel::FLOOR;
-            fold_row::<P::Pixel, FrontToBack, i32>(
-                &mut row,
-                [cr, cg, cb],
-                black_box(&opacities),
-                Dither::of_plane(7),
-                floor,
-            );
-        });
-    });
+    let nearest = PointTable::<Sqrt8, Nearest>::new(&entries, ());
+    let linear = PointTable::<Sqrt16, Linear>::new(&entries, &plane);
+    point_table::<P>(group, "nearest-8", &nearest, &samples);
+    point_table::<P>(group, "linear-16", &linear, &samples);
 }
 
-fn classify<P: Precision>(
+fn point_table<P: Precision>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     table: &str,
     classifier: &impl Classifier<P>,
@@ -148,10 +227,10 @@ fn classify<P: Precision>(
 ) {
     let mut out = vec![0; WIDTH];
     let mut colours = [(); 3].map(|()| vec![0; WIDTH]);
-    group.bench_function(format!("opacity-{table}/{}", P::NAME), |b| {
+    group.bench_function(format!("point-opacity-{table}/{}", P::NAME), |b| {
         b.iter(|| classifier.opacity_row::<i32>(black_box(samples), black_box(&mut out)));
     });
-    group.bench_function(format!("colour-{table}/{}", P::NAME), |b| {
+    group.bench_function(format!("point-colour-{table}/{}", P::NAME), |b| {
         let [r, g, blue] = &mut colours;
         b.iter(|| classifier.colour_row::<i32>(black_box(samples), [&mut r[..], &mut g[..], &mut blue[..]]));
     });
@@ -159,31 +238,14 @@ fn classify<P: Precision>(
 
 fn stages(c: &mut Criterion) {
     let mut group = c.benchmark_group("row-256");
-    group.throughput(Throughput::Elements(WIDTH as u64));
+    group.throughput(Throughput::Elements((CALLS * WIDTH) as u64));
     kernels::<Paper>(&mut group);
     kernels::<Compact>(&mut group);
     kernels::<Wide>(&mut group);
-    let random = &mut Random::new(3);
-    let (a, b28) = (row(random, 1 << 28), row(random, 1 << 28));
-    let mut out = vec![0; WIDTH];
-    group.bench_function("gradient-difference", |b| {
-        b.iter(|| difference_row::<i32>(black_box(&a), black_box(&b28), black_box(&mut out)));
-    });
-    group.bench_function("gradient-spacing", |b| {
-        out.copy_from_slice(&a);
-        b.iter(|| space_row::<i32>(black_box(&mut out), Intensity::from_bits(32_767)));
-    });
-    let g = [(); 3].map(|()| row(random, 1 << 28));
-    let mut work = g.clone();
-    group.bench_function("normalise", |b| {
-        b.iter(|| {
-            for (work, g) in work.iter_mut().zip(&g) {
-                work.copy_from_slice(g);
-            }
-            let [x, y, z] = &mut work;
-            normalise_row::<i32>([x, y, z], black_box(&mut out));
-        });
-    });
+    group.throughput(Throughput::Elements(WIDTH as u64));
+    point_tables::<Paper>(&mut group);
+    point_tables::<Compact>(&mut group);
+    point_tables::<Wide>(&mut group);
     group.finish();
 }
 
@@ -196,7 +258,15 @@ impl Job for Fold<'_> {
     fn run<L: Pipeline>(self, pipeline: &L) {
         let Self(plan, slices) = self;
         let mut image = new_image::<L>(plan).expect("a small image");
-        fold_tiles(plan, pipeline, slices, &mut image, 32, Simd::widest(), &|_, _| ());
+        fold_tiles(
+            plan,
+            pipeline,
+            slices,
+            &mut image,
+            TILE_ROWS,
+            Simd::widest(),
+            &|_, _| (),
+        );
         black_box(&image);
     }
 }

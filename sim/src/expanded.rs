@@ -26,6 +26,8 @@ pub struct Expanded {
     /// R, G, B in bytes.
     colours: Column,
     one_colour: bool,
+    /// The first visible code; behind the last one where none is.
+    first_visible: usize,
     support: Support,
     lookup: LookupName,
 }
@@ -42,8 +44,10 @@ impl Expanded {
     /// Decodes the entries of a point table.
     pub fn of<'a, A: AlphaCode>(entries: &'a [u32; ENTRIES], plane: A::Plane<'a>, lookup: LookupName) -> Self {
         let colours = column(|index| entries[index] & 0x00ff_ffff);
+        let opacities = column(|index| A::opacity(A::root(entries[index], plane, index)).to_bits());
         Self {
-            opacities: column(|index| A::opacity(A::root(entries[index], plane, index)).to_bits()),
+            first_visible: opacities.iter().position(|a| *a != 0).unwrap_or(opacities.len()),
+            opacities,
             one_colour: colours.iter().all(|c| *c == colours[0]),
             colours,
             support: Classifier::<slicecast::precision::Compact>::support(&PointTable::<A, Linear>::new(
@@ -61,6 +65,18 @@ impl Expanded {
             LookupName::Linear => (0, (1 << P::SAMPLE_BITS) - 1),
         }
     }
+}
+
+/// Whether no sample lies above a code.
+#[inline(always)]
+fn none_above<P: Precision, V: Lanes>(samples: &[i32], code: usize) -> bool {
+    let least = V::splat(((code as i32) << P::SAMPLE_BITS) + 1);
+    let mut above = V::splat(0);
+    for at in places::<V>(samples.len()) {
+        let sample = V::load(samples, at);
+        above = above | sample.at_least_then(least, sample);
+    }
+    above.all_zero()
 }
 
 /// Fetches a value and its right neighbour for each sample.
@@ -102,6 +118,11 @@ impl<P: Precision> Classifier<P> for &Expanded {
         let mut pairs = [0; AHEAD];
         for (samples, out) in samples.chunks(AHEAD).zip(out.chunks_mut(AHEAD)) {
             let samples = &samples[..out.len()];
+            // Up to the code before the first visible one, neither neighbour is visible.
+            if self.first_visible > 0 && none_above::<P, V>(samples, self.first_visible - 1) {
+                out.fill(0);
+                continue;
+            }
             look_up::<P>(&self.opacities, samples, offset, &mut pairs);
             for at in places::<V>(samples.len()) {
                 let [a, b] = V::load_pairs(&pairs, at);

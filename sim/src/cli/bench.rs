@@ -71,6 +71,8 @@ enum Field {
     Scalars,
     /// `compact`, `wide` and f32 with the widest vectors, on one thread and on all.
     Widest,
+    /// The same on all threads.
+    Growth,
     /// All of these.
     Everybody,
 }
@@ -106,6 +108,7 @@ impl Field {
             Self::Vectors => !scalar && !rays,
             Self::Scalars => !subject.all_threads && (scalar || compact),
             Self::Widest => subject.simd == Simd::widest() && !paper && !rays,
+            Self::Growth => subject.all_threads && Self::Widest.holds(subject),
             Self::Everybody => scalar || !rays,
         }
     }
@@ -217,7 +220,7 @@ impl Bench {
         eprintln!("fog {side}^3: {} MiB of voxels", cube_bytes(side).div_ceil(1 << 20));
         let volume = cube(side);
         let of = |lights, colourful| fog(&volume, Fog { lights, colourful });
-        let field = if role.main { Field::Vectors } else { Field::Widest };
+        let field = if role.main { Field::Vectors } else { Field::Growth };
         self.section(&format!("fog {side}^3, 1 light"), &of(1, false), &volume, field)?;
         self.beside(&of(1, false), &volume)?;
         self.section(&format!("fog {side}^3, unlit"), &of(0, false), &volume, field)?;
@@ -268,13 +271,14 @@ struct Role {
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(path) = &self.json {
-            if !self.force && path.symlink_metadata().is_ok() {
-                return Err(Failure::input(format!(
-                    "{} exists; --force replaces it",
-                    path.display()
-                )));
-            }
+        if let Some(path) = &self.json
+            && !self.force
+            && path.symlink_metadata().is_ok()
+        {
+            return Err(Failure::input(format!(
+                "{} exists; --force replaces it",
+                path.display()
+            )));
         }
         let loaded = self.volume.load()?;
         let scene = self.scene.load_or("ct-bone", &self.volume, &loaded)?;
