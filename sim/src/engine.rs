@@ -43,6 +43,9 @@ pub enum RenderError {
         /// What this program allows.
         limit: u64,
     },
+    /// A projection has no integral.
+    #[error("a projection keeps one sample a ray; the converged integral is that of a composited scene")]
+    Projection,
     /// The threads could not be started.
     #[error("the threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -309,6 +312,29 @@ fn each_tile<L: Pipeline, R: Send>(
             },
         )
         .collect()
+}
+
+/// Folds all planes into the rows of a tile by the scalar definitions, under a tap. `scratch` holds at least
+/// [`scratch_len`] words.
+pub fn fold_tile<L: Pipeline, T: Tap>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    tile: Tile,
+    data: &mut [L::Element],
+    scratch: &mut [i32],
+    tap: &mut T,
+) {
+    let fold = FoldTile {
+        plan,
+        pipeline,
+        slices,
+        tile,
+        data,
+        scratch,
+        tap,
+    };
+    fold.run::<i32>();
 }
 
 /// How many slices ahead of a plane memory is asked for.

@@ -60,36 +60,20 @@ impl Table {
         code: AlphaCodeName,
         lookup: LookupName,
     ) -> Self {
-        let mut table = Self {
-            entries: Box::new([0; ENTRIES]),
-            plane: Box::new([0; ENTRIES]),
+        let encode = |opacity| encode(opacity, code);
+        let decode = |[high, low]: [u8; 2]| decode(high, low, code);
+        let Filled {
+            entries,
+            plane,
+            underflows,
+        } = fill(transfer, mapping, correction, encode, decode);
+        Self {
+            entries,
+            plane,
             code,
             lookup,
-            underflows: 0,
-        };
-        // What coding has added to or taken from the entries so far (see the head of this file).
-        let mut owed = 0.0;
-        for (index, (slot, low)) in table.entries.iter_mut().zip(table.plane.iter_mut()).enumerate() {
-            let (colour, opacity) = transfer.evaluate(mapping.value(index as f64));
-            let opacity = correction.apply(opacity, transfer.unit_distance);
-            let wanted = if opacity > 0.0 && opacity < 1.0 {
-                (opacity + owed).clamp(0.0, 1.0)
-            } else {
-                opacity
-            };
-            let [high, low_byte] = encode(wanted, code);
-            *low = low_byte;
-            *slot = entry(colour.map(|c| (c * 255.0).round() as u8), high);
-            owed = if opacity > 0.0 && opacity < 1.0 {
-                wanted - f64::from(decode(high, low_byte, code).to_bits()) / 2147483648.0
-            } else {
-                0.0
-            };
-            if opacity > 0.0 && high == 0 && low_byte == 0 {
-                table.underflows += 1;
-            }
+            underflows,
         }
-        table
     }
 
     /// The classifier over this table, by core's definition.
@@ -123,6 +107,57 @@ impl Table {
     pub fn bytes(&self) -> usize {
         table_bytes(self.code)
     }
+}
+
+/// What a table holds, whatever its code.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Filled {
+    /// See [`Table::entries`].
+    pub entries: Box<[u32; ENTRIES]>,
+    /// The second byte of every code.
+    pub plane: Box<[u8; ENTRIES]>,
+    /// See [`Table::underflows`].
+    pub underflows: usize,
+}
+
+/// Fills a table with a code, given as the bytes of an opacity and the opacity of bytes (first the one in the entry,
+/// then the one in the plane).
+pub fn fill(
+    transfer: &TransferFunction,
+    mapping: &Mapping,
+    correction: Correction,
+    encode: impl Fn(f64) -> [u8; 2],
+    decode: impl Fn([u8; 2]) -> Opacity,
+) -> Filled {
+    let mut filled = Filled {
+        entries: Box::new([0; ENTRIES]),
+        plane: Box::new([0; ENTRIES]),
+        underflows: 0,
+    };
+    // What coding has added to or taken from the entries so far (see the head of this file).
+    let mut owed = 0.0;
+    for (index, (slot, low)) in filled.entries.iter_mut().zip(filled.plane.iter_mut()).enumerate() {
+        let (colour, opacity) = transfer.evaluate(mapping.value(index as f64));
+        let opacity = correction.apply(opacity, transfer.unit_distance);
+        let wanted = if opacity > 0.0 && opacity < 1.0 {
+            (opacity + owed).clamp(0.0, 1.0)
+        } else {
+            opacity
+        };
+        let code = encode(wanted);
+        let [high, low_byte] = code;
+        *low = low_byte;
+        *slot = entry(colour.map(|c| (c * 255.0).round() as u8), high);
+        owed = if opacity > 0.0 && opacity < 1.0 {
+            wanted - f64::from(decode(code).to_bits()) / 2147483648.0
+        } else {
+            0.0
+        };
+        if opacity > 0.0 && code == [0, 0] {
+            filled.underflows += 1;
+        }
+    }
+    filled
 }
 
 /// The nearest code of an opacity: the byte in the entry and the byte in the plane.

@@ -6,14 +6,14 @@ use serde::Serialize;
 use slicecast_sim::compare::image::ImageFigures;
 use slicecast_sim::compare::stages::StageReport;
 use slicecast_sim::compare::statistics::Figures;
-use slicecast_sim::compare::{Comparison, ModelPositions, compare};
+use slicecast_sim::compare::{Comparison, ModelPositions, Split, compare, split};
 use slicecast_sim::engine::{Prepared, on_threads};
 use slicecast_sim::exchange;
 use slicecast_sim::scene::{AlphaCodeName, LookupName};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
-use super::output::{Folder, write_file};
+use super::output::{Folder, check_free, write_file};
 use super::progress::with_bar;
 use super::tables;
 
@@ -21,6 +21,7 @@ use super::tables;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast compare
+  slicecast compare --converged                 error of the arithmetic, and of the algorithm
   slicecast compare scan.nrrd --scene bone.toml --precision wide --exact-positions --json errors.json
   slicecast compare scan.nrrd --scene bone.toml --npy planes/")]
 pub struct Args {
@@ -33,6 +34,9 @@ pub struct Args {
     /// Let the model sample at the real positions instead of the pipeline's 16.16 ones.
     #[arg(long)]
     exact_positions: bool,
+    /// Also compare with the converged integral, and split the error in that of the arithmetic and that of the algorithm.
+    #[arg(long)]
+    converged: bool,
     /// Write the figures as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -66,6 +70,8 @@ pub struct Figured<'a> {
     positions: &'static str,
     image: ImageFigures,
     picture: ImageFigures,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    split: Option<Split>,
     stages: Vec<StageLine<'a>>,
 }
 
@@ -89,6 +95,7 @@ pub fn figured<'a>(prepared: &'a Prepared<'_>, comparison: &'a Comparison, posit
         },
         image: comparison.image,
         picture: comparison.picture,
+        split: None,
         stages: comparison
             .stages
             .iter()
@@ -100,16 +107,7 @@ pub fn figured<'a>(prepared: &'a Prepared<'_>, comparison: &'a Comparison, posit
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(path) = self
-            .json
-            .as_ref()
-            .filter(|path| !self.force && path.symlink_metadata().is_ok())
-        {
-            return Err(Failure::input(format!(
-                "{} exists; --force replaces it",
-                path.display()
-            )));
-        }
+        check_free(&self.json, self.force)?;
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;
         let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
@@ -133,7 +131,14 @@ impl Args {
         println!();
         println!("{}", tables::carried(&comparison.stages));
         println!();
-        let lines = tables::image_lines(scene.precision.name(), &comparison);
+        let mut lines = tables::image_lines(scene.precision.name(), &comparison).to_vec();
+        let split = if self.converged {
+            let split = on_threads(self.threads.count(), || split(&prepared, &comparison))??;
+            lines.extend(tables::split_lines(&split));
+            Some(split)
+        } else {
+            None
+        };
         println!("{}", tables::images(&lines));
         if prepared.table.underflows > 0 {
             println!(
@@ -142,7 +147,10 @@ impl Args {
             );
         }
         if let Some(path) = &self.json {
-            let figures = figured(&prepared, &comparison, positions);
+            let figures = Figured {
+                split,
+                ..figured(&prepared, &comparison, positions)
+            };
             let json = serde_json::to_vec_pretty(&figures).map_err(Failure::machine)?;
             write_file(path, self.force, &json)?;
         }

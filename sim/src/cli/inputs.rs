@@ -230,6 +230,18 @@ pub struct SceneArgs {
 }
 
 impl SceneArgs {
+    /// The scene as it was asked for, for headings.
+    pub fn name(&self) -> String {
+        match &self.scene {
+            Some(path) => path
+                .file_name()
+                .unwrap_or(path.as_os_str())
+                .to_string_lossy()
+                .into_owned(),
+            None => "the fitting scene".into(),
+        }
+    }
+
     /// Reads the scene and applies the overrides, without a volume.
     pub fn load(&self) -> Result<Scene, Failure> {
         self.finish(self.read(scene::file::DEFAULT, None)?)

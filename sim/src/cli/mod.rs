@@ -3,12 +3,17 @@
 mod bench;
 mod compare;
 mod default;
+mod explain;
+mod hard;
 mod inputs;
 mod inspect;
 mod output;
 mod plan;
 mod progress;
 mod render;
+mod report;
+mod sweep;
+mod sweep_table;
 mod table;
 mod tables;
 mod turntable;
@@ -89,6 +94,11 @@ enum Command {
     Inspect(inspect::Args),
     Table(table::Args),
     Turntable(turntable::Args),
+    Sweep(sweep::Args),
+    SweepMerge(sweep::MergeArgs),
+    Hard(hard::Args),
+    Explain(explain::Args),
+    Report(report::Args),
     Bench(Box<bench::Args>),
 }
 
@@ -103,6 +113,11 @@ impl Cli {
             Some(Command::Inspect(args)) => args.run(),
             Some(Command::Table(args)) => args.run(),
             Some(Command::Turntable(args)) => args.run(),
+            Some(Command::Sweep(args)) => args.run(),
+            Some(Command::SweepMerge(args)) => args.run(),
+            Some(Command::Hard(args)) => args.run(),
+            Some(Command::Explain(args)) => args.run(),
+            Some(Command::Report(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),
         }
     }

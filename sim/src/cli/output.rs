@@ -22,6 +22,20 @@ pub fn write_file(path: &Path, force: bool, contents: &[u8]) -> Result<(), Failu
     replace(path, contents).map_err(|error| Failure::machine(format!("{}: {error}", path.display())))
 }
 
+/// Refuses now what [`write_file`] would refuse later.
+pub fn check_free<'a>(paths: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<(), Failure> {
+    let taken = paths
+        .into_iter()
+        .find(|path| !force && fs::symlink_metadata(path).is_ok());
+    match taken {
+        Some(path) => Err(Failure::input(format!(
+            "{} exists; --force replaces it",
+            path.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
 fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     let name = path.file_name().ok_or_else(|| io::Error::other("not a file name"))?;
     let mut temporary = std::ffi::OsString::from(".");

@@ -2,15 +2,16 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 use slicecast_sim::bench::Row;
-use slicecast_sim::compare::Comparison;
 use slicecast_sim::compare::image::ImageFigures;
 use slicecast_sim::compare::stages::StageReport;
 use slicecast_sim::compare::statistics::Figures;
+use slicecast_sim::compare::{Comparison, Split};
 
-fn table(header: &[&str]) -> Table {
+/// An empty table under a header, its first column to the left, the others to the right.
+pub fn header(columns: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::ASCII_MARKDOWN);
-    table.set_header(header);
+    table.set_header(columns);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
@@ -18,7 +19,7 @@ fn table(header: &[&str]) -> Table {
 }
 
 /// A figure with three significant digits, in few characters.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
         v if v < 0.001 => format!("{value:.1e}"),
@@ -35,7 +36,7 @@ fn bits(figures: &Figures) -> String {
 
 /// Errors of every stage on its own inputs, beside what Squeeze requires.
 pub fn local(stages: &[StageReport]) -> Table {
-    let mut table = table(&[
+    let mut table = header(&[
         "stage, local error",
         "format",
         "samples",
@@ -74,7 +75,7 @@ pub fn local(stages: &[StageReport]) -> Table {
 
 /// Errors of every stage against the model from the beginning.
 pub fn carried(stages: &[StageReport]) -> Table {
-    let mut table = table(&[
+    let mut table = header(&[
         "stage, carried error",
         "format",
         "samples",
@@ -104,7 +105,7 @@ pub fn carried(stages: &[StageReport]) -> Table {
 
 /// Errors of pictures, a line each.
 pub fn images(lines: &[(String, ImageFigures)]) -> Table {
-    let mut table = table(&["8-bit values", "values", "equal %", "max step", "mean step", "PSNR dB"]);
+    let mut table = header(&["8-bit values", "values", "equal %", "max step", "mean step", "PSNR dB"]);
     for (name, f) in lines {
         table.add_row([
             name.clone(),
@@ -126,9 +127,18 @@ pub fn image_lines(name: &str, comparison: &Comparison) -> [(String, ImageFigure
     ]
 }
 
+/// The lines of a split error in [`images`].
+pub fn split_lines(split: &Split) -> [(String, ImageFigures); 3] {
+    [
+        ("arithmetic: pipeline, f64 at exact positions".into(), split.arithmetic),
+        ("algorithm: f64, converged integral".into(), split.algorithm),
+        ("both: pipeline, converged integral".into(), split.both),
+    ]
+}
+
 /// Times of frames.
 pub fn speed(rows: &[Row]) -> Table {
-    let mut table = table(&[
+    let mut table = header(&[
         "who",
         "vectors",
         "threads",

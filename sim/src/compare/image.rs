@@ -1,12 +1,12 @@
 //! Errors of pictures, in steps of 8-bit output.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::engine::{BaseImage, Rgb};
 use crate::model::ModelImage;
 
 /// How far a picture is from the model's, over red, green and blue of the pixels that anything contributes to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImageFigures {
     /// Values compared.
     pub values: u64,
@@ -63,6 +63,20 @@ pub fn base_figures(fixed: &BaseImage, model: &ModelImage) -> ImageFigures {
         for c in 0..3 {
             let value = f64::from(fixed.planes[c][index]) / one * 255.0;
             sums.add(value, model.rgb[c][index] * 255.0);
+        }
+    }
+    sums.figures()
+}
+
+/// Compares two models' base-plane images: premultiplied colour.
+pub fn model_figures(first: &ModelImage, second: &ModelImage) -> ImageFigures {
+    let mut sums = Sums::default();
+    for index in 0..second.t.len() {
+        if first.t[index] == 1.0 && second.t[index] == 1.0 {
+            continue;
+        }
+        for c in 0..3 {
+            sums.add(first.rgb[c][index] * 255.0, second.rgb[c][index] * 255.0);
         }
     }
     sums.figures()

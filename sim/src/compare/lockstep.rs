@@ -3,7 +3,6 @@
 use slicecast::composite::{Channel, PixelRow, Recurrence};
 use slicecast::format::{Coefficient, Opacity, Vector};
 use slicecast::locate::Plane;
-use slicecast::normalise::Normal;
 use slicecast::precision::{NormalForm, Precision};
 use slicecast::shade::{formed, formed_nearest, keep, keep_vector};
 use slicecast::tap::{Beam, Tap};
@@ -93,8 +92,56 @@ impl PipelineLights {
     }
 }
 
+/// What the model has to know of a precision. Values, so that the tap is compiled once and not once a precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Formats {
+    /// Ulp in 1.0, stage by stage.
+    pub(crate) per_unit: [f64; Stage::ALL.len()],
+    /// 1.0 of a sample, and of a colour.
+    pub(crate) sample_one: f64,
+    pub(crate) colour_one: f64,
+    normal: NormalForm,
+    read: fn(Opacity) -> Opacity,
+    /// Transparency below this is 0, and whether that is more than the least one.
+    floor: f64,
+    has_floor: bool,
+    telescopes: bool,
+}
+
+impl Formats {
+    /// Those of a precision.
+    pub(crate) fn of<P: Precision>() -> Self {
+        let (floor, one) = (P::Pixel::FLOOR, <P::Pixel as Recurrence>::Channel::ONE);
+        Self {
+            per_unit: Stage::ALL.map(Stage::per_unit::<P>),
+            sample_one: f64::from(P::SAMPLE_BITS).exp2(),
+            colour_one: f64::from(P::COLOUR_BITS).exp2(),
+            normal: P::NORMAL,
+            read: <P::Pixel as Recurrence>::read,
+            floor: f64::from(floor.bits()) / f64::from(one.bits()),
+            has_floor: floor > <P::Pixel as Recurrence>::Channel::LEAST,
+            telescopes: telescopes::<P>(),
+        }
+    }
+
+    /// The opacity that a pixel reads.
+    pub(crate) fn opacity(&self, bits: i32) -> f64 {
+        f64::from((self.read)(Opacity::from_bits(bits as u32)).to_bits()) / 2147483648.0
+    }
+
+    /// The normal that shading works with.
+    pub(crate) fn normal(&self, g: [i32; 3], r: i32) -> [f64; 3] {
+        let scaled = |n: [i32; 3], bits: u32| n.map(|n| f64::from(n) * 2f64.powi(-(bits as i32)));
+        match self.normal {
+            NormalForm::Deferred => g.map(|g| -f64::from(g) * f64::from(r) * 2f64.powi(-35)),
+            NormalForm::Formed(bits) => scaled(formed(g, r, bits), bits),
+            NormalForm::Nearest(bits) => scaled(formed_nearest(g, r, bits), bits),
+        }
+    }
+}
+
 /// A tap that runs the f64 model in step with the pipeline and gathers the errors of every stage.
-pub struct Lockstep<'a, P> {
+pub struct Lockstep<'a> {
     model: &'a Model<'a>,
     lights: Option<PipelineLights>,
     /// Spacing factors as the pipeline has them.
@@ -105,8 +152,7 @@ pub struct Lockstep<'a, P> {
     /// Rays per voxel.
     rays: usize,
     errors: StageErrors,
-    /// Ulp in 1.0, stage by stage.
-    per_unit: [f64; Stage::ALL.len()],
+    formats: Formats,
     /// The model's samples of the current plane, and its pixels so far, for the rows of the tile.
     samples: Vec<Option<Sample>>,
     pixels: Vec<Pixel>,
@@ -119,12 +165,12 @@ pub struct Lockstep<'a, P> {
     normals: Vec<[f64; 3]>,
     colours: Vec<[f64; 3]>,
     before: Vec<Pixel>,
-    precision: std::marker::PhantomData<P>,
+    after: Vec<Pixel>,
 }
 
-impl<'a, P: Precision> Lockstep<'a, P> {
+impl<'a> Lockstep<'a> {
     /// A tap for a tile.
-    pub fn new(model: &'a Model<'a>, setup: &Setup, blend: Blend, tile: Tile) -> Self {
+    pub fn new<P: Precision>(model: &'a Model<'a>, setup: &Setup, blend: Blend, tile: Tile) -> Self {
         let [width, _] = setup.plan.base();
         let width = width as usize;
         let count = width * tile.rows as usize;
@@ -141,7 +187,7 @@ impl<'a, P: Precision> Lockstep<'a, P> {
             width,
             rays: setup.plan.sampling().rays_per_voxel as usize,
             errors: StageErrors::default(),
-            per_unit: Stage::ALL.map(Stage::per_unit::<P>),
+            formats: Formats::of::<P>(),
             samples: vec![None; count],
             pixels: vec![Pixel::TRANSPARENT; count],
             row: 0,
@@ -151,7 +197,7 @@ impl<'a, P: Precision> Lockstep<'a, P> {
             normals: Vec::new(),
             colours: Vec::new(),
             before: Vec::new(),
-            precision: std::marker::PhantomData,
+            after: Vec::new(),
         }
     }
 
@@ -173,7 +219,7 @@ impl<'a, P: Precision> Lockstep<'a, P> {
     }
 
     fn add(&mut self, stage: Stage, local: f64, carried: Option<f64>) {
-        let ulp = self.per_unit[stage as usize];
+        let ulp = self.formats.per_unit[stage as usize];
         self.errors.local[stage as usize].add(local * ulp);
         if let Some(carried) = carried {
             self.errors.carried[stage as usize].add(carried * ulp);
@@ -236,9 +282,40 @@ impl<'a, P: Precision> Lockstep<'a, P> {
             }
         }
     }
+
+    /// The errors of the pixels of a span.
+    fn composited(&mut self, at: Beam<'_>) {
+        for offset in 0..self.after.len() {
+            let index = self.index(at) + offset;
+            let (before, after) = (self.before[offset], self.after[offset]);
+            let (opacity, colour) = (self.opacities[index - self.row], self.colours[offset]);
+            let exact = match self.blend {
+                Blend::BackToFront => before.back_to_front(colour, opacity),
+                _ => before.front_to_back(colour, opacity),
+            };
+            // Transparency below the pixel's floor is 0 by definition. What the sample itself took is then unknown, and
+            // the light that it gives is measured against the product.
+            let settled = self.formats.has_floor
+                && self.blend != Blend::BackToFront
+                && after.transparency == 0.0
+                && exact.transparency < self.formats.floor;
+            let left = if settled { 0.0 } else { exact.transparency };
+            let given = if self.formats.telescopes && self.blend != Blend::BackToFront && !settled {
+                // The light that the sample has really taken, rounding included.
+                let taken = before.transparency - after.transparency;
+                [0, 1, 2].map(|c| before.colour[c] + colour[c] * taken)
+            } else {
+                exact.colour
+            };
+            let model = self.pixels[index];
+            let carried = after.transparency - model.transparency;
+            self.add(Stage::Transparency, after.transparency - left, Some(carried));
+            self.add3(Stage::Compositing, after.colour, given, Some(model.colour));
+        }
+    }
 }
 
-impl<P: Precision> Tap for Lockstep<'_, P> {
+impl Tap for Lockstep<'_> {
     fn plane(&mut self, plane: &Plane) {
         let (u, v) = self.full(plane, 0, 0);
         let geometry = self.model.geometry();
@@ -257,7 +334,7 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
         self.row = self.index(at);
         self.values.clear();
         for (offset, &bits) in samples.iter().enumerate() {
-            let fixed = f64::from(bits) * 2f64.powi(-(P::SAMPLE_BITS as i32));
+            let fixed = f64::from(bits) / self.formats.sample_one;
             self.values.push(fixed);
             let local = fixed - self.model.value_at(fixed_position(at, offset));
             let carried = self.samples[self.row + offset].map(|s| fixed - s.value);
@@ -269,8 +346,7 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
         self.opacities.clear();
         for (offset, &bits) in opacities.iter().enumerate() {
             // As compositing will read it.
-            let read = <P::Pixel as Recurrence>::read(Opacity::from_bits(bits as u32));
-            let fixed = f64::from(read.to_bits()) / 2147483648.0;
+            let fixed = self.formats.opacity(bits);
             self.opacities.push(fixed);
             let local = fixed - self.model.classify(self.values[offset]).opacity;
             let carried = self.samples[self.row + offset].map(|s| fixed - s.opacity);
@@ -282,7 +358,7 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
         self.colours.clear();
         for offset in 0..colours[0].len() {
             let index = self.index(at) + offset;
-            let fixed = colours.map(|c| f64::from(c[offset] as u32) / f64::from(P::COLOUR_BITS).exp2());
+            let fixed = colours.map(|c| f64::from(c[offset] as u32) / self.formats.colour_one);
             self.colours.push(fixed);
             let exact = self.model.classify(self.values[index - self.row]).colour;
             self.add3(Stage::Colour, fixed, exact, self.visible(index).map(|v| v.colour));
@@ -292,7 +368,7 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
     fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
         self.gradients.clear();
         for offset in 0..gradients[0].len() {
-            let fixed = gradients.map(|g| f64::from(g[offset]) * 2f64.powi(-(P::SAMPLE_BITS as i32)));
+            let fixed = gradients.map(|g| f64::from(g[offset]) / self.formats.sample_one);
             self.gradients.push(fixed);
             let difference = self.model.difference_at(fixed_position(at, offset));
             let exact = [0, 1, 2].map(|a| difference[a] * self.spacing[a]);
@@ -303,18 +379,8 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
 
     fn normals(&mut self, at: Beam<'_>, g: [&[i32]; 3], r: &[i32]) {
         self.normals.clear();
-        for (offset, &r) in r.iter().enumerate() {
-            let normal = Normal {
-                g: g.map(|g| g[offset]),
-                r: r as u32,
-            };
-            let fixed = match P::NORMAL {
-                NormalForm::Deferred => normal.g.map(|g| -f64::from(g) * f64::from(normal.r) * 2f64.powi(-35)),
-                NormalForm::Formed(bits) => formed(normal.g, r, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32))),
-                NormalForm::Nearest(bits) => {
-                    formed_nearest(normal.g, r, bits).map(|n| f64::from(n) * 2f64.powi(-(bits as i32)))
-                }
-            };
+        for (offset, r) in r.iter().copied().enumerate() {
+            let fixed = self.formats.normal(g.map(|g| g[offset]), r);
             self.normals.push(fixed);
             let exact = normalise(self.gradients[offset]);
             let carried = self.visible(self.index(at) + offset).map(|v| v.normal);
@@ -324,7 +390,7 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
 
     fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
         for offset in 0..colours[0].len() {
-            let fixed = colours.map(|c| f64::from(c[offset] as u32) / f64::from(P::COLOUR_BITS).exp2());
+            let fixed = colours.map(|c| f64::from(c[offset] as u32) / self.formats.colour_one);
             if let Some(lights) = &self.lights {
                 let exact = lights.shade(self.normals[offset], self.colours[offset]);
                 let carried = self.visible(self.index(at) + offset).map(|v| v.shaded);
@@ -341,34 +407,10 @@ impl<P: Precision> Tap for Lockstep<'_, P> {
     }
 
     fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        for offset in 0..pixels.transparency.len() {
-            let index = self.index(at) + offset;
-            let (before, after) = (self.before[offset], pixel_at(pixels, offset));
-            let (opacity, colour) = (self.opacities[index - self.row], self.colours[offset]);
-            let exact = match self.blend {
-                Blend::BackToFront => before.back_to_front(colour, opacity),
-                _ => before.front_to_back(colour, opacity),
-            };
-            // Transparency below the pixel's floor is 0 by definition. What the sample itself took is then unknown, and
-            // the light that it gives is measured against the product.
-            let (floor, one) = (P::Pixel::FLOOR, <P::Pixel as Recurrence>::Channel::ONE);
-            let settled = floor > <P::Pixel as Recurrence>::Channel::LEAST
-                && self.blend != Blend::BackToFront
-                && after.transparency == 0.0
-                && exact.transparency < f64::from(floor.bits()) / f64::from(one.bits());
-            let left = if settled { 0.0 } else { exact.transparency };
-            let given = if telescopes::<P>() && self.blend != Blend::BackToFront && !settled {
-                // The light that the sample has really taken, rounding included.
-                let taken = before.transparency - after.transparency;
-                [0, 1, 2].map(|c| before.colour[c] + colour[c] * taken)
-            } else {
-                exact.colour
-            };
-            let model = self.pixels[index];
-            let carried = after.transparency - model.transparency;
-            self.add(Stage::Transparency, after.transparency - left, Some(carried));
-            self.add3(Stage::Compositing, after.colour, given, Some(model.colour));
-        }
+        self.after.clear();
+        self.after
+            .extend((0..pixels.transparency.len()).map(|i| pixel_at(pixels, i)));
+        self.composited(at);
     }
 }
 
@@ -382,7 +424,8 @@ fn fixed_position(at: Beam<'_>, offset: usize) -> [f64; 3] {
     ]
 }
 
-fn pixel_at<C: Channel>(pixels: &PixelRow<'_, C>, index: usize) -> Pixel {
+/// A pixel of a row.
+pub(crate) fn pixel_at<C: Channel>(pixels: &PixelRow<'_, C>, index: usize) -> Pixel {
     let value = |c: C| f64::from(c.bits()) / f64::from(C::ONE.bits());
     Pixel {
         colour: [0, 1, 2].map(|c| value(pixels.colour[c][index])),

@@ -1,7 +1,7 @@
 //! The pipeline against the f64 model, stage by stage and picture by picture.
 
 pub mod image;
-mod lockstep;
+pub(crate) mod lockstep;
 pub mod stages;
 pub mod statistics;
 
@@ -44,6 +44,35 @@ pub struct Comparison {
     pub model: ModelImage,
     /// The model's picture.
     pub model_picture: ModelImage,
+}
+
+/// The error of the pipeline split in two: what its arithmetic adds to the algorithm, and what the algorithm itself
+/// (steps, planes, border) is away from the converged integral.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct Split {
+    /// The pipeline against the f64 model of the same algorithm.
+    pub arithmetic: ImageFigures,
+    /// That model against the converged integral.
+    pub algorithm: ImageFigures,
+    /// The pipeline against the converged integral.
+    pub both: ImageFigures,
+}
+
+/// Splits the error of a comparison; both references are taken at exact positions.
+///
+/// # Errors
+/// [`RenderError`] if the scene is a projection, which integrates nothing.
+pub fn split(prepared: &Prepared<'_>, comparison: &Comparison) -> Result<Split, RenderError> {
+    if !matches!(prepared.scene.blend, Blend::FrontToBack | Blend::BackToFront) {
+        return Err(RenderError::Projection);
+    }
+    let exact = model(prepared, ModelPositions::Exact);
+    let (discrete, converged) = (exact.render(), exact.render_integral());
+    Ok(Split {
+        arithmetic: base_figures(&comparison.frame.base, &discrete),
+        algorithm: image::model_figures(&discrete, &converged),
+        both: base_figures(&comparison.frame.base, &converged),
+    })
 }
 
 /// Compares a scene's pipeline with the model.
@@ -117,7 +146,7 @@ impl Job for Compare<'_> {
         let [width, _] = plan.base();
         let rays = plan.sampling().rays_per_voxel;
         let mut image = new_image::<L>(plan)?;
-        let tap = |tile: Tile| Lockstep::<L::Precision>::new(model, &prepared.setup, prepared.scene.blend, tile);
+        let tap = |tile: Tile| Lockstep::new::<L::Precision>(model, &prepared.setup, prepared.scene.blend, tile);
         let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, TILE_ROWS, progress, tap);
         let mut errors = StageErrors::default();
         let mut pixels = Tiles::new(model.lattice().size, width as usize, rays as usize);
@@ -153,7 +182,7 @@ impl Job for Compare<'_> {
 }
 
 /// The model's pixels, gathered from tiles of single phases.
-struct Tiles {
+pub(crate) struct Tiles {
     size: [usize; 2],
     width: usize,
     rays: usize,
@@ -161,7 +190,8 @@ struct Tiles {
 }
 
 impl Tiles {
-    fn new(size: [usize; 2], width: usize, rays: usize) -> Self {
+    /// An image of this many pixels, from base planes of this width.
+    pub(crate) fn new(size: [usize; 2], width: usize, rays: usize) -> Self {
         Self {
             size,
             width,
@@ -170,7 +200,8 @@ impl Tiles {
         }
     }
 
-    fn place(&mut self, plan: &Plan, tile: Tile, pixels: &[Pixel]) {
+    /// Puts the pixels of a tile where they belong.
+    pub(crate) fn place(&mut self, plan: &Plan, tile: Tile, pixels: &[Pixel]) {
         let phase = plan.phase(tile.phase);
         for (index, pixel) in pixels.iter().enumerate() {
             let u = index % self.width * self.rays + phase.u as usize;
@@ -179,7 +210,8 @@ impl Tiles {
         }
     }
 
-    fn image(self) -> ModelImage {
+    /// The image.
+    pub(crate) fn image(self) -> ModelImage {
         ModelImage::from_fn(self.size, |u, v| self.pixels[v * self.size[0] + u])
     }
 }

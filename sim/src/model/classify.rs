@@ -58,6 +58,25 @@ impl<'a> Classifier<'a> {
     pub fn as_written(&self, code: f64) -> Classified {
         evaluate(self.points, self.mapping.value(code))
     }
+
+    /// The straight piece of the transfer function that a code lies on: how many points it has passed.
+    pub fn piece(&self, code: f64) -> usize {
+        let value = self.mapping.value(code);
+        self.points.iter().take_while(|p| p.value <= value).count()
+    }
+
+    /// The length that opacities are written for, in the unit of the spacing.
+    pub fn unit_distance(&self) -> f64 {
+        self.unit_distance
+    }
+
+    /// Whether everything between two codes is transparent.
+    pub fn is_clear(&self, low: f64, high: f64) -> bool {
+        let (first, last) = (self.piece(low), self.piece(high));
+        let between = self.points.get(first..last.max(first)).unwrap_or(&[]);
+        let clear = |code: f64| self.as_written(code).opacity == 0.0;
+        clear(low) && clear(high) && between.iter().all(|point| point.opacity == 0.0)
+    }
 }
 
 /// Opacity over `ratio` times the length that `opacity` is meant for (paper, equation 7): `1 - (1 - a)^ratio`.
@@ -107,6 +126,28 @@ mod tests {
         scale: 1.0,
         offset: -1024.0,
     };
+
+    #[test]
+    fn pieces_and_clear_ranges() {
+        let transfer = crate::scene::TransferFunction {
+            unit_distance: 2.0,
+            points: vec![point(0.0, 0.0, 0.0), point(100.0, 0.0, 0.0), point(200.0, 1.0, 0.5)],
+        };
+        let classifier = Classifier::new(&transfer, HOUNSFIELD, 1.0);
+        assert_eq!(
+            [1000.0, 1024.0, 1124.0, 1500.0].map(|code| classifier.piece(code)),
+            [0, 1, 2, 3]
+        );
+        assert!(classifier.is_clear(0.0, 1124.0));
+        assert!(!classifier.is_clear(0.0, 1124.5));
+        assert!(!classifier.is_clear(1130.0, 1400.0));
+        // A spike between two clear codes.
+        let spike = crate::scene::TransferFunction {
+            unit_distance: 1.0,
+            points: vec![point(0.0, 0.0, 0.0), point(1.0, 0.0, 1.0), point(2.0, 0.0, 0.0)],
+        };
+        assert!(!Classifier::new(&spike, HOUNSFIELD, 1.0).is_clear(1000.0, 2000.0));
+    }
 
     #[test]
     fn linear_between_points_constant_outside() {

@@ -16,6 +16,7 @@
 //! | composite   | samples into pixels                                        | equations 4, 6  |
 //! | warp        | base plane into the viewer's image                         |                 |
 //! | render      | one ray, all rays                                          |                 |
+//! | integral    | one ray without planes and steps: the converged picture    | equation 7      |
 //!
 //! Two things are left out on purpose, because they are the pipeline's approximations and should show up as its
 //! error: tables (the transfer function is evaluated at the sample itself) and early termination.
@@ -24,6 +25,7 @@ pub mod classify;
 pub mod composite;
 pub mod gradient;
 pub mod grid;
+mod integral;
 pub mod interpolate;
 pub mod rays;
 mod render;

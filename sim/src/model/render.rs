@@ -158,6 +158,16 @@ impl<'a> Model<'a> {
         self.classifier.as_written(code)
     }
 
+    /// [`Model::classify_as_written`], and the straight piece of the transfer function that the code lies on.
+    pub(super) fn as_written_on_piece(&self, code: f64) -> (Classified, usize) {
+        (self.classifier.as_written(code), self.classifier.piece(code))
+    }
+
+    /// The transfer function.
+    pub(super) fn classifier(&self) -> &Classifier<'a> {
+        &self.classifier
+    }
+
     /// The shaded colour of a surface; `colour` itself if the scene is unlit.
     pub fn shade(&self, normal: [f64; 3], colour: [f64; 3]) -> [f64; 3] {
         self.lights

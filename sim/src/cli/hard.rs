@@ -1,0 +1,104 @@
+//! `slicecast hard`.
+
+use std::path::PathBuf;
+
+use slicecast_sim::study::hard::{Case, Size, run};
+
+use super::Failure;
+use super::output::{check_free, write_file};
+use super::progress::with_bar;
+use super::tables::{header, short};
+
+/// Run the hard cases: what theory expects, what each precision gives, and whether it keeps to its limit.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  slicecast hard
+  slicecast hard --all --json hard.json")]
+pub struct Args {
+    /// Print every outcome, not only those of the named precisions.
+    #[arg(long)]
+    all: bool,
+    /// Write the cases as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// The precisions that have columns of their own.
+const NAMED: [&str; 3] = ["paper", "compact", "wide"];
+
+impl Args {
+    /// Does it.
+    pub fn run(self) -> Result<(), Failure> {
+        check_free(&self.json, self.force)?;
+        let cases = with_bar("hard cases", |progress| run(Size::Full, progress))?;
+        print(&cases, self.all);
+        if let Some(path) = &self.json {
+            let json = serde_json::to_vec_pretty(&cases).map_err(Failure::machine)?;
+            write_file(path, self.force, &json)?;
+        }
+        let broken = cases.iter().filter(|case| !case.holds()).count();
+        if broken > 0 {
+            return Err(Failure::machine(format!("{broken} cases do not keep to their limits")));
+        }
+        Ok(())
+    }
+}
+
+fn print(cases: &[Case], all: bool) {
+    let mut columns = vec!["group", "case", "figure", "theory"];
+    columns.extend(NAMED);
+    columns.extend(["verdict", "Squeeze", "study"]);
+    let mut table = header(&columns);
+    for case in cases {
+        let mut cells = vec![
+            case.group.to_owned(),
+            case.name.clone(),
+            case.quantity.to_owned(),
+            short(case.expected),
+        ];
+        for name in NAMED {
+            let outcome = case.outcomes.iter().find(|outcome| outcome.who == name);
+            cells.push(outcome.map_or("-".into(), |outcome| short(outcome.value)));
+        }
+        cells.push(if case.holds() { "holds" } else { "FAILS" }.into());
+        cells.extend([&case.paper, &case.study].map(|text| text.clone().unwrap_or_default()));
+        table.add_row(cells);
+    }
+    println!("{table}\n");
+    let shown = |case: &&Case| all || !case.outcomes.iter().any(|o| NAMED.contains(&o.who.as_str()));
+    for case in cases.iter().filter(shown) {
+        println!(
+            "{}: {}; {}; theory: {} ({})",
+            case.group,
+            case.name,
+            case.quantity,
+            short(case.expected),
+            case.theory
+        );
+        for outcome in &case.outcomes {
+            let limit = outcome
+                .allowed
+                .map_or(String::new(), |a| format!("   within {}", short(a)));
+            println!("  {:<40} {:>12}{limit}", outcome.who, short(outcome.value));
+        }
+        if let Some(note) = &case.note {
+            println!("  note: {note}");
+        }
+    }
+    for case in cases {
+        for outcome in case.failures() {
+            println!(
+                "FAILS: {}: {}: {}: {} instead of {} within {}",
+                case.group,
+                case.name,
+                outcome.who,
+                outcome.value,
+                case.expected,
+                outcome.allowed.unwrap_or(f64::NAN)
+            );
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! `slicecast report`.
+
+use std::path::PathBuf;
+
+use slicecast_sim::compare::{ModelPositions, compare, split};
+use slicecast_sim::engine::{Prepared, on_threads};
+use slicecast_sim::report::{Contents, page::page};
+use slicecast_sim::scene::{Blend, PrecisionName, Scene};
+use slicecast_sim::study::hard::{self, Size};
+use slicecast_sim::study::rows::Row;
+use slicecast_sim::study::{catalogue, sweep};
+
+use super::Failure;
+use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use super::output::{check_free, write_file};
+use super::progress::with_bar;
+use super::sweep::read_all;
+
+/// Write a report: one HTML page with pictures, errors, speed against error and the hard cases; it needs no network.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  slicecast report -o head.html
+  slicecast sweep scan.nrrd --scene ct-bone --rows bone.jsonl
+  slicecast report scan.nrrd --scene ct-bone --rows bone.jsonl -o bone.html")]
+pub struct Args {
+    #[command(flatten)]
+    volume: VolumeArgs,
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    /// The page.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Rows of a finished sweep of the same inputs; without any, the sweep is run now.
+    #[arg(long, value_name = "FILE")]
+    rows: Vec<PathBuf>,
+    /// Leave out speed against error.
+    #[arg(long, conflicts_with = "rows")]
+    no_sweep: bool,
+    /// Leave out the hard cases.
+    #[arg(long)]
+    no_hard: bool,
+    /// Replace a file that exists.
+    #[arg(long)]
+    force: bool,
+}
+
+impl Args {
+    /// Does it.
+    pub fn run(self) -> Result<(), Failure> {
+        check_free([&self.output], self.force)?;
+        let loaded = self.volume.load()?;
+        let scene = self.scene.load_for(&self.volume, &loaded)?;
+        if scene.blend != Blend::FrontToBack {
+            return Err(Failure::input(
+                "a report is of a scene composited front to back; the scene's blend is another one",
+            ));
+        }
+        let prepared = Prepared::new(&scene, &loaded.volume)?;
+        let rows = self.sweep(&prepared)?;
+        let mut comparisons = Vec::new();
+        for precision in PrecisionName::ALL {
+            // The table of each precision is its own, unless the scene asks for one.
+            let scene = Scene {
+                precision,
+                ..scene.clone()
+            };
+            let prepared = Prepared::new(&scene, &loaded.volume)?;
+            let comparison = with_bar(&format!("{}: comparing", precision.name()), |progress| {
+                on_threads(self.threads.count(), || {
+                    compare(&prepared, ModelPositions::Pipeline, progress)
+                })
+            })??;
+            comparisons.push((precision.name(), comparison));
+        }
+        let shown = PrecisionName::ALL
+            .iter()
+            .position(|p| *p == scene.precision)
+            .unwrap_or(0);
+        let split = on_threads(self.threads.count(), || split(&prepared, &comparisons[shown].1))??;
+        let cases = if self.no_hard {
+            Vec::new()
+        } else {
+            with_bar("hard cases", |progress| hard::run(Size::Full, progress))?
+        };
+        let contents = Contents {
+            prepared: &prepared,
+            scene_name: &self.scene.name(),
+            mapping: loaded.report.to_string(),
+            comparisons,
+            shown,
+            split: Some(split),
+            rows,
+            cases,
+        };
+        let page = page(&contents).map_err(Failure::machine)?;
+        write_file(&self.output, self.force, page.as_bytes())?;
+        println!("{}: {} bytes", self.output.display(), page.len());
+        Ok(())
+    }
+
+    /// The rows of a sweep: those of files, or new ones.
+    fn sweep(&self, prepared: &Prepared<'_>) -> Result<Vec<Row>, Failure> {
+        if self.no_sweep {
+            return Ok(Vec::new());
+        }
+        if !self.rows.is_empty() {
+            let rows = read_all(&self.rows)?;
+            let key = sweep::key(prepared);
+            return match rows.first() {
+                Some(row) if row.key != key => Err(Failure::input(format!(
+                    "{}: rows of other inputs ({}) than this volume and scene ({key})",
+                    self.rows[0].display(),
+                    row.key
+                ))),
+                _ => Ok(rows),
+            };
+        }
+        let all = catalogue::all();
+        let chosen: Vec<usize> = (0..all.len()).collect();
+        let chosen = sweep::applicable(&all, &chosen, prepared.scene.lighting.is_some());
+        let options = sweep::Options {
+            rounds: 5,
+            timing_threads: 1,
+        };
+        let mut rows = Vec::new();
+        with_bar("sweeping", |progress| {
+            on_threads(self.threads.count(), || {
+                sweep::run::<Failure>(prepared, &all, &chosen, options, progress, |batch| {
+                    rows.extend_from_slice(batch);
+                    Ok(())
+                })
+            })
+        })??;
+        Ok(sweep::merge(rows)?)
+    }
+}

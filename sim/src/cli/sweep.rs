@@ -1,0 +1,245 @@
+//! `slicecast sweep` and `slicecast sweep-merge`.
+
+use std::path::{Path, PathBuf};
+
+use slicecast_sim::engine::{Prepared, on_threads};
+use slicecast_sim::study::catalogue::{self, Configuration};
+use slicecast_sim::study::rows::{self, Row, RowsError, Writer};
+use slicecast_sim::study::sweep::{self, Options, SweepError, merge, shard};
+
+use super::Failure;
+use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use super::output::{check_free, write_file};
+use super::progress::with_bar;
+use super::sweep_table;
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Render(error) => error.into(),
+            _ => Self::input(error),
+        }
+    }
+}
+
+impl From<RowsError> for Failure {
+    fn from(error: RowsError) -> Self {
+        match error {
+            RowsError::File { .. } => Self::machine(error),
+            _ => Self::input(error),
+        }
+    }
+}
+
+/// `I/N`.
+fn shard_of(text: &str) -> Result<(usize, usize), String> {
+    let parts = text.split_once('/');
+    let parsed = parts.and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    parsed
+        .filter(|(i, n)| (1..=*n).contains(i))
+        .ok_or_else(|| "expected I/N with I from 1 to N, like 2/8".into())
+}
+
+/// Where tables go.
+#[derive(clap::Args)]
+struct Tables {
+    /// Write the table as CSV.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write the table as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+impl Tables {
+    /// Refuses now what [`Tables::write`] would refuse later.
+    fn check(&self) -> Result<(), Failure> {
+        check_free([&self.csv, &self.json].into_iter().flatten(), self.force)
+    }
+
+    /// Prints the table and writes the files.
+    fn write(&self, rows: &[Row]) -> Result<(), Failure> {
+        println!("{}", sweep_table::table(rows));
+        println!("\n{}", sweep_table::LEGEND);
+        if let Some(path) = &self.csv {
+            write_file(path, self.force, &sweep_table::csv(rows)?)?;
+        }
+        if let Some(path) = &self.json {
+            write_file(path, self.force, &sweep_table::json(rows)?)?;
+        }
+        Ok(())
+    }
+}
+
+/// Run the precision laboratory: errors, speed and memory of every configuration, and which of them nothing beats.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  slicecast sweep                                              every configuration on the built-in head
+  slicecast sweep --list                                       the configurations and what they are made of
+  slicecast sweep scan.nrrd --scene ct-bone --vary weight.bits=6..16 --vary normal.bits=4..14
+  slicecast sweep scan.nrrd --scene ct-fog --rows fog.jsonl    stops and goes on where it was
+  slicecast sweep scan.nrrd --scene ct-fog --rows fog-3.jsonl --shard 3/16   one of an array job
+  slicecast sweep-merge fog-*.jsonl --csv fog.csv")]
+pub struct Args {
+    #[command(flatten)]
+    volume: VolumeArgs,
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    /// Only configurations that differ from `compact` in this stage and have one of these values; may be repeated.
+    #[arg(long, value_name = "STAGE.WIDTH=VALUES")]
+    vary: Vec<String>,
+    /// Only the configurations of these names, separated by commas.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "vary")]
+    only: Vec<String>,
+    /// Frames of each configuration that are timed; the fastest counts.
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rounds: u32,
+    /// Threads that render the frames that are timed.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    timing_threads: u16,
+    /// Keep finished rows in this file, and go on where it ends.
+    #[arg(long, value_name = "FILE")]
+    rows: Option<PathBuf>,
+    /// Run part I of N; `sweep-merge` puts the parts together.
+    #[arg(long, value_name = "I/N", value_parser = shard_of, requires = "rows")]
+    shard: Option<(usize, usize)>,
+    /// List the configurations instead of running them.
+    #[arg(long)]
+    list: bool,
+    #[command(flatten)]
+    tables: Tables,
+}
+
+impl Args {
+    /// Does it.
+    pub fn run(self) -> Result<(), Failure> {
+        let all = catalogue::all();
+        let mut chosen = self.chosen(&all)?;
+        if self.list {
+            println!("{}", sweep_table::list(chosen.iter().map(|index| &all[*index])));
+            return Ok(());
+        }
+        self.tables.check()?;
+        let loaded = self.volume.load()?;
+        let scene = self.scene.load_for(&self.volume, &loaded)?;
+        let prepared = Prepared::new(&scene, &loaded.volume)?;
+        let asked = chosen.len();
+        chosen = sweep::applicable(&all, &chosen, scene.lighting.is_some());
+        if chosen.len() < asked {
+            eprintln!(
+                "note: the scene is unlit: {} configurations vary shading alone and are left out",
+                asked - chosen.len()
+            );
+        }
+        if let Some((number, count)) = self.shard {
+            chosen = shard(&chosen, number, count);
+        }
+        let key = sweep::key(&prepared);
+        let (mut writer, known) = match &self.rows {
+            Some(path) => {
+                let (writer, rows) = Writer::open(path)?;
+                (Some(writer), rows)
+            }
+            None => (None, Vec::new()),
+        };
+        let mut rows: Vec<Row> = known.into_iter().filter(|row| row.key == key).collect();
+        rows.retain(|row| chosen.iter().any(|index| all[*index].name == row.name));
+        let left: Vec<usize> = chosen
+            .iter()
+            .copied()
+            .filter(|index| !rows.iter().any(|row| row.name == all[*index].name))
+            .collect();
+        if !rows.is_empty() {
+            eprintln!("{} of {} configurations are finished", rows.len(), chosen.len());
+        }
+        let options = Options {
+            rounds: self.rounds,
+            timing_threads: usize::from(self.timing_threads),
+        };
+        with_bar("sweeping", |progress| {
+            on_threads(self.threads.count(), || {
+                sweep::run::<Failure>(&prepared, &all, &left, options, progress, |batch| {
+                    if let Some(writer) = &mut writer {
+                        writer.add(batch)?;
+                    }
+                    rows.extend_from_slice(batch);
+                    Ok(())
+                })
+            })
+        })??;
+        self.tables.write(&merge(rows)?)
+    }
+
+    /// The configurations asked for; all without a wish.
+    fn chosen(&self, all: &[Configuration]) -> Result<Vec<usize>, Failure> {
+        let mut chosen = Vec::new();
+        for text in &self.vary {
+            chosen.extend(sweep::vary(all, text)?);
+        }
+        for name in &self.only {
+            let index = all.iter().position(|c| c.name == *name);
+            chosen.push(index.ok_or_else(|| {
+                Failure::input(format!(
+                    "--only: no configuration `{name}`; `slicecast sweep --list` names them"
+                ))
+            })?);
+        }
+        if self.vary.is_empty() && self.only.is_empty() {
+            chosen.extend(0..all.len());
+        }
+        chosen.sort_unstable();
+        chosen.dedup();
+        Ok(chosen)
+    }
+}
+
+/// Put the rows of several sweeps of the same inputs together: the same table as one run would have made.
+#[derive(clap::Args)]
+#[command(after_help = "Example:
+  slicecast sweep-merge fog-*.jsonl --csv fog.csv --json fog.json")]
+pub struct MergeArgs {
+    /// Files that `slicecast sweep --rows` has written.
+    #[arg(required = true, value_name = "ROWS")]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    tables: Tables,
+}
+
+impl MergeArgs {
+    /// Does it.
+    pub fn run(self) -> Result<(), Failure> {
+        self.tables.check()?;
+        let rows = read_all(&self.files)?;
+        let missing: Vec<_> = catalogue::all()
+            .into_iter()
+            .filter(|c| !rows.iter().any(|row| row.name == c.name))
+            .map(|c| c.name)
+            .collect();
+        if !missing.is_empty() {
+            eprintln!(
+                "note: {} configurations are not in these rows: {}",
+                missing.len(),
+                missing.join(", ")
+            );
+        }
+        self.tables.write(&rows)
+    }
+}
+
+/// The rows of files, merged.
+pub fn read_all(files: &[PathBuf]) -> Result<Vec<Row>, Failure> {
+    let mut all = Vec::new();
+    for path in files {
+        all.extend(read_one(path)?);
+    }
+    Ok(merge(all)?)
+}
+
+fn read_one(path: &Path) -> Result<Vec<Row>, Failure> {
+    rows::read(path)?.ok_or_else(|| Failure::input(format!("{}: has no rows", path.display())))
+}
