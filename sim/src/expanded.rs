@@ -205,9 +205,16 @@ mod tests {
             words in prop::collection::vec(any::<u32>(), ENTRIES),
             low in prop::collection::vec(any::<u8>(), ENTRIES),
             one_colour in any::<bool>(),
+            dark in prop_oneof![Just(0), Just(ENTRIES), 1..ENTRIES],
             step in 301usize..399,
         ) {
             let mut entries: Box<[u32; ENTRIES]> = words.into_boxed_slice().try_into().unwrap();
+            let mut low = low;
+            // Codes that are invisible, up to some code.
+            for (entry, low) in entries.iter_mut().zip(&mut low).take(dark) {
+                *entry &= 0x00ff_ffff;
+                *low = 0;
+            }
             if one_colour {
                 let colour = entries[0] & 0x00ff_ffff;
                 for entry in entries.iter_mut() {
