@@ -50,7 +50,7 @@ fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
 }
 
 /// `max(0, N . L)` with N = -g r / 2^35, 1.31. `Formed` normals are truncated first, and so are their products, at 16
-/// fraction bits; `Nearest` ones are rounded first. The vector has the precision's bits ([`keep_vector`]).
+/// fraction bits; `Nearest` ones are rounded first. The vector has the precision's bits ([`keep_vector`](super::keep_vector)).
 #[inline(always)]
 pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, vector: [i32; 3]) -> V {
     let zero = V::splat(0);
