@@ -1,21 +1,18 @@
 //! One ray, every sample, every stage: what the pipeline had, what the model has, and where the final error came from.
 
-use serde::Serialize;
-use slicecast::composite::{Channel, PixelRow};
-use slicecast::locate::plane;
-use slicecast::plane::{Pipeline, clear, scratch_len};
-use slicecast::slice::Slice;
-use slicecast::tap::{Beam, Tap};
+mod chain;
+mod record;
 
-use crate::compare::lockstep::{Formats, pixel_at};
+use serde::Serialize;
+
+use crate::compare::lockstep::Formats;
 use crate::compare::stages::Stage;
 use crate::compare::{ModelPositions, model};
-use crate::engine::{Prepared, RenderError, Tile, fold_tile};
-use crate::model::gradient::normalise;
+use crate::engine::{Prepared, RenderError};
 use crate::model::{Model, ModelSample, Pixel};
 use crate::oriented::with_slices;
-use crate::pipelines::Job;
 use crate::scene::Blend;
+use record::{Record, Recorded, Step};
 
 /// What a stage had for one sample: the pipeline's value and the model's, component by component.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -153,220 +150,6 @@ pub fn explain(prepared: &Prepared<'_>, ray: [usize; 2]) -> Result<Explanation, 
     Ok(assemble(ray, record, &exact, &rounded))
 }
 
-/// What the pipeline had on one plane.
-#[derive(Clone, Debug, Default)]
-struct Step {
-    position: [f64; 3],
-    value: Option<f64>,
-    opacity: Option<f64>,
-    colour: Option<[f64; 3]>,
-    gradient: Option<[f64; 3]>,
-    normal: Option<[f64; 3]>,
-    shaded: Option<[f64; 3]>,
-    after: Option<Pixel>,
-}
-
-/// A tap that keeps one column of one row.
-struct Recorder {
-    column: usize,
-    formats: Formats,
-    steps: Vec<Step>,
-    /// The plane under way.
-    plane: usize,
-}
-
-impl Recorder {
-    /// The place of the column in a span, and the step to fill.
-    fn here(&mut self, at: Beam<'_>, len: usize) -> Option<(usize, &mut Step)> {
-        let offset = self.column.checked_sub(at.column as usize)?;
-        let step = self.steps.get_mut(self.plane)?;
-        (offset < len).then_some((offset, step))
-    }
-}
-
-impl Tap for Recorder {
-    fn plane(&mut self, plane: &slicecast::locate::Plane) {
-        self.plane = plane.index as usize;
-    }
-
-    fn samples(&mut self, at: Beam<'_>, samples: &[i32]) {
-        let one = self.formats.sample_one;
-        if let Some((offset, step)) = self.here(at, samples.len()) {
-            step.value = Some(f64::from(samples[offset]) / one);
-        }
-    }
-
-    fn opacities(&mut self, at: Beam<'_>, opacities: &[i32]) {
-        let formats = self.formats;
-        if let Some((offset, step)) = self.here(at, opacities.len()) {
-            step.opacity = Some(formats.opacity(opacities[offset]));
-        }
-    }
-
-    fn colours(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        let one = self.formats.colour_one;
-        if let Some((offset, step)) = self.here(at, colours[0].len()) {
-            step.colour = Some(colours.map(|c| f64::from(c[offset] as u32) / one));
-        }
-    }
-
-    fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
-        let one = self.formats.sample_one;
-        if let Some((offset, step)) = self.here(at, gradients[0].len()) {
-            step.gradient = Some(gradients.map(|g| f64::from(g[offset]) / one));
-        }
-    }
-
-    fn normals(&mut self, at: Beam<'_>, g: [&[i32]; 3], r: &[i32]) {
-        let formats = self.formats;
-        if let Some((offset, step)) = self.here(at, r.len()) {
-            step.normal = Some(formats.normal(g.map(|g| g[offset]), r[offset]));
-        }
-    }
-
-    fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        let one = self.formats.colour_one;
-        if let Some((offset, step)) = self.here(at, colours[0].len()) {
-            step.shaded = Some(colours.map(|c| f64::from(c[offset] as u32) / one));
-        }
-    }
-
-    fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        if let Some((offset, step)) = self.here(at, pixels.transparency.len()) {
-            step.after = Some(pixel_at(pixels, offset));
-        }
-    }
-}
-
-/// What a ray left behind.
-struct Recorded {
-    steps: Vec<Step>,
-    formats: Formats,
-    pixel: Pixel,
-}
-
-struct Record<'a> {
-    prepared: &'a Prepared<'a>,
-    slices: &'a [Slice<'a>],
-    ray: [usize; 2],
-}
-
-impl Job for Record<'_> {
-    type Output = Recorded;
-
-    fn run<L: Pipeline>(self, pipeline: &L) -> Recorded {
-        let plan = &self.prepared.setup.plan;
-        let rays = plan.sampling().rays_per_voxel as usize;
-        let [u, v] = self.ray;
-        let (column, row) = (u / rays, v / rays);
-        let tile = Tile {
-            phase: (u % rays + rays * (v % rays)) as u32,
-            first: row as u32,
-            rows: 1,
-        };
-        let step = |index| {
-            let at = plane(plan, plan.phase(tile.phase), index);
-            let value = |bits: i32, pixel: usize| f64::from(bits) / 65536.0 + pixel as f64;
-            let position = [
-                value(at.x.to_bits(), column),
-                value(at.y.to_bits(), row),
-                value(at.z.to_bits(), 0),
-            ];
-            Step {
-                position,
-                ..Step::default()
-            }
-        };
-        let formats = Formats::of::<L::Precision>();
-        let mut recorder = Recorder {
-            column,
-            formats,
-            steps: (0..plan.planes()).map(step).collect(),
-            plane: 0,
-        };
-        let ([width, _], [slice_width, _, _]) = (plan.base(), plan.dims());
-        let mut data = vec![L::empty(0); L::CHANNELS * width as usize];
-        clear::<L>(plan, &mut data);
-        let mut scratch = vec![0; scratch_len::<L>(slice_width)];
-        fold_tile(
-            plan,
-            pipeline,
-            self.slices,
-            tile,
-            &mut data,
-            &mut scratch,
-            &mut recorder,
-        );
-        let pixel = pipeline.pixel(&data, column);
-        let value = |c: slicecast::plane::ChannelOf<L::Precision>| {
-            f64::from(c.bits()) / f64::from(<slicecast::plane::ChannelOf<L::Precision> as Channel>::ONE.bits())
-        };
-        Recorded {
-            steps: recorder.steps,
-            formats,
-            pixel: Pixel {
-                colour: pixel.colour.map(value),
-                transparency: value(pixel.transparency),
-            },
-        }
-    }
-}
-
-/// The stages whose results are handed over one after the other.
-const CHAIN: [&str; 7] = [
-    "location",
-    "interpolation",
-    "classification",
-    "gradient",
-    "normal",
-    "shading",
-    "compositing",
-];
-
-/// The pixel where the first `fixed` stages of [`CHAIN`] have the pipeline's results and the others are the model's.
-fn hybrid(steps: &[Step], exact: &Model<'_>, rounded: &Model<'_>, [u, v]: [usize; 2], fixed: usize) -> Pixel {
-    let mut pixel = Pixel::TRANSPARENT;
-    let mut left = 1.0;
-    for (index, step) in steps.iter().enumerate() {
-        let model = if fixed >= 1 { rounded } else { exact };
-        let Some(position) = model.position(index, u, v) else {
-            continue;
-        };
-        let value = match step.value {
-            Some(value) if fixed >= 2 => value,
-            _ => model.value_at(position),
-        };
-        let classified = model.classify(value);
-        let (mut opacity, mut colour) = (classified.opacity, classified.colour);
-        if fixed >= 3 {
-            // A row that was skipped while light was left was found empty.
-            opacity = step.opacity.unwrap_or(if left > 0.0 { 0.0 } else { opacity });
-            colour = step.colour.unwrap_or(colour);
-        }
-        if opacity > 0.0 {
-            let own = || {
-                if model.lights().is_some() {
-                    normalise(model.gradient_at(position))
-                } else {
-                    [0.0; 3]
-                }
-            };
-            let normal = match (step.normal, step.gradient) {
-                (Some(normal), _) if fixed >= 5 => normal,
-                (_, Some(gradient)) if fixed >= 4 => normalise(gradient),
-                _ => own(),
-            };
-            let shaded = match step.shaded {
-                Some(shaded) if fixed >= 6 => shaded,
-                _ => model.shade(normal, colour),
-            };
-            pixel = pixel.front_to_back(shaded, opacity);
-        }
-        left = step.after.map_or(left, |after| after.transparency);
-    }
-    pixel
-}
-
 /// Puts a ray and its models together.
 fn assemble(ray: [usize; 2], record: Recorded, exact: &Model<'_>, rounded: &Model<'_>) -> Explanation {
     let [u, v] = ray;
@@ -385,25 +168,7 @@ fn assemble(ray: [usize; 2], record: Recorded, exact: &Model<'_>, rounded: &Mode
             stages: stages(step, &sample, so_far, &record.formats, exact.lights().is_some()),
         });
     }
-    let mut last = hybrid(&record.steps, exact, rounded, ray, 0);
-    let exact_pixel = last;
-    let mut shares = Vec::new();
-    for (number, stage) in (1..).zip(CHAIN) {
-        let lit = exact.lights().is_some();
-        let next = if stage == "compositing" {
-            record.pixel
-        } else {
-            hybrid(&record.steps, exact, rounded, ray, number)
-        };
-        let skipped = !lit && ["gradient", "normal", "shading"].contains(&stage);
-        if !skipped {
-            shares.push(Share {
-                stage,
-                lsb8: [0, 1, 2].map(|c| 255.0 * (next.colour[c] - last.colour[c])),
-            });
-        }
-        last = next;
-    }
+    let (exact_pixel, shares) = chain::shares(&record, exact, rounded, ray);
     let whole = |pixel: Pixel| {
         let [r, g, b] = pixel.colour;
         [r, g, b, pixel.transparency]
