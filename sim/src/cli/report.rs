@@ -8,13 +8,13 @@ use slicecast_sim::report::{Contents, page::page};
 use slicecast_sim::scene::{Blend, PrecisionName, Scene};
 use slicecast_sim::study::hard::{self, Size};
 use slicecast_sim::study::rows::Row;
-use slicecast_sim::study::{catalogue, sweep};
+use slicecast_sim::study::{catalogue, choose, shards, sweep};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::output::{check_free, write_file};
 use super::progress::with_bar;
-use super::sweep::read_all;
+use super::sweep::{merge_all, read_all};
 
 /// Write a report: one HTML page with pictures, errors, speed against error and the hard cases; it needs no network.
 #[derive(clap::Args)]
@@ -106,20 +106,24 @@ impl Args {
             return Ok(Vec::new());
         }
         if !self.rows.is_empty() {
-            let rows = read_all(&self.rows)?;
             let key = sweep::key(prepared);
-            return match rows.first() {
-                Some(row) if row.key != key => Err(Failure::input(format!(
-                    "{}: rows of other inputs ({}) than this volume and scene ({key})",
-                    self.rows[0].display(),
-                    row.key
-                ))),
-                _ => Ok(rows),
-            };
+            let mut files = read_all(&self.rows)?;
+            // A file may hold rows of other inputs as well; one that holds no others was not meant.
+            for (path, rows) in &mut files {
+                let problem = rows.first().and_then(|row| shards::difference(&key, &row.key));
+                rows.retain(|row| row.key == key);
+                if let (true, Some(problem)) = (rows.is_empty(), problem) {
+                    return Err(Failure::input(format!(
+                        "{}: has rows of {problem} only, expected some of this volume and scene",
+                        path.display()
+                    )));
+                }
+            }
+            return merge_all(files);
         }
         let all = catalogue::all();
         let chosen: Vec<usize> = (0..all.len()).collect();
-        let chosen = sweep::applicable(&all, &chosen, prepared.scene.lighting.is_some());
+        let chosen = choose::applicable(&all, &chosen, prepared.scene.lighting.is_some());
         let options = sweep::Options {
             rounds: 5,
             timing_threads: 1,
@@ -127,12 +131,19 @@ impl Args {
         let mut rows = Vec::new();
         with_bar("sweeping", |progress| {
             on_threads(self.threads.count(), || {
-                sweep::run::<Failure>(prepared, &all, &chosen, options, progress, |batch| {
-                    rows.extend_from_slice(batch);
-                    Ok(())
-                })
+                sweep::run::<Failure>(
+                    std::slice::from_ref(prepared),
+                    &all,
+                    &chosen,
+                    options,
+                    progress,
+                    |batch| {
+                        rows.extend_from_slice(batch);
+                        Ok(())
+                    },
+                )
             })
         })??;
-        Ok(sweep::merge(rows)?)
+        Ok(shards::merge(rows)?)
     }
 }

@@ -2,10 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use slicecast_sim::engine::{Prepared, on_threads};
+use slicecast_sim::engine::{Prepared, RenderError, on_threads};
 use slicecast_sim::study::catalogue::{self, Configuration};
+use slicecast_sim::study::choose;
+use slicecast_sim::study::measure::narrowed;
 use slicecast_sim::study::rows::{self, Row, RowsError, Writer};
-use slicecast_sim::study::sweep::{self, Options, SweepError, merge, shard};
+use slicecast_sim::study::shards::{merge, shard};
+use slicecast_sim::study::sweep::{self, Options, SweepError};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
@@ -63,7 +66,7 @@ impl Tables {
     /// Prints the table and writes the files.
     fn write(&self, rows: &[Row]) -> Result<(), Failure> {
         println!("{}", sweep_table::table(rows));
-        println!("\n{}", sweep_table::LEGEND);
+        println!("\n{}", sweep_table::legend(rows));
         if let Some(path) = &self.csv {
             write_file(path, self.force, &sweep_table::csv(rows)?)?;
         }
@@ -80,6 +83,7 @@ impl Tables {
   slicecast sweep                                              every configuration on the built-in head
   slicecast sweep --list                                       the configurations and what they are made of
   slicecast sweep scan.nrrd --scene ct-bone --vary weight.bits=6..16 --vary normal.bits=4..14
+  slicecast sweep scan.nrrd --scene ct-fog --views 12          which of two is more exact, not in one picture alone
   slicecast sweep scan.nrrd --scene ct-fog --rows fog.jsonl    stops and goes on where it was
   slicecast sweep scan.nrrd --scene ct-fog --rows fog-3.jsonl --shard 3/16   one of an array job
   slicecast sweep-merge fog-*.jsonl --csv fog.csv")]
@@ -96,6 +100,10 @@ pub struct Args {
     /// Only the configurations of these names, separated by commas.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "vary")]
     only: Vec<String>,
+    /// Views in which errors are taken: the scene's own, and more around the vertical axis. Frames are timed in the
+    /// first.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=360))]
+    views: u32,
     /// Frames of each configuration that are timed; the fastest counts.
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
@@ -127,9 +135,13 @@ impl Args {
         self.tables.check()?;
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;
-        let prepared = Prepared::new(&scene, &loaded.volume)?;
+        let scenes = sweep::views(&scene, self.views);
+        let views = scenes.iter().map(|scene| Prepared::new(scene, &loaded.volume));
+        let views: Vec<_> = views
+            .map(|view| Ok(view?.with_simd(self.threads.simd())))
+            .collect::<Result<_, RenderError>>()?;
         let asked = chosen.len();
-        chosen = sweep::applicable(&all, &chosen, scene.lighting.is_some());
+        chosen = choose::applicable(&all, &chosen, scene.lighting.is_some());
         if chosen.len() < asked {
             eprintln!(
                 "note: the scene is unlit: {} configurations vary shading alone and are left out",
@@ -139,15 +151,7 @@ impl Args {
         if let Some((number, count)) = self.shard {
             chosen = shard(&chosen, number, count);
         }
-        let key = sweep::key(&prepared);
-        let (mut writer, known) = match &self.rows {
-            Some(path) => {
-                let (writer, rows) = Writer::open(path)?;
-                (Some(writer), rows)
-            }
-            None => (None, Vec::new()),
-        };
-        let mut rows: Vec<Row> = known.into_iter().filter(|row| row.key == key).collect();
+        let (mut writer, mut rows) = self.resume(&views[0])?;
         rows.retain(|row| chosen.iter().any(|index| all[*index].name == row.name));
         let left: Vec<usize> = chosen
             .iter()
@@ -163,7 +167,7 @@ impl Args {
         };
         with_bar("sweeping", |progress| {
             on_threads(self.threads.count(), || {
-                sweep::run::<Failure>(&prepared, &all, &left, options, progress, |batch| {
+                sweep::run::<Failure>(&views, &all, &left, options, progress, |batch| {
                     if let Some(writer) = &mut writer {
                         writer.add(batch)?;
                     }
@@ -175,11 +179,39 @@ impl Args {
         self.tables.write(&merge(rows)?)
     }
 
+    /// The file of rows, if there is one, and those of the same inputs that it holds. Rows that were measured in another
+    /// way are refused: they could not stand in one table.
+    fn resume(&self, first: &Prepared<'_>) -> Result<(Option<Writer>, Vec<Row>), Failure> {
+        let Some(path) = &self.rows else {
+            return Ok((None, Vec::new()));
+        };
+        let (writer, mut rows) = Writer::open(path)?;
+        let key = sweep::key(first);
+        rows.retain(|row| row.key == key);
+        let how = |views, lanes: &str, threads| format!("{views} views and timed with {lanes} on {threads} threads");
+        let own = how(
+            self.views as usize,
+            narrowed(first.simd).name(),
+            usize::from(self.timing_threads),
+        );
+        for row in &rows {
+            let found = how(row.views.len(), &row.lanes, row.threads);
+            if found != own {
+                return Err(Failure::input(format!(
+                    "{}: `{}` was measured in {found}, expected {own}: give another file, or the same options",
+                    path.display(),
+                    row.name
+                )));
+            }
+        }
+        Ok((Some(writer), rows))
+    }
+
     /// The configurations asked for; all without a wish.
     fn chosen(&self, all: &[Configuration]) -> Result<Vec<usize>, Failure> {
         let mut chosen = Vec::new();
         for text in &self.vary {
-            chosen.extend(sweep::vary(all, text)?);
+            chosen.extend(choose::vary(all, text)?);
         }
         for name in &self.only {
             let index = all.iter().position(|c| c.name == *name);
@@ -214,7 +246,7 @@ impl MergeArgs {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
         self.tables.check()?;
-        let rows = read_all(&self.files)?;
+        let rows = merge_all(read_all(&self.files)?)?;
         let missing: Vec<_> = catalogue::all()
             .into_iter()
             .filter(|c| !rows.iter().any(|row| row.name == c.name))
@@ -231,15 +263,34 @@ impl MergeArgs {
     }
 }
 
-/// The rows of files, merged.
-pub fn read_all(files: &[PathBuf]) -> Result<Vec<Row>, Failure> {
+/// The rows of files, as they are.
+pub fn read_all(files: &[PathBuf]) -> Result<Vec<(&Path, Vec<Row>)>, Failure> {
+    files.iter().map(|path| Ok((path.as_path(), read_one(path)?))).collect()
+}
+
+/// Rows of files in one table.
+pub fn merge_all<'a>(files: impl IntoIterator<Item = (&'a Path, Vec<Row>)>) -> Result<Vec<Row>, Failure> {
     let mut all = Vec::new();
-    for path in files {
-        all.extend(read_one(path)?);
+    for (path, rows) in files {
+        all.extend(rows);
+        all = merge(all).map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
     }
-    Ok(merge(all)?)
+    Ok(all)
 }
 
 fn read_one(path: &Path) -> Result<Vec<Row>, Failure> {
-    rows::read(path)?.ok_or_else(|| Failure::input(format!("{}: has no rows", path.display())))
+    let found = rows::read(path)?.filter(|found| !found.rows.is_empty());
+    let found = found.ok_or_else(|| {
+        let path = path.display();
+        Failure::input(format!(
+            "{path}: has no rows, expected those that `slicecast sweep --rows {path}` writes"
+        ))
+    })?;
+    if found.cut_off > 0 {
+        eprintln!(
+            "note: {}: the last row was cut off and is left out; running its sweep again completes it",
+            path.display()
+        );
+    }
+    Ok(found.rows)
 }

@@ -2,24 +2,52 @@
 
 use comfy_table::Table;
 use serde::Serialize;
-use slicecast_sim::study::catalogue::Configuration;
+use slicecast_sim::study::catalogue::{BASE, Configuration};
+use slicecast_sim::study::ensemble::{Difference, spread};
 use slicecast_sim::study::parameters::Name;
+use slicecast_sim::study::pareto::on_front;
 use slicecast_sim::study::rows::Row;
-use slicecast_sim::study::sweep::on_front;
 
 use super::Failure;
 use super::tables::{header, short};
 
 /// What the columns mean.
-pub const LEGEND: &str = "\
+const LEGEND: &str = "\
 Errors: steps of 1/255 on the base plane against the f64 model at the positions of the full step. `worst stage`: the
-stage with the fewest right bits on its own inputs. Speeds: fastest frame of several, taken in turns with `compact`;
-`speed` is the ratio. Front: no configuration is at least as fast (to 1 %) and at least as exact in the mean, and
-better in one of the two.";
+stage with the fewest right bits on its own inputs. Speeds: fastest frame of several, rendered by the host with these
+lanes and taken in turns with `compact`; `speed` is the ratio. Front: no configuration is at least as fast (to 1 %) and
+at least as exact in the mean, and clearly better in one of the two.";
+
+/// What the columns of several views mean.
+const ENSEMBLE: &str = "\
+Views: errors are of all together; `spread` is the standard deviation of a view's mean step. `less compact`: mean step less
+that of `compact` in the same view, its mean over the views and the standard error of that; below 0 is more exact, and
+clearly so beyond 2.2 standard errors. `better in`: views in which it is below 0.";
+
+/// What the columns of a table mean.
+pub fn legend(rows: &[Row]) -> String {
+    if ensemble(rows) {
+        format!("{LEGEND}\n{ENSEMBLE}")
+    } else {
+        LEGEND.into()
+    }
+}
+
+/// Whether rows were measured in several views.
+fn ensemble(rows: &[Row]) -> bool {
+    rows.iter().any(|row| row.views.len() > 1)
+}
+
+/// A row beside the base, view by view; `None` without the base's row.
+fn beside(row: &Row, rows: &[Row]) -> Option<Difference> {
+    let base = rows.iter().find(|row| row.name == BASE)?;
+    Some(Difference::between(&row.errors(), &base.errors()))
+}
 
 /// The table as text.
 pub fn table(rows: &[Row]) -> Table {
-    let mut table = header(&[
+    let ensemble = ensemble(rows);
+    let mut columns = vec![
         "configuration",
         "front",
         "pixel",
@@ -27,19 +55,19 @@ pub fn table(rows: &[Row]) -> Table {
         "equal %",
         "max step",
         "mean step",
-        "PSNR dB",
-        "worst stage",
-        "bits",
-        "Msamples/s",
-        "speed",
-    ]);
+    ];
+    if ensemble {
+        columns.extend(["spread", "less compact", "better in"]);
+    }
+    columns.extend(["PSNR dB", "worst stage", "bits", "lanes", "Msamples/s", "speed"]);
+    let mut table = header(&columns);
     for (row, front) in rows.iter().zip(on_front(rows)) {
         let worst = row
             .stages
             .iter()
             .filter_map(|stage| stage.local_bits.map(|bits| (bits, stage.name.as_str())))
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        table.add_row([
+        let mut cells = vec![
             row.name.clone(),
             if front { "*".into() } else { String::new() },
             row.pixel_bytes.to_string(),
@@ -47,12 +75,25 @@ pub fn table(rows: &[Row]) -> Table {
             format!("{:.2}", row.image.equal_percent),
             short(row.image.max_lsb8),
             short(row.image.mean_lsb8),
+        ];
+        if ensemble {
+            let beside = beside(row, rows);
+            let error = beside.and_then(|d| d.standard_error);
+            cells.extend([
+                spread(&row.errors()).map_or("-".into(), short),
+                beside.map_or("-".into(), |d| format!("{:+.5} ± {:.5}", d.mean, error.unwrap_or(0.0))),
+                beside.map_or("-".into(), |d| format!("{} of {}", d.better, d.views)),
+            ]);
+        }
+        cells.extend([
             row.image.psnr_db.map_or("exact".into(), |db| format!("{db:.1}")),
             worst.map_or("-".into(), |(_, name)| name.to_owned()),
             worst.map_or("-".into(), |(bits, _)| format!("{bits:.1}")),
+            row.lanes.clone(),
             format!("{:.1}", row.samples_per_second / 1e6),
             format!("{:.2}", row.relative_speed),
         ]);
+        table.add_row(cells);
     }
     table
 }
@@ -96,6 +137,11 @@ pub fn csv(rows: &[Row]) -> Result<Vec<u8>, Failure> {
             "max_lsb8",
             "mean_lsb8",
             "psnr_db",
+            "views",
+            "spread_lsb8",
+            "less_compact_lsb8",
+            "less_compact_standard_error",
+            "views_better",
         ]
         .map(str::to_owned),
     );
@@ -110,7 +156,17 @@ pub fn csv(rows: &[Row]) -> Result<Vec<u8>, Failure> {
             head.push(format!("{stage}: {figure}"));
         }
     }
-    head.extend(["samples_per_second", "relative_speed", "rounds", "threads", "inputs"].map(str::to_owned));
+    head.extend(
+        [
+            "samples_per_second",
+            "relative_speed",
+            "rounds",
+            "threads",
+            "lanes",
+            "inputs",
+        ]
+        .map(str::to_owned),
+    );
     writer.write_record(&head).map_err(Failure::machine)?;
     let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     for (row, front) in rows.iter().zip(on_front(rows)) {
@@ -127,6 +183,14 @@ pub fn csv(rows: &[Row]) -> Result<Vec<u8>, Failure> {
         ]);
         line.extend([image.equal_percent, image.max_lsb8, image.mean_lsb8].map(|value| value.to_string()));
         line.push(optional(image.psnr_db));
+        let beside = beside(row, rows);
+        line.extend([
+            row.views.len().to_string(),
+            optional(spread(&row.errors())),
+            optional(beside.map(|d| d.mean)),
+            optional(beside.and_then(|d| d.standard_error)),
+            beside.map_or(String::new(), |d| d.better.to_string()),
+        ]);
         for name in &stages {
             match row.stages.iter().find(|stage| stage.name == *name) {
                 Some(stage) => {
@@ -138,7 +202,12 @@ pub fn csv(rows: &[Row]) -> Result<Vec<u8>, Failure> {
             }
         }
         line.extend([row.samples_per_second, row.relative_speed].map(|value| value.to_string()));
-        line.extend([row.rounds.to_string(), row.threads.to_string(), row.key.clone()]);
+        line.extend([
+            row.rounds.to_string(),
+            row.threads.to_string(),
+            row.lanes.clone(),
+            row.key.clone(),
+        ]);
         writer.write_record(&line).map_err(Failure::machine)?;
     }
     writer.into_inner().map_err(Failure::machine)

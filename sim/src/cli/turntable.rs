@@ -109,8 +109,7 @@ impl Args {
     /// The scene from another side.
     fn turned(&self, scene: &Scene, frame: u16) -> Scene {
         let mut scene = scene.clone();
-        let azimuth = scene.view.azimuth + 360.0 * f64::from(frame) / f64::from(self.frames);
-        scene.view.azimuth = (azimuth + 360.0).rem_euclid(720.0) - 360.0;
+        scene.view = scene.view.turned(360.0 * f64::from(frame) / f64::from(self.frames));
         scene
     }
 

@@ -20,6 +20,28 @@ pub struct ImageFigures {
     pub psnr_db: Option<f64>,
 }
 
+impl ImageFigures {
+    /// The figures of several images' values, all in one.
+    pub fn together(images: &[Self]) -> Self {
+        let mut sums = Sums::default();
+        for image in images {
+            let count = image.values as f64;
+            sums.values += image.values;
+            sums.max = sums.max.max(image.max_lsb8);
+            sums.sum += image.mean_lsb8 * count;
+            sums.squares += image
+                .psnr_db
+                .map_or(0.0, |db| 255.0 * 255.0 * count / 10f64.powf(db / 10.0));
+            sums.equal += (image.equal_percent / 100.0 * count).round() as u64;
+        }
+        match images {
+            // To the last bit.
+            [image] => *image,
+            _ => sums.figures(),
+        }
+    }
+}
+
 #[derive(Default)]
 struct Sums {
     values: u64,
@@ -133,5 +155,28 @@ pub fn heat_map(fixed: &BaseImage, model: &ModelImage, full: f64) -> Rgb {
     Rgb {
         size: model.size.map(|side| side as u32),
         bytes,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_together_are_their_values_together() {
+        let sums = |values: &[(f64, f64)]| {
+            let mut sums = Sums::default();
+            values.iter().for_each(|(fixed, exact)| sums.add(*fixed, *exact));
+            sums.figures()
+        };
+        let values = [(1.0, 1.25), (7.0, 6.0), (3.5, 3.25), (9.0, 9.0), (100.0, 103.0)];
+        let whole = sums(&values);
+        let parts = ImageFigures::together(&[sums(&values[..2]), sums(&values[2..4]), sums(&values[4..])]);
+        assert_eq!(
+            (parts.values, parts.max_lsb8, parts.equal_percent),
+            (whole.values, whole.max_lsb8, whole.equal_percent)
+        );
+        assert!((parts.mean_lsb8 - whole.mean_lsb8).abs() < 1e-12);
+        assert!((parts.psnr_db.unwrap() - whole.psnr_db.unwrap()).abs() < 1e-9);
     }
 }

@@ -5,19 +5,33 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::{Contents, machine, picture, plots};
 use crate::compare::image::{ImageFigures, heat_map, model_picture};
 use crate::engine::Rgb;
+use crate::study::ensemble::spread;
 use crate::study::hard::Case;
+use crate::study::pareto::on_front;
 use crate::study::rows::Row;
-use crate::study::sweep::on_front;
 
-/// A difference of this many steps of 1/255 is white in the heat map.
-const HEAT_FULL: f64 = 0.5;
+/// The difference that is white in a heat map, steps of 1/255: the next of 1, 2, 5, 10 ... above the largest, so that even
+/// a good picture's errors can be seen.
+fn heat_full(largest: f64) -> f64 {
+    let decade = 10f64.powf(largest.max(1e-9).log10().floor());
+    let steps = [1.0, 2.0, 5.0].map(|step| step * decade);
+    steps.into_iter().find(|step| *step >= largest).unwrap_or(10.0 * decade)
+}
+
+/// A number of things.
+fn count(number: impl Into<u64>, thing: &str) -> String {
+    match number.into() {
+        1 => format!("1 {thing}"),
+        number => format!("{number} {thing}s"),
+    }
+}
 
 /// The page.
 ///
 /// # Errors
 /// A message if a picture or a plot cannot be made.
 pub fn page(contents: &Contents<'_>) -> Result<String, String> {
-    let title = format!("slicecast: {}, {}", contents.prepared.volume.name, contents.scene_name);
+    let title = format!("slicecast: {}, {}", name(contents), contents.scene_name);
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -48,6 +62,12 @@ pub fn page(contents: &Contents<'_>) -> Result<String, String> {
     Ok(page.into_string())
 }
 
+/// The volume's file, without the folders that it lay in.
+fn name<'a>(contents: &'a Contents<'_>) -> std::borrow::Cow<'a, str> {
+    let path = std::path::Path::new(&contents.prepared.volume.name);
+    path.file_name().map_or("".into(), |name| name.to_string_lossy())
+}
+
 /// What was rendered, and on what.
 fn inputs(contents: &Contents<'_>) -> Markup {
     let (volume, scene) = (contents.prepared.volume, contents.prepared.scene);
@@ -59,18 +79,18 @@ fn inputs(contents: &Contents<'_>) -> Markup {
         section {
             h2 { "Inputs" }
             dl {
-                dt { "volume" } dd { (volume.name) ": " (nx) " x " (ny) " x " (nz) " voxels, spacing " (sx) " x " (sy) " x " (sz) }
+                dt { "volume" } dd { (name(contents)) ": " (nx) " x " (ny) " x " (nz) " voxels, spacing " (sx) " x " (sy) " x " (sz) }
                 dt { "codes" } dd { (contents.mapping) }
                 dt { "scene" }
                 dd {
                     (contents.scene_name) ": azimuth " (scene.view.azimuth) "°, elevation " (scene.view.elevation) "°, "
-                    (scene.sampling.planes_per_voxel) " planes and " (scene.sampling.rays_per_voxel) " rays a voxel, "
+                    (count(scene.sampling.planes_per_voxel, "plane")) " and " (count(scene.sampling.rays_per_voxel, "ray")) " a voxel, "
                     @match &scene.lighting {
-                        Some(lighting) => { (lighting.lights.len()) " lights, exponent " (1u32 << lighting.exponent_log2) }
+                        Some(lighting) => { (count(lighting.lights.len() as u64, "light")) ", exponent " (1u32 << lighting.exponent_log2) }
                         None => { "unlit" }
                     }
                 }
-                dt { "base plane" } dd { (width) " x " (height) " pixels, " (plan.phases()) " phases, " (plan.planes()) " planes" }
+                dt { "base plane" } dd { (width) " x " (height) " pixels, " (count(plan.phases(), "phase")) ", " (count(plan.planes(), "plane")) }
                 dt { "machine" } dd { (machine::describe()) }
             }
         }
@@ -86,7 +106,8 @@ fn pictures(contents: &Contents<'_>) -> Result<Markup, String> {
     let background = contents.prepared.scene.image.background;
     let fixed = url(&comparison.frame.picture)?;
     let model = url(&model_picture(&comparison.model_picture, background))?;
-    let heat = url(&heat_map(&comparison.frame.base, &comparison.model, HEAT_FULL))?;
+    let full = heat_full(comparison.image.max_lsb8);
+    let heat = url(&heat_map(&comparison.frame.base, &comparison.model, full))?;
     Ok(html! {
         section {
             h2 { "Pictures" }
@@ -111,7 +132,7 @@ fn pictures(contents: &Contents<'_>) -> Result<Markup, String> {
                 figure {
                     img src=(heat) alt="Where the two differ.";
                     figcaption {
-                        "Difference on the base plane: black none, white " (HEAT_FULL) " of a step of 1/255 or more"
+                        "Difference on the base plane: black none, white " (format!("{}", full as f32)) " of a step of 1/255"
                     }
                 }
             }
@@ -182,7 +203,10 @@ fn stages(contents: &Contents<'_>) -> Result<Markup, String> {
     Ok(html! {
         section {
             h2 { "Error of every stage" }
-            p { "Each stage on its own, already rounded inputs, against f64. The stroke across the bars is what Squeeze requires (its section 5)." }
+            p {
+                "Each stage on its own, already rounded inputs, against f64. The stroke across the bars is what Squeeze requires (its "
+                "section 5). Carried: against f64 from the beginning. An ulp is one of the stage's own format."
+            }
             ul.key {
                 @for (place, (name, _)) in contents.comparisons.iter().enumerate() {
                     li { i style=(format!("--c: var(--series-{})", place + 1)) {} (name) }
@@ -194,7 +218,7 @@ fn stages(contents: &Contents<'_>) -> Result<Markup, String> {
                     thead {
                         tr {
                             th { "stage" } th { "Squeeze, bits" }
-                            @for (name, _) in &contents.comparisons { th { (name) ", bits" } th { "max ulp" } th { "carried" } }
+                            @for (name, _) in &contents.comparisons { th { (name) ", bits" } th { "max ulp" } th { "carried ulp" } }
                         }
                     }
                     tbody {
@@ -227,12 +251,18 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
     }
     let plot = plots::front(rows, "Speed against error of every configuration").map_err(|error| error.to_string())?;
     let marked = on_front(rows);
+    let mut lanes: Vec<&str> = rows.iter().map(|row| row.lanes.as_str()).collect();
+    lanes.dedup();
+    let most = |of: fn(&Row) -> usize| rows.iter().map(of).max().unwrap_or(1) as u64;
+    let views = count(most(|row| row.views.len()), "view");
+    let threads = count(most(|row| row.threads), "thread");
     Ok(html! {
         section {
             h2 { "Speed against error" }
             p {
                 "One point a configuration. On the line: nothing is at least as fast (to 1 %) and at least as exact in the mean, "
-                "and better in one of the two. Speeds are the fastest of several frames, each taken in turn with one of compact."
+                "and clearly better in one of the two. Errors are of " (views) ". Speeds are the fastest of several frames on "
+                (threads) " with " (lanes.join(", ")) ", each taken in turn with one of compact."
             }
             (PreEscaped(plot))
             div.scroll tabindex="0" role="region" aria-label="All configurations" {
@@ -240,7 +270,7 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
                     thead {
                         tr {
                             th { "configuration" } th { "bytes a pixel" } th { "table" } th { "equal %" } th { "max step" }
-                            th { "mean step" } th { "PSNR dB" } th { "Msamples/s" } th { "speed" }
+                            th { "mean step" } th { "spread of views" } th { "PSNR dB" } th { "Msamples/s" } th { "speed" }
                         }
                     }
                     tbody {
@@ -252,6 +282,7 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
                                 td { (format!("{:.2}", row.image.equal_percent)) }
                                 td { (short(row.image.max_lsb8)) }
                                 td { (short(row.image.mean_lsb8)) }
+                                td { (spread(&row.errors()).map_or("-".into(), short)) }
                                 td { @match row.image.psnr_db { Some(db) => (format!("{db:.1}")), None => "exact" } }
                                 td { (format!("{:.1}", row.samples_per_second / 1e6)) }
                                 td { (format!("{:.2}", row.relative_speed)) }
@@ -328,6 +359,14 @@ fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn heat_maps_are_scaled_to_their_errors() {
+        for (largest, full) in [(0.032, 0.05), (0.05, 0.05), (2.2, 5.0), (7.0, 10.0), (0.0, 1e-9)] {
+            let found = super::heat_full(largest);
+            assert!((found / full - 1.0).abs() < 1e-9, "{largest}: {found}");
+        }
+    }
+
     use super::*;
     use crate::compare::{ModelPositions, compare, split};
     use crate::engine::Prepared;

@@ -6,8 +6,8 @@
 use plotters::prelude::*;
 
 use crate::compare::stages::StageReport;
+use crate::study::pareto::on_front;
 use crate::study::rows::Row;
-use crate::study::sweep::on_front;
 
 /// What stands for the page's text and line colours.
 const INK: RGBColor = RGBColor(1, 1, 1);

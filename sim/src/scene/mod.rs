@@ -97,6 +97,15 @@ impl View {
         })
     }
 
+    /// The view after the viewer has walked so many degrees, 0 to 360, about the z axis.
+    #[must_use]
+    pub fn turned(self, degrees: f64) -> Self {
+        Self {
+            azimuth: (self.azimuth + degrees + 360.0).rem_euclid(720.0) - 360.0,
+            ..self
+        }
+    }
+
     /// The camera's axes. Components smaller than 1e-15 are exactly zero, so that axis-aligned views are exact.
     pub fn axes(&self) -> CameraAxes {
         let (sa, ca) = sin_cos_degrees(self.azimuth);

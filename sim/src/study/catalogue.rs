@@ -1,8 +1,8 @@
 //! The configurations that are instantiated: the named precisions, each parameter varied from `compact` one at a time,
 //! and a few combinations.
 //!
-//! Every line but the positions' is a pipeline of its own in the program, lit and unlit, with and without the tap that
-//! gathers errors; that is what building this crate takes longest for.
+//! Every line but the positions' and the tables' is a pipeline of its own in the program, lit and (surfaces apart) unlit:
+//! under the tap that gathers errors, with one lane and with eight. That is what building this crate takes longest for.
 
 use slicecast::classify::{Linear, Lookup, Nearest, Sqrt8, Sqrt16};
 use slicecast::composite::{Dithered, Unorm16};
@@ -44,13 +44,24 @@ impl Configuration {
         A: Coded,
         L: Lookup,
     {
+        Self::made::<P, P, A, L>(name)
+    }
+
+    /// See [`Runner::of`].
+    fn made<P, U, A, L>(name: &str) -> Self
+    where
+        P: Precision<Pixel: Described>,
+        U: Precision<Pixel: Described>,
+        A: Coded,
+        L: Lookup,
+    {
         Self {
             name: name.to_owned(),
             parameters: parameters::of::<P, A, L>(),
             pixel_bytes: 4 * size_of::<ChannelOf<P>>(),
             table_bytes: slicecast::classify::PointTable::<A, L>::BYTES,
             step_bits: 32,
-            runner: Runner::of::<P, A, L>(),
+            runner: Runner::of::<P, U, A, L>(),
         }
     }
 
@@ -61,7 +72,7 @@ impl Configuration {
 
     /// `compact` with another surface.
     fn surface<S: super::formats::Surface>(name: &str) -> Self {
-        Self::of::<Study<CompactValues, S, CompactPixel>, Sqrt16, Linear>(name)
+        Self::made::<Study<CompactValues, S, CompactPixel>, Compact, Sqrt16, Linear>(name)
     }
 
     /// `compact` with another pixel.

@@ -6,9 +6,11 @@
 //! | [`Plain16`] | α 0.16: the high byte in the entry, the low byte in a plane of its own | q / 65536 |
 //! | core's `Sqrt8`, `Sqrt16` | √α 0.8, √α 0.16 | their square |
 
-use slicecast::classify::{AlphaCode, ENTRIES, Lookup, PointTable, Sqrt8, Sqrt16};
+use slicecast::classify::{AlphaCode, ENTRIES, Sqrt8, Sqrt16};
 use slicecast::format::Opacity;
 
+use crate::expanded::Expanded;
+use crate::scene::LookupName;
 use crate::table::Filled;
 
 /// A code that a study can name and fill a table with.
@@ -19,8 +21,8 @@ pub trait Coded: AlphaCode {
     fn encode(opacity: f64) -> [u8; 2];
     /// The opacity of a code.
     fn decode(bytes: [u8; 2]) -> Opacity;
-    /// A classifier over a table filled with this code.
-    fn classifier<L: Lookup>(table: &Filled) -> PointTable<'_, Self, L>;
+    /// A table filled with this code, decoded for the host's vectors.
+    fn expanded(table: &Filled, lookup: LookupName) -> Expanded;
 }
 
 /// Opacity in 8 bits, 255 is 1.
@@ -66,8 +68,8 @@ impl Coded for Plain8 {
     fn decode([high, _]: [u8; 2]) -> Opacity {
         Self::opacity(u16::from(high))
     }
-    fn classifier<L: Lookup>(table: &Filled) -> PointTable<'_, Self, L> {
-        PointTable::new(&table.entries, ())
+    fn expanded(table: &Filled, lookup: LookupName) -> Expanded {
+        Expanded::of::<Self>(&table.entries, (), lookup)
     }
 }
 
@@ -79,8 +81,8 @@ impl Coded for Plain16 {
     fn decode(bytes: [u8; 2]) -> Opacity {
         Self::opacity(u16::from_be_bytes(bytes))
     }
-    fn classifier<L: Lookup>(table: &Filled) -> PointTable<'_, Self, L> {
-        PointTable::new(&table.entries, &*table.plane)
+    fn expanded(table: &Filled, lookup: LookupName) -> Expanded {
+        Expanded::of::<Self>(&table.entries, &table.plane, lookup)
     }
 }
 
@@ -92,8 +94,8 @@ impl Coded for Sqrt8 {
     fn decode([high, _]: [u8; 2]) -> Opacity {
         Self::opacity(257 * u16::from(high))
     }
-    fn classifier<L: Lookup>(table: &Filled) -> PointTable<'_, Self, L> {
-        PointTable::new(&table.entries, ())
+    fn expanded(table: &Filled, lookup: LookupName) -> Expanded {
+        Expanded::of::<Self>(&table.entries, (), lookup)
     }
 }
 
@@ -105,14 +107,18 @@ impl Coded for Sqrt16 {
     fn decode(bytes: [u8; 2]) -> Opacity {
         Self::opacity(u16::from_be_bytes(bytes))
     }
-    fn classifier<L: Lookup>(table: &Filled) -> PointTable<'_, Self, L> {
-        PointTable::new(&table.entries, &*table.plane)
+    fn expanded(table: &Filled, lookup: LookupName) -> Expanded {
+        Expanded::of::<Self>(&table.entries, &table.plane, lookup)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::formats::{Blend, CompactPixel, CompactSurface, Sample4, Sample6, Sample8, Sample10, Study};
     use super::*;
+    use fixed::traits::Fixed;
+    use slicecast::classify::{Classifier, Linear, Lookup, Nearest, PointTable};
+    use slicecast::format::{Sample12, Sample15};
 
     /// Every opacity comes back within half a step of its code (as the code's own scale has it).
     fn within<A: Coded>(step: impl Fn(f64) -> f64) {
@@ -157,5 +163,46 @@ mod tests {
             }
         }
         assert_eq!(Plain8::decode([255, 0]).to_bits(), 1 << 31);
+    }
+
+    /// What a study runs, decoded tables, has the bits of the definition, whatever the sample's width and the lanes.
+    fn held<'a, A: Coded, L: Lookup, S: Fixed<Bits = i32> + 'static>(filled: &'a Filled, plane: A::Plane<'a>) {
+        type P<S> = Study<Blend<S, 16, false>, CompactSurface, CompactPixel>;
+        let table = PointTable::<A, L>::new(&filled.entries, plane);
+        let lookup = if L::LINEAR {
+            LookupName::Linear
+        } else {
+            LookupName::Nearest
+        };
+        let expanded = &A::expanded(filled, lookup);
+        let samples: Vec<i32> = (0..=4095 << S::FRAC_NBITS).step_by(7).collect();
+        let row = || vec![0; samples.len()];
+        let (mut expected, mut found) = (row(), row());
+        Classifier::<P<S>>::opacity_row::<i32>(&table, &samples, &mut expected);
+        Classifier::<P<S>>::opacity_row::<i32>(&expanded, &samples, &mut found);
+        assert!(expected == found, "{} {lookup:?} {}", A::NAME, S::FRAC_NBITS);
+        let [mut expected, mut found] = [(); 2].map(|()| [row(), row(), row()]);
+        Classifier::<P<S>>::colour_row::<i32>(&table, &samples, expected.each_mut().map(|r| &mut r[..]));
+        Classifier::<P<S>>::colour_row::<i32>(&expanded, &samples, found.each_mut().map(|r| &mut r[..]));
+        assert!(expected == found, "{} {lookup:?} {}", A::NAME, S::FRAC_NBITS);
+    }
+
+    #[test]
+    fn decoded_tables_are_the_definition() {
+        let word = |index: usize| (index as u32).wrapping_mul(0x9e37_79b9);
+        let filled = Filled {
+            entries: Box::new(std::array::from_fn(word)),
+            plane: Box::new(std::array::from_fn(|index| word(index + 1) as u8)),
+            underflows: 0,
+        };
+        held::<Plain8, Nearest, Sample12>(&filled, ());
+        held::<Plain8, Linear, Sample12>(&filled, ());
+        held::<Plain16, Nearest, Sample12>(&filled, &filled.plane);
+        held::<Plain16, Linear, Sample12>(&filled, &filled.plane);
+        held::<Sqrt16, Linear, Sample4>(&filled, &filled.plane);
+        held::<Sqrt16, Linear, Sample6>(&filled, &filled.plane);
+        held::<Sqrt16, Linear, Sample8>(&filled, &filled.plane);
+        held::<Sqrt16, Linear, Sample10>(&filled, &filled.plane);
+        held::<Sqrt16, Linear, Sample15>(&filled, &filled.plane);
     }
 }

@@ -1,17 +1,19 @@
 //! Errors and speed of one configuration, by the pipeline itself.
 
+use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use slicecast::classify::{Classifier, Lookup};
-use slicecast::composite::{Channel, FrontToBack};
-use slicecast::locate::plane;
+use slicecast::classify::Lookup;
+use slicecast::composite::{self, Channel, FrontToBack};
+use slicecast::lanes::Lanes;
+use slicecast::locate::{Plane, plane};
 use slicecast::plan::Plan;
-use slicecast::plane::{ChannelOf, Composite, Pipeline, clear, scratch_len};
+use slicecast::plane::{ChannelOf, Composite, Pipeline, Rows, clear, scratch_len};
 use slicecast::precision::Precision;
 use slicecast::shade::{Shader, Unlit};
-use slicecast::slice::Slice;
-use slicecast::tap::{NoTap, Tap};
+use slicecast::slice::{Slice, Window};
+use slicecast::tap::Tap;
 
 use super::codes::Coded;
 use super::pixels::Described;
@@ -20,9 +22,12 @@ use crate::compare::Tiles;
 use crate::compare::image::{ImageFigures, base_figures};
 use crate::compare::lockstep::Lockstep;
 use crate::compare::stages::{StageErrors, StageReport};
-use crate::engine::{BaseImage, Prepared, RenderError, TILE_ROWS, Tile, fold_tile};
+use crate::engine::{BaseImage, Prepared, RenderError, TILE_ROWS, Tile, fold_tile, fold_tiles, new_image};
+use crate::expanded::Expanded;
 use crate::model::{Model, Pixel};
-use crate::table::{Correction, fill};
+use crate::scene::LookupName;
+use crate::simd::Simd;
+use crate::table::{Correction, Filled, fill};
 
 /// A scene that configurations are run on.
 #[derive(Clone, Copy)]
@@ -35,37 +40,106 @@ pub struct Bench<'a> {
     pub slices: &'a [Slice<'a>],
 }
 
+/// The most lanes that configurations are compiled for.
+const LANES: usize = 8;
+
+/// The vectors that render a study's frames, where a scene would be rendered with these.
+pub fn narrowed(simd: Simd) -> Simd {
+    match simd {
+        Simd::Avx512 => Simd::Avx2,
+        Simd::Avx2 | Simd::Scalar => simd,
+    }
+}
+
 /// What a comparison of a configuration found.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// Errors of the base-plane image.
     pub image: ImageFigures,
     /// Errors of every stage.
-    pub stages: Vec<StageReport>,
+    pub errors: StageErrors,
     /// The base-plane image.
     pub base: BaseImage,
+    /// Checksum of the base-plane image, all bits.
+    pub bits: u64,
+}
+
+/// A frame that was rendered as fast as it goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Timed {
+    /// From the first plane to the last: without filling the table, without the warp.
+    pub time: Duration,
+    /// As [`Measured::bits`].
+    pub bits: u64,
 }
 
 /// A tile of a configuration's image beside the model's.
 struct Compared {
     tile: Tile,
-    /// Red, green, blue and transparency, row after row.
-    planes: [Vec<u32>; 4],
+    /// The tile as it lies in the image.
+    bits: Vec<u32>,
     errors: StageErrors,
     model: Vec<Pixel>,
 }
 
+/// A pipeline that is not compiled for sixteen lanes. A study has a hundred pipelines, which would take minutes more to
+/// build; what it compares is decided in eight lanes as well.
+struct Narrow<'a, L>(&'a L);
+
+impl<L: Pipeline> Pipeline for Narrow<'_, L> {
+    type Precision = L::Precision;
+    type Element = L::Element;
+    const CHANNELS: usize = L::CHANNELS;
+    const SLICES: usize = L::SLICES;
+    const SCRATCH_ROWS: usize = L::SCRATCH_ROWS;
+    const BACK_TO_FRONT: bool = L::BACK_TO_FRONT;
+
+    fn empty(channel: usize) -> Self::Element {
+        L::empty(channel)
+    }
+
+    #[inline(always)]
+    fn fold<V: Lanes, T: Tap>(
+        &self,
+        plan: &Plan,
+        plane: &Plane,
+        window: &Window<'_>,
+        rows: Rows<'_, Self::Element>,
+        scratch: &mut [i32],
+        tap: &mut T,
+    ) {
+        if const { V::COUNT <= LANES } {
+            self.0.fold::<V, T>(plan, plane, window, rows, scratch, tap);
+        }
+    }
+
+    fn pixel(&self, row: &[Self::Element], column: usize) -> composite::Pixel<ChannelOf<L::Precision>> {
+        self.0.pixel(row, column)
+    }
+}
+
+/// FNV-1a over whole words.
+#[derive(Clone, Copy)]
+struct Checksum(u64);
+
+impl Checksum {
+    const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
+
+    fn add(self, bits: impl IntoIterator<Item = u32>) -> Self {
+        let step = |sum: u64, bits: u32| (sum ^ u64::from(bits)).wrapping_mul(0x0000_0100_0000_01b3);
+        Self(bits.into_iter().fold(self.0, step))
+    }
+}
+
 /// A pipeline whose type is forgotten. What is behind it is compiled once a configuration and lighting: one tile with a
-/// tap and one without.
+/// tap, and one without for each kind of vectors.
 trait Bound: Sync {
     /// Name, 1.0 and shown bits of a channel.
     fn format(&self) -> (&'static str, u32, u32);
-    /// Renders a tile and looks at nothing.
-    fn render(&self, bench: Bench<'_>, tile: Tile);
-    /// Renders a tile beside the model.
+    /// Renders a frame with the scene's vectors on rayon's current threads, and looks at nothing.
+    fn time(&self, bench: Bench<'_>) -> Result<Timed, RenderError>;
+    /// Renders a tile beside the model, by the scalar definitions.
     fn compare(&self, bench: Bench<'_>, tile: Tile) -> Compared;
-    /// The figures of what was gathered.
-    fn report(&self, errors: &StageErrors) -> Vec<StageReport>;
 }
 
 impl<L: Pipeline<Element = ChannelOf<<L as Pipeline>::Precision>>> Bound for L
@@ -77,46 +151,38 @@ where
         (L::Element::NAME, L::Element::ONE.bits(), shown)
     }
 
-    fn render(&self, bench: Bench<'_>, tile: Tile) {
-        std::hint::black_box(fold(self, bench, tile, &mut NoTap));
+    fn time(&self, bench: Bench<'_>) -> Result<Timed, RenderError> {
+        let Prepared { setup, simd, .. } = bench.prepared;
+        let simd = narrowed(*simd);
+        let mut image = new_image::<L>(&setup.plan)?;
+        let start = Instant::now();
+        let (plan, pipeline, rows) = (&setup.plan, Narrow(self), TILE_ROWS);
+        fold_tiles(plan, &pipeline, bench.slices, &mut image, rows, simd, &|_, _| ());
+        let time = start.elapsed();
+        let bits = Checksum::EMPTY.add(black_box(image).into_iter().map(Channel::bits));
+        Ok(Timed { time, bits: bits.0 })
     }
 
     fn compare(&self, bench: Bench<'_>, tile: Tile) -> Compared {
-        let blend = bench.prepared.scene.blend;
-        let mut lockstep = Lockstep::new::<L::Precision>(bench.model, &bench.prepared.setup, blend, tile);
-        let data = fold(self, bench, tile, &mut lockstep);
+        let Prepared { scene, setup, .. } = bench.prepared;
+        let plan = &setup.plan;
+        let mut lockstep = Lockstep::new::<L::Precision>(bench.model, setup, scene.blend, tile);
+        let ([width, _], [slice_width, _, _]) = (plan.base(), plan.dims());
+        let mut data = vec![L::empty(0); L::CHANNELS * width as usize * tile.rows as usize];
+        clear::<L>(plan, &mut data);
+        let mut scratch = vec![0; scratch_len::<L>(slice_width)];
+        fold_tile(plan, self, bench.slices, tile, &mut data, &mut scratch, &mut lockstep);
         let (tile, errors, model) = lockstep.finish();
-        let mut planes = [const { Vec::new() }; 4];
-        let [width, _] = bench.prepared.setup.plan.base();
-        for (run, elements) in data.chunks(width as usize).enumerate() {
-            planes[run % 4].extend(elements.iter().map(|element| element.bits()));
-        }
         Compared {
             tile,
-            planes,
+            bits: data.into_iter().map(Channel::bits).collect(),
             errors,
             model,
         }
     }
-
-    fn report(&self, errors: &StageErrors) -> Vec<StageReport> {
-        errors.report::<L::Precision>()
-    }
 }
 
-/// All planes of a tile.
-fn fold<L: Pipeline, T: Tap>(pipeline: &L, bench: Bench<'_>, tile: Tile, tap: &mut T) -> Vec<L::Element> {
-    let plan = &bench.prepared.setup.plan;
-    let [width, _] = plan.base();
-    let [slice_width, _, _] = plan.dims();
-    let mut data = vec![L::empty(0); L::CHANNELS * width as usize * tile.rows as usize];
-    clear::<L>(plan, &mut data);
-    let mut scratch = vec![0; scratch_len::<L>(slice_width)];
-    fold_tile(plan, pipeline, bench.slices, tile, &mut data, &mut scratch, tap);
-    data
-}
-
-/// The tiles of a frame.
+/// The tiles of a frame, in the order in which they lie in the image.
 fn tiles(plan: &Plan) -> Vec<Tile> {
     let [_, height] = plan.base();
     let of_phase = |phase| {
@@ -129,22 +195,40 @@ fn tiles(plan: &Plan) -> Vec<Tile> {
     (0..plan.phases()).flat_map(of_phase).collect()
 }
 
-/// Lends a configuration's pipeline.
-type With = fn(&Prepared<'_>, &mut dyn FnMut(&dyn Bound)) -> Result<(), RenderError>;
+/// Lends a configuration's pipeline over a table.
+type With = fn(&Prepared<'_>, &Expanded, &mut dyn FnMut(&dyn Bound)) -> Result<(), RenderError>;
 
-/// What runs a configuration.
+/// What runs a configuration. The pipeline is the host's own: it reads decoded tables, so the code of the opacity
+/// decides the bits of a frame and not its speed.
 #[derive(Clone, Copy, Debug)]
-pub struct Runner(With);
+pub struct Runner {
+    with: With,
+    table: fn(&Prepared<'_>) -> Expanded,
+    report: fn(&StageErrors) -> Vec<StageReport>,
+}
 
 impl Runner {
-    /// That of a pipeline type.
-    pub fn of<P: Precision<Pixel: Described>, A: Coded, L: Lookup>() -> Self {
-        Self(with_pipeline::<P, A, L>)
+    /// That of a precision; in scenes without lights that of another one, which differs from it in the surface alone.
+    pub fn of<P, U, A, L>() -> Self
+    where
+        P: Precision<Pixel: Described>,
+        U: Precision<Pixel: Described>,
+        A: Coded,
+        L: Lookup,
+    {
+        Self {
+            with: with_pipeline::<P, U>,
+            table: table::<A, L>,
+            report: StageErrors::report::<P>,
+        }
     }
 
     fn with<R>(&self, prepared: &Prepared<'_>, work: impl FnOnce(&dyn Bound) -> R) -> Result<R, RenderError> {
+        let table = (self.table)(prepared);
         let (mut work, mut result) = (Some(work), None);
-        (self.0)(prepared, &mut |bound| result = work.take().map(|work| work(bound)))?;
+        (self.with)(prepared, &table, &mut |bound| {
+            result = work.take().map(|work| work(bound));
+        })?;
         // What lends a pipeline without an error has called the function.
         Ok(result.expect("a pipeline was lent"))
     }
@@ -155,26 +239,30 @@ impl Runner {
     /// [`RenderError`] if the scene does not fit the pipeline.
     pub fn compare(&self, bench: Bench<'_>) -> Result<Measured, RenderError> {
         let plan = &bench.prepared.setup.plan;
-        let ((format, one, shown), stages, compared) = self.with(bench.prepared, |bound| {
-            let tiles = tiles(plan);
-            let compared: Vec<_> = tiles.into_par_iter().map(|tile| bound.compare(bench, tile)).collect();
-            let mut errors = StageErrors::default();
-            compared.iter().for_each(|tile| errors.merge(&tile.errors));
-            (bound.format(), bound.report(&errors), compared)
+        let ((format, one, shown), compared) = self.with(bench.prepared, |bound| {
+            let compared: Vec<_> = tiles(plan)
+                .into_par_iter()
+                .map(|tile| bound.compare(bench, tile))
+                .collect();
+            (bound.format(), compared)
         })?;
         let rays = plan.sampling().rays_per_voxel as usize;
-        let [width, _] = plan.base();
+        let [width, _] = plan.base().map(|side| side as usize);
         let size = bench.model.lattice().size;
-        let mut model = Tiles::new(size, width as usize, rays);
+        let mut errors = StageErrors::default();
+        let mut checksum = Checksum::EMPTY;
+        let mut model = Tiles::new(size, width, rays);
         let mut planes = [(); 4].map(|()| vec![0; size[0] * size[1]]);
-        for tile in compared {
-            model.place(plan, tile.tile, &tile.model);
-            let phase = plan.phase(tile.tile.phase);
-            for (plane, bits) in planes.iter_mut().zip(&tile.planes) {
-                for (index, bits) in bits.iter().enumerate() {
-                    let u = index % width as usize * rays + phase.u as usize;
-                    let v = (index / width as usize + tile.tile.first as usize) * rays + phase.v as usize;
-                    plane[v * size[0] + u] = bits & shown;
+        for compared in compared {
+            let Compared { tile, bits, .. } = &compared;
+            errors.merge(&compared.errors);
+            checksum = checksum.add(bits.iter().copied());
+            model.place(plan, *tile, &compared.model);
+            let phase = plan.phase(tile.phase);
+            for (run, bits) in bits.chunks(width).enumerate() {
+                let v = (run / 4 + tile.first as usize) * rays + phase.v as usize;
+                for (column, bits) in bits.iter().enumerate() {
+                    planes[run % 4][v * size[0] + column * rays + phase.u as usize] = bits & shown;
                 }
             }
         }
@@ -186,51 +274,60 @@ impl Runner {
         };
         Ok(Measured {
             image: base_figures(&base, &model.image()),
-            stages,
+            errors,
             base,
+            bits: checksum.0,
         })
     }
 
-    /// How long one frame takes on rayon's current threads, from the first plane to the last: without filling the
-    /// table, without the warp.
+    /// How long one frame takes with the scene's vectors on rayon's current threads.
     ///
     /// # Errors
     /// As [`Runner::compare`].
-    pub fn time(&self, bench: Bench<'_>) -> Result<Duration, RenderError> {
-        let tiles = tiles(&bench.prepared.setup.plan);
-        self.with(bench.prepared, |bound| {
-            let start = Instant::now();
-            tiles.into_par_iter().for_each(|tile| bound.render(bench, tile));
-            start.elapsed()
-        })
+    pub fn time(&self, bench: Bench<'_>) -> Result<Timed, RenderError> {
+        self.with(bench.prepared, |bound| bound.time(bench))?
+    }
+
+    /// The figures of errors that were gathered.
+    pub fn report(&self, errors: &StageErrors) -> Vec<StageReport> {
+        (self.report)(errors)
     }
 }
 
-/// Lends the pipeline of a type.
-fn with_pipeline<P: Precision<Pixel: Described>, A: Coded, L: Lookup>(
+/// The table of a scene in a code.
+fn table<A: Coded, L: Lookup>(prepared: &Prepared<'_>) -> Expanded {
+    let correction = Correction::Step(prepared.setup.step_length);
+    let mapping = &prepared.volume.mapping;
+    let filled: Filled = fill(&prepared.scene.transfer, mapping, correction, A::encode, A::decode);
+    let lookup = if L::LINEAR {
+        LookupName::Linear
+    } else {
+        LookupName::Nearest
+    };
+    A::expanded(&filled, lookup)
+}
+
+/// Lends the pipeline of a lit scene's precision or of an unlit one's.
+fn with_pipeline<P: Precision<Pixel: Described>, U: Precision<Pixel: Described>>(
     prepared: &Prepared<'_>,
+    table: &Expanded,
     work: &mut dyn FnMut(&dyn Bound),
 ) -> Result<(), RenderError> {
-    let (scene, setup) = (prepared.scene, &prepared.setup);
-    let correction = Correction::Step(setup.step_length);
-    let mapping = &prepared.volume.mapping;
-    let filled = fill(&scene.transfer, mapping, correction, A::encode, A::decode);
-    let table = A::classifier::<L>(&filled);
-    match &setup.material {
+    match &prepared.setup.material {
         Some(material) => {
             let phong = material.phong::<P>().map_err(CameraError::from)?;
-            work(&early(Composite::<P, _, _, FrontToBack>::new(table, phong), prepared));
+            work(&early::<P, _>(Composite::new(table, phong), prepared));
         }
-        None => work(&early(Composite::<P, _, _, FrontToBack>::new(table, Unlit), prepared)),
+        None => work(&early::<U, _>(Composite::new(table, Unlit), prepared)),
     }
     Ok(())
 }
 
 /// Ends rays early if the scene asks for it.
-fn early<P: Precision, C: Classifier<P>, S: Shader<P>>(
-    pipeline: Composite<P, C, S, FrontToBack>,
+fn early<'t, P: Precision, S: Shader<P>>(
+    pipeline: Composite<P, &'t Expanded, S, FrontToBack>,
     prepared: &Prepared<'_>,
-) -> Composite<P, C, S, FrontToBack> {
+) -> Composite<P, &'t Expanded, S, FrontToBack> {
     match prepared.scene.early_termination {
         Some(bits) => pipeline.with_early_termination(bits),
         None => pipeline,

@@ -12,14 +12,19 @@
 //! | `parameters` | what a configuration is made of, for reports and for `--vary` |
 //! | `catalogue` | the configurations that are instantiated |
 //! | `measure` | errors and speed of one configuration |
-//! | `sweep` | all of them: rounds, rows, shards |
+//! | `choose` | which of them a sweep runs |
+//! | `sweep` | their errors and speeds, batch by batch |
+//! | `shards` | parts of a sweep, and the table of all |
 //! | `rows` | the file of finished rows |
+//! | `ensemble` | one configuration against another over many views |
 //! | `pareto` | which configurations nothing beats |
 //! | `hard` | the hard cases |
 
 pub mod catalogue;
 pub mod channels;
+pub mod choose;
 pub mod codes;
+pub mod ensemble;
 pub mod formats;
 pub mod hard;
 pub mod measure;
@@ -27,4 +32,5 @@ pub mod parameters;
 pub mod pareto;
 pub mod pixels;
 pub mod rows;
+pub mod shards;
 pub mod sweep;

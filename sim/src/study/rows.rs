@@ -47,9 +47,11 @@ pub struct Row {
     pub pixel_bytes: usize,
     /// Bytes of the table.
     pub table_bytes: usize,
-    /// Errors of the base-plane image.
+    /// Errors of the base-plane images of all views together.
     pub image: ImageFigures,
-    /// Errors of every stage.
+    /// The same of each view; the first is the scene's own.
+    pub views: Vec<ImageFigures>,
+    /// Errors of every stage, all views together.
     pub stages: Vec<StageRow>,
     /// Samples a second.
     pub samples_per_second: f64,
@@ -59,6 +61,15 @@ pub struct Row {
     pub rounds: u32,
     /// Threads that rendered them.
     pub threads: usize,
+    /// Vectors that rendered them: `scalar` is one lane, `avx2` eight, `avx512` sixteen.
+    pub lanes: String,
+}
+
+impl Row {
+    /// Mean error of each view, steps of 1/255.
+    pub fn errors(&self) -> Vec<f64> {
+        self.views.iter().map(|view| view.mean_lsb8).collect()
+    }
 }
 
 /// Why rows cannot be read or written.
@@ -78,6 +89,14 @@ pub enum RowsError {
         /// The file.
         path: PathBuf,
     },
+    /// The file is another version's.
+    #[error("{path}: holds sweep rows of version {found}, expected version {VERSION}: run the sweep again")]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// The version of its rows.
+        found: u32,
+    },
     /// A row that cannot be read.
     #[error("{path}: line {line}: {problem}")]
     Row {
@@ -90,8 +109,11 @@ pub enum RowsError {
     },
 }
 
+/// The version of rows that this program writes.
+const VERSION: u32 = 2;
+
 /// The first line.
-#[derive(PartialEq, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 struct Head {
     slicecast: String,
     version: u32,
@@ -101,21 +123,27 @@ impl Head {
     fn own() -> Self {
         Self {
             slicecast: "sweep rows".into(),
-            version: 1,
+            version: VERSION,
         }
     }
 }
 
-/// The rows of a file, all inputs; `None` if it does not exist or is empty.
+/// What a file of rows holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The rows, all inputs.
+    pub rows: Vec<Row>,
+    /// Bytes behind the last whole line: a row that was cut off.
+    pub cut_off: u64,
+    /// Bytes up to there.
+    whole: u64,
+}
+
+/// The rows of a file; `None` if it does not exist or is empty.
 ///
 /// # Errors
 /// [`RowsError`].
-pub fn read(path: &Path) -> Result<Option<Vec<Row>>, RowsError> {
-    Ok(read_whole(path)?.map(|(rows, _)| rows))
-}
-
-/// The rows, and the length of the file up to the last whole line.
-fn read_whole(path: &Path) -> Result<Option<(Vec<Row>, u64)>, RowsError> {
+pub fn read(path: &Path) -> Result<Option<Found>, RowsError> {
     let text = match fs::read(path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -131,19 +159,28 @@ fn read_whole(path: &Path) -> Result<Option<(Vec<Row>, u64)>, RowsError> {
     }
     let whole = text.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
     let mut lines = text[..whole].split(|b| *b == b'\n');
-    let head = lines.next().and_then(|line| serde_json::from_slice::<Head>(line).ok());
-    if head != Some(Head::own()) {
-        return Err(RowsError::Foreign { path: path.into() });
+    let path = || path.to_owned();
+    match lines.next().and_then(|line| serde_json::from_slice::<Head>(line).ok()) {
+        Some(head) if head.slicecast != Head::own().slicecast => return Err(RowsError::Foreign { path: path() }),
+        None => return Err(RowsError::Foreign { path: path() }),
+        Some(Head { version: found, .. }) if found != VERSION => {
+            return Err(RowsError::Version { path: path(), found });
+        }
+        Some(_) => {}
     }
     let mut rows = Vec::new();
     for (number, line) in (2..).zip(lines).filter(|(_, line)| !line.is_empty()) {
         rows.push(serde_json::from_slice(line).map_err(|error| RowsError::Row {
-            path: path.into(),
+            path: path(),
             line: number,
             problem: error.to_string(),
         })?);
     }
-    Ok(Some((rows, whole as u64)))
+    Ok(Some(Found {
+        rows,
+        cut_off: (text.len() - whole) as u64,
+        whole: whole as u64,
+    }))
 }
 
 /// A file that rows are added to.
@@ -162,14 +199,14 @@ impl Writer {
             path: path.to_owned(),
             error,
         };
-        let found = read_whole(path)?;
+        let found = read(path)?;
         let mut file = OpenOptions::new()
             .create(true)
             .append(true)
             .open(path)
             .map_err(failed)?;
         let rows = match found {
-            Some((rows, whole)) => {
+            Some(Found { rows, whole, .. }) => {
                 // What was cut off in the middle of a line.
                 file.set_len(whole).map_err(failed)?;
                 rows
@@ -210,6 +247,13 @@ pub(crate) mod tests {
     use super::*;
 
     pub fn row(name: &str, index: usize, error: f64, speed: f64) -> Row {
+        let image = ImageFigures {
+            values: 3,
+            max_lsb8: 2.0 * error,
+            mean_lsb8: error,
+            equal_percent: 99.0,
+            psnr_db: None,
+        };
         Row {
             key: "k".into(),
             index,
@@ -217,18 +261,14 @@ pub(crate) mod tests {
             parameters: vec![(Name::WeightBits, "12".into())],
             pixel_bytes: 8,
             table_bytes: 16384,
-            image: ImageFigures {
-                values: 3,
-                max_lsb8: 2.0 * error,
-                mean_lsb8: error,
-                equal_percent: 99.0,
-                psnr_db: None,
-            },
+            image,
+            views: vec![image],
             stages: Vec::new(),
             samples_per_second: 1e8 * speed,
             relative_speed: speed,
             rounds: 3,
             threads: 1,
+            lanes: "scalar".into(),
         }
     }
 
@@ -243,9 +283,10 @@ pub(crate) mod tests {
         let rows = [row("a", 0, 0.1 + 0.2, 1.0), row("b", 1, 1.0 / 3.0, 0.7)];
         writer.add(&rows).unwrap();
         drop(writer);
-        assert_eq!(read(&path).unwrap().unwrap(), rows);
+        assert_eq!(read(&path).unwrap().unwrap().rows, rows);
         let bytes = fs::read(&path).unwrap();
         fs::write(&path, &bytes[..bytes.len() - 5]).unwrap();
+        assert!(read(&path).unwrap().unwrap().cut_off > 100);
         let (mut writer, found) = Writer::open(&path).unwrap();
         assert_eq!(found, rows[..1]);
         writer.add(&rows[1..]).unwrap();
@@ -259,13 +300,16 @@ pub(crate) mod tests {
         for text in [
             "my notes",
             "my notes\n",
-            "{\"slicecast\":\"sweep rows\",\"version\":2}\n",
+            "{\"slicecast\":\"sweep rows\",\"version\":",
+            "{\"slicecast\":\"something else\",\"version\":2}\n",
         ] {
             fs::write(&path, text).unwrap();
             assert!(matches!(Writer::open(&path), Err(RowsError::Foreign { .. })), "{text}");
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
         }
         fs::write(&path, "{\"slicecast\":\"sweep rows\",\"version\":1}\n{}\n").unwrap();
+        assert!(matches!(read(&path), Err(RowsError::Version { found: 1, .. })));
+        fs::write(&path, "{\"slicecast\":\"sweep rows\",\"version\":2}\n{}\n").unwrap();
         assert!(matches!(read(&path), Err(RowsError::Row { line: 2, .. })));
     }
 }

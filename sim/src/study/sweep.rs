@@ -1,21 +1,22 @@
-//! All configurations on one scene: errors once, speeds in turns.
+//! Configurations on one scene: errors once, speeds in turns.
 //!
-//! Configurations are taken in batches. The errors of a batch are gathered first; then its frames are rendered in
-//! turns, round after round, each after a frame of the base configuration, and the fastest of each counts. A speed is
-//! also related to that of the base's frames beside it, so that rows of several runs and machines can stand in one
-//! table.
+//! Configurations are taken in batches. The errors of a batch are gathered first, view by view; then its frames are
+//! rendered in turns, round after round, each after a frame of the base configuration, and the fastest of each counts. A
+//! speed is also related to that of the base's frames beside it, so that rows of several runs and machines can stand in
+//! one table.
 
 use std::time::Duration;
 
 use super::catalogue::{BASE, Configuration};
-use super::measure::{Bench, Measured, samples};
-use super::parameters::Name;
-use super::pareto::{Point, front};
+use super::measure::{Bench, Measured, narrowed, samples};
 use super::rows::{Row, StageRow};
+use crate::compare::image::ImageFigures;
+use crate::compare::stages::StageErrors;
 use crate::compare::{ModelPositions, model};
 use crate::engine::{Prepared, RenderError, on_threads};
+use crate::model::Model;
 use crate::oriented::with_slices;
-use crate::scene::Blend;
+use crate::scene::{Blend, Scene};
 
 /// Configurations whose frames take turns.
 pub const BATCH: usize = 8;
@@ -35,96 +36,15 @@ pub enum SweepError {
     /// Shards that do not belong together.
     #[error("{0}")]
     Merge(String),
+    /// The vectors do not compute what the scalar definitions do.
+    #[error("`{name}`: the frame that was timed has other bits than the one that was compared with the model")]
+    Bits {
+        /// The configuration.
+        name: String,
+    },
 }
 
-/// `STAGE.WIDTH=VALUE,VALUE`: the configurations that differ from the base in that stage only and have such a value.
-/// Ranges of numbers are written `6..12`.
-///
-/// # Errors
-/// [`SweepError::Vary`], with what is accepted.
-pub fn vary(all: &[Configuration], text: &str) -> Result<Vec<usize>, SweepError> {
-    let known = || {
-        let names: Vec<_> = Name::ALL.iter().map(|name| name.text()).collect();
-        names.join(", ")
-    };
-    let Some((name, values)) = text.split_once('=') else {
-        return Err(SweepError::Vary(format!(
-            "--vary {text}: expected STAGE.WIDTH=VALUE,VALUE; accepted: {}",
-            known()
-        )));
-    };
-    let name = Name::from_text(name)
-        .ok_or_else(|| SweepError::Vary(format!("--vary {text}: no parameter `{name}`; accepted: {}", known())))?;
-    let candidates: Vec<_> = all.iter().enumerate().filter(|(_, c)| varies(all, c, name)).collect();
-    let mut chosen = Vec::new();
-    for value in values.split(',') {
-        let before = chosen.len();
-        chosen.extend(
-            candidates
-                .iter()
-                .filter(|(_, c)| has(c, name, value))
-                .map(|(index, _)| *index),
-        );
-        if chosen.len() == before {
-            let mut values: Vec<_> = candidates.iter().map(|(_, c)| c.parameter(name)).collect();
-            values.dedup();
-            return Err(SweepError::Vary(format!(
-                "--vary {text}: no configuration has {} {value}; accepted: {}",
-                name.text(),
-                values.join(", ")
-            )));
-        }
-    }
-    chosen.sort_unstable();
-    chosen.dedup();
-    Ok(chosen)
-}
-
-/// Whether a configuration is the base, but for the stage of a parameter.
-fn varies(all: &[Configuration], configuration: &Configuration, name: Name) -> bool {
-    let base = all.iter().find(|c| c.name == BASE);
-    base.is_some_and(|base| {
-        let others = configuration
-            .parameters
-            .iter()
-            .filter(|(n, _)| n.stage() != name.stage());
-        others.into_iter().all(|(n, value)| base.parameter(*n) == value)
-    })
-}
-
-/// Whether a parameter has a value, or a number within a range.
-fn has(configuration: &Configuration, name: Name, value: &str) -> bool {
-    let own = configuration.parameter(name);
-    let range = value.split_once("..").and_then(|(low, high)| {
-        let high = high.strip_prefix('=').unwrap_or(high);
-        Some(low.parse::<u32>().ok()?..=high.parse().ok()?)
-    });
-    match range {
-        Some(range) => own.parse::<u32>().is_ok_and(|own| range.contains(&own)),
-        None => own == value,
-    }
-}
-
-/// Without what varies shading alone, where there is none: it would be the base over and over.
-pub fn applicable(all: &[Configuration], chosen: &[usize], lit: bool) -> Vec<usize> {
-    let base = all.iter().find(|c| c.name == BASE);
-    let shading = |name: &Name| ["gradient", "normal", "shading", "power"].contains(&name.stage());
-    let idle = |configuration: &Configuration| {
-        let mut changes = configuration
-            .parameters
-            .iter()
-            .filter(|(name, value)| base.is_some_and(|base| base.parameter(*name) != value))
-            .peekable();
-        changes.peek().is_some() && changes.all(|(name, _)| shading(name))
-    };
-    chosen
-        .iter()
-        .copied()
-        .filter(|index| lit || !idle(&all[*index]))
-        .collect()
-}
-
-/// What identifies the inputs of a row: the volume, the scene and the program's version.
+/// What identifies the inputs of a row: the volume, the scene with its first view, and the program's version.
 pub fn key(prepared: &Prepared<'_>) -> String {
     let mut voxels = crc32fast::Hasher::new();
     for voxel in &prepared.volume.voxels {
@@ -143,6 +63,16 @@ pub fn key(prepared: &Prepared<'_>) -> String {
     format!("{:08x}-{:08x}", voxels.finalize(), crc32fast::hash(words.as_bytes()))
 }
 
+/// A scene seen from all sides: from its own, then in equal steps of a whole turn about the vertical axis.
+pub fn views(scene: &Scene, count: u32) -> Vec<Scene> {
+    let turned = |step| {
+        let mut scene = scene.clone();
+        scene.view = scene.view.turned(360.0 * f64::from(step) / f64::from(count));
+        scene
+    };
+    (0..count).map(turned).collect()
+}
+
 /// How a sweep is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
@@ -152,65 +82,92 @@ pub struct Options {
     pub timing_threads: usize,
 }
 
-/// Runs configurations and hands over the rows of each finished batch. `progress` is told how many steps of how many
-/// are done.
+/// What the comparisons of a configuration found, view by view.
+#[derive(Default)]
+struct Found {
+    images: Vec<ImageFigures>,
+    errors: StageErrors,
+    /// Checksum of the first view's frame.
+    bits: Option<u64>,
+}
+
+impl Found {
+    fn add(&mut self, measured: Measured) {
+        self.images.push(measured.image);
+        self.errors.merge(&measured.errors);
+        self.bits.get_or_insert(measured.bits);
+    }
+}
+
+/// Runs configurations on views of a scene and hands over the rows of each finished batch. Frames are timed in the
+/// first view, with its vectors. `progress` is told how many steps of how many are done.
 ///
 /// # Errors
 /// [`SweepError`], or what `finished` returns.
 pub fn run<E: From<SweepError>>(
-    prepared: &Prepared<'_>,
+    views: &[Prepared<'_>],
     all: &[Configuration],
     chosen: &[usize],
     options: Options,
     progress: &(dyn Fn(usize, usize) + Sync),
     mut finished: impl FnMut(&[Row]) -> Result<(), E>,
 ) -> Result<(), E> {
-    if prepared.scene.blend != Blend::FrontToBack {
+    let Some(first) = views.first() else {
+        return Ok(());
+    };
+    if first.scene.blend != Blend::FrontToBack {
         return Err(SweepError::Blend.into());
     }
-    let base = all.iter().find(|c| c.name == BASE);
-    let base = base.ok_or(SweepError::Vary(format!("no configuration `{BASE}`")))?;
-    let model = model(prepared, ModelPositions::Pipeline);
-    let key = key(prepared);
-    let samples = samples(&prepared.setup.plan) as f64;
+    let models: Vec<_> = views.iter().map(|view| model(view, ModelPositions::Pipeline)).collect();
     // A comparison takes about as long as all rounds of a configuration, which is as good as an estimate needs.
-    let total = 2 * chosen.len();
+    let total = (views.len() + 1) * chosen.len();
     let mut done = 0;
-    let view = prepared.setup.plan.view();
     for batch in chosen.chunks(BATCH) {
-        let benches: Vec<_> = batch
-            .iter()
-            .map(|index| (*index, stepped(prepared, &all[*index])))
-            .collect();
-        let mut rows = Vec::new();
-        for (index, stepped) in &benches {
-            let comparison = with_slices(prepared.volume, view, |slices| {
-                let bench = Bench {
-                    prepared: stepped,
-                    model: &model,
-                    slices,
-                };
-                all[*index].runner.compare(bench)
-            });
-            let comparison = comparison.map_err(|error| SweepError::Render(error.into()));
-            let comparison = comparison?.map_err(SweepError::Render)?;
-            rows.push(row(&key, *index, &all[*index], &comparison));
-            done += 1;
-            progress(done, total);
+        let batch: Vec<_> = batch.iter().map(|index| (*index, &all[*index])).collect();
+        let mut found: Vec<Found> = batch.iter().map(|_| Found::default()).collect();
+        for (view, model) in views.iter().zip(&models) {
+            let mut step = || {
+                done += 1;
+                progress(done, total);
+            };
+            gather((view, model), &batch, &mut found, &mut step)?;
         }
-        let mut steps = |share: usize| progress(done + share * batch.len() / options.rounds.max(1) as usize, total);
-        let pairs: Vec<_> = benches.iter().map(|(index, stepped)| (&all[*index], stepped)).collect();
-        let times = timed((base, prepared), &pairs, &model, options, &mut steps).map_err(SweepError::Render)?;
+        let mut steps = |round: usize| progress(done + round * batch.len() / options.rounds.max(1) as usize, total);
+        let times = timed((first, &models[0]), all, &batch, options, &mut steps)?;
         done += batch.len();
-        for (row, [own, base]) in rows.iter_mut().zip(times) {
-            row.samples_per_second = samples / own.as_secs_f64();
-            row.relative_speed = base.as_secs_f64() / own.as_secs_f64();
-            row.rounds = options.rounds;
-            row.threads = options.timing_threads;
+        let mut rows = Vec::new();
+        for (((index, configuration), found), times) in batch.iter().zip(found).zip(times) {
+            if found.bits != Some(times.bits) {
+                let name = configuration.name.clone();
+                return Err(SweepError::Bits { name }.into());
+            }
+            rows.push(row((*index, configuration), first, found, &times, options));
         }
         finished(&rows)?;
     }
     Ok(())
+}
+
+/// Compares a batch with the model in one view.
+fn gather(
+    (view, model): (&Prepared<'_>, &Model<'_>),
+    batch: &[(usize, &Configuration)],
+    found: &mut [Found],
+    step: &mut dyn FnMut(),
+) -> Result<(), SweepError> {
+    with_slices(view.volume, view.setup.plan.view(), |slices| {
+        for ((_, configuration), found) in batch.iter().zip(found) {
+            let bench = Bench {
+                prepared: &stepped(view, configuration),
+                model,
+                slices,
+            };
+            found.add(configuration.runner.compare(bench)?);
+            step();
+        }
+        Ok(())
+    })
+    .map_err(RenderError::from)?
 }
 
 /// The scene with a configuration's step.
@@ -220,43 +177,73 @@ fn stepped<'a>(prepared: &Prepared<'a>, configuration: &Configuration) -> Prepar
     stepped
 }
 
+/// The fastest frames of a configuration and of the base beside it.
+#[derive(Clone, Copy)]
+struct Times {
+    own: Duration,
+    base: Duration,
+    /// Checksum of the configuration's frame.
+    bits: u64,
+}
+
 /// The fastest frame of each configuration and of the base, in turns: each frame of a configuration follows one of the
 /// base.
 fn timed(
-    base: (&Configuration, &Prepared<'_>),
-    batch: &[(&Configuration, &Prepared<'_>)],
-    model: &crate::model::Model<'_>,
+    (view, model): (&Prepared<'_>, &Model<'_>),
+    all: &[Configuration],
+    batch: &[(usize, &Configuration)],
     options: Options,
     steps: &mut (dyn FnMut(usize) + Send),
-) -> Result<Vec<[Duration; 2]>, RenderError> {
-    on_threads(Some(options.timing_threads), || {
-        let prepared = base.1;
-        with_slices(prepared.volume, prepared.setup.plan.view(), |slices| {
-            let mut fastest = vec![[Duration::MAX; 2]; batch.len()];
+) -> Result<Vec<Times>, SweepError> {
+    let base = all.iter().find(|c| c.name == BASE);
+    let base = base.ok_or(SweepError::Vary(format!("no configuration `{BASE}`")))?;
+    let stepped: Vec<_> = batch.iter().map(|(_, c)| (*c, stepped(view, c))).collect();
+    let timed = on_threads(Some(options.timing_threads), || {
+        with_slices(view.volume, view.setup.plan.view(), |slices| {
+            let slowest = Times {
+                own: Duration::MAX,
+                base: Duration::MAX,
+                bits: 0,
+            };
+            let mut fastest = vec![slowest; batch.len()];
+            let frame = |configuration: &Configuration, prepared: &Prepared<'_>| {
+                configuration.runner.time(Bench {
+                    prepared,
+                    model,
+                    slices,
+                })
+            };
             for round in 0..options.rounds {
-                for (slots, own) in fastest.iter_mut().zip(batch) {
-                    for (slot, (configuration, prepared)) in slots.iter_mut().zip([*own, base]) {
-                        let bench = Bench {
-                            prepared,
-                            model,
-                            slices,
-                        };
-                        *slot = (*slot).min(configuration.runner.time(bench)?);
-                    }
+                for (times, (configuration, prepared)) in fastest.iter_mut().zip(&stepped) {
+                    let before = frame(base, view)?;
+                    let own = frame(configuration, prepared)?;
+                    *times = Times {
+                        own: times.own.min(own.time),
+                        base: times.base.min(before.time),
+                        bits: own.bits,
+                    };
                 }
                 steps(round as usize + 1);
             }
-            Ok(fastest)
+            Ok::<_, RenderError>(fastest)
         })
         .map_err(RenderError::from)?
-    })?
+    })??;
+    Ok(timed)
 }
 
-/// The row of a comparison; the speed is still to come.
-fn row(key: &str, index: usize, configuration: &Configuration, comparison: &Measured) -> Row {
-    let stages = comparison.stages.iter().map(|stage| StageRow {
+/// The row of a configuration.
+fn row(
+    (index, configuration): (usize, &Configuration),
+    first: &Prepared<'_>,
+    found: Found,
+    times: &Times,
+    options: Options,
+) -> Row {
+    let stages = configuration.runner.report(&found.errors);
+    let stages = stages.into_iter().map(|stage| StageRow {
         name: stage.name.to_owned(),
-        format: stage.format.clone(),
+        format: stage.format,
         local_max_ulp: stage.local.max_ulp,
         local_mean_ulp: stage.local.mean_ulp,
         local_bits: stage.local.bits,
@@ -264,149 +251,31 @@ fn row(key: &str, index: usize, configuration: &Configuration, comparison: &Meas
         carried_mean_ulp: stage.carried.mean_ulp,
     });
     Row {
-        key: key.to_owned(),
+        key: key(first),
         index,
         name: configuration.name.clone(),
         parameters: configuration.parameters.clone(),
         pixel_bytes: configuration.pixel_bytes,
         table_bytes: configuration.table_bytes,
-        image: comparison.image,
+        image: ImageFigures::together(&found.images),
+        views: found.images,
         stages: stages.collect(),
-        samples_per_second: 0.0,
-        relative_speed: 0.0,
-        rounds: 0,
-        threads: 0,
+        samples_per_second: samples(&first.setup.plan) as f64 / times.own.as_secs_f64(),
+        relative_speed: times.base.as_secs_f64() / times.own.as_secs_f64(),
+        rounds: options.rounds,
+        threads: options.timing_threads,
+        lanes: narrowed(first.simd).name().to_owned(),
     }
-}
-
-/// For each row, whether it is on the front of relative speed against mean error.
-pub fn on_front(rows: &[Row]) -> Vec<bool> {
-    let points: Vec<_> = rows
-        .iter()
-        .map(|row| Point {
-            speed: row.relative_speed,
-            error: row.image.mean_lsb8,
-        })
-        .collect();
-    front(&points)
-}
-
-/// Puts the rows of shards together, in the order of the catalogue.
-///
-/// # Errors
-/// [`SweepError::Merge`] if they are of different inputs, or a configuration is there twice with different errors.
-pub fn merge(rows: Vec<Row>) -> Result<Vec<Row>, SweepError> {
-    let mut merged: Vec<Row> = Vec::new();
-    for row in rows {
-        if let Some(first) = merged.first()
-            && first.key != row.key
-        {
-            return Err(SweepError::Merge(format!(
-                "rows of different inputs: `{}` of {} and `{}` of {}",
-                first.name, first.key, row.name, row.key
-            )));
-        }
-        match merged.iter().find(|known| known.name == row.name) {
-            None => merged.push(row),
-            // The same configuration run twice: the first stands.
-            Some(known) if known.image == row.image && known.stages == row.stages => {}
-            Some(_) => {
-                return Err(SweepError::Merge(format!(
-                    "`{}` is there twice with different errors",
-                    row.name
-                )));
-            }
-        }
-    }
-    merged.sort_by_key(|row| row.index);
-    Ok(merged)
-}
-
-/// The configurations of shard `number` (from 1) of `count`.
-pub fn shard(chosen: &[usize], number: usize, count: usize) -> Vec<usize> {
-    let own = |(place, _): &(usize, &usize)| place % count == number - 1;
-    chosen.iter().enumerate().filter(own).map(|(_, index)| *index).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::catalogue;
-    use super::super::rows::tests::row;
+    use super::super::shards::{merge, shard};
     use super::*;
     use crate::scene;
     use crate::volume::mapping::Window;
     use crate::volume::open::load;
-
-    fn names(all: &[Configuration], chosen: &[usize]) -> Vec<String> {
-        chosen.iter().map(|index| all[*index].name.clone()).collect()
-    }
-
-    #[test]
-    fn vary_chooses_one_stage() {
-        let all = catalogue::all();
-        let chosen = |text| {
-            vary(&all, text)
-                .map(|chosen| names(&all, &chosen))
-                .map_err(|e| e.to_string())
-        };
-        assert_eq!(chosen("weight.bits=6,10").unwrap(), ["weight-6", "weight-10"]);
-        assert_eq!(
-            chosen("weight.bits=8..16").unwrap(),
-            ["compact", "weight-8", "weight-10", "weight-12"]
-        );
-        assert_eq!(chosen("position.bits=6..=8").unwrap(), ["position-6", "position-8"]);
-        assert_eq!(chosen("table.lookup=nearest").unwrap().len(), 4);
-        for (text, part) in [
-            ("weight.bits", "expected STAGE.WIDTH=VALUE"),
-            ("width.bits=3", "no parameter `width.bits`; accepted: position.bits"),
-            (
-                "weight.bits=7",
-                "no configuration has weight.bits 7; accepted: 16, 6, 8, 10, 12",
-            ),
-            ("weight.bits=", "no configuration has weight.bits ;"),
-        ] {
-            let message = chosen(text).unwrap_err();
-            assert!(message.contains(part), "{message}");
-        }
-    }
-
-    #[test]
-    fn unlit_scenes_leave_out_what_varies_shading() {
-        let all = catalogue::all();
-        let chosen: Vec<usize> = (0..all.len()).collect();
-        assert_eq!(applicable(&all, &chosen, true), chosen);
-        let left = names(&all, &applicable(&all, &chosen, false));
-        assert_eq!(left.len(), all.len() - 15);
-        for name in ["paper", "compact", "wide", "weight-6", "deep-23"] {
-            assert!(left.iter().any(|l| l == name), "{name}");
-        }
-        assert!(!left.iter().any(|l| l.starts_with("normal-") || l.starts_with("power-")));
-    }
-
-    #[test]
-    fn shards_make_the_whole() {
-        let chosen: Vec<usize> = (0..13).collect();
-        let mut all: Vec<usize> = (1..=4).flat_map(|number| shard(&chosen, number, 4)).collect();
-        all.sort_unstable();
-        assert_eq!(all, chosen);
-        assert_eq!(shard(&chosen, 2, 4), [1, 5, 9]);
-    }
-
-    #[test]
-    fn merged_rows_agree_or_are_refused() {
-        let merged = merge(vec![
-            row("b", 1, 2.0, 1.0),
-            row("a", 0, 1.0, 1.0),
-            row("b", 1, 2.0, 3.0),
-        ])
-        .unwrap();
-        assert_eq!(merged, [row("a", 0, 1.0, 1.0), row("b", 1, 2.0, 1.0)]);
-        assert!(merge(vec![row("a", 0, 1.0, 1.0), row("a", 0, 1.5, 1.0)]).is_err());
-        let mut other = row("b", 1, 1.0, 1.0);
-        other.key = "other".into();
-        assert!(merge(vec![row("a", 0, 1.0, 1.0), other]).is_err());
-        assert_eq!(on_front(&merged), [true, false]);
-    }
 
     /// Two shards give the errors of the whole, and the named precisions are those of `compare`.
     #[test]
@@ -415,7 +284,9 @@ mod tests {
         let mut scene = scene::file::built_in(scene::file::DEFAULT).unwrap();
         scene.sampling.planes_per_voxel = 1;
         scene.sampling.rays_per_voxel = 1;
-        let prepared = Prepared::new(&scene, &volume).unwrap();
+        let scenes = views(&scene, 2);
+        let views = scenes.iter().map(|scene| Prepared::new(scene, &volume).unwrap());
+        let views: Vec<_> = views.collect();
         let all = catalogue::all();
         let named = |name: &str| all.iter().position(|c| c.name == name).unwrap();
         let chosen = [named("compact"), named("position-8"), named("pixel-8-truncated")];
@@ -425,7 +296,7 @@ mod tests {
         };
         let swept = |chosen: &[usize]| {
             let mut rows = Vec::new();
-            run::<SweepError>(&prepared, &all, chosen, options, &|_, _| (), |batch| {
+            run::<SweepError>(&views, &all, chosen, options, &|_, _| (), |batch| {
                 rows.extend_from_slice(batch);
                 Ok(())
             })
@@ -440,8 +311,10 @@ mod tests {
                 .collect()
         };
         assert_eq!(errors(&merge(parts).unwrap()), errors(&whole));
-        let compared = crate::compare::compare(&prepared, ModelPositions::Pipeline, &|_, _| ()).unwrap();
-        assert_eq!(whole[0].image, compared.image);
+        for (view, figures) in views.iter().zip(&whole[0].views) {
+            let compared = crate::compare::compare(view, ModelPositions::Pipeline, &|_, _| ()).unwrap();
+            assert_eq!(*figures, compared.image);
+        }
         // Short steps and eight bits of pixel are far worse.
         assert!(whole[1].image.mean_lsb8 > 10.0 * whole[0].image.mean_lsb8);
         assert!(whole[2].image.mean_lsb8 > 10.0 * whole[0].image.mean_lsb8);

@@ -6,7 +6,7 @@ use slicecast::format::Opacity;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 
 use super::{Case, Size};
-use crate::study::channels::{Binary, Byte, Long, Short};
+use crate::study::channels::{Binary, Byte, Long, Packed, Short};
 use crate::study::pixels::{Carrying, Described, Product, Scaled, Telescoping};
 
 /// A ray: opacity (1.31) of plane k; all samples are white.
@@ -41,9 +41,16 @@ fn schemes<C: Binary>(case: &mut Case, samples: u32, fog: Fog<'_>)
 where
     Dithered<C>: Recurrence<Channel = C>,
 {
+    plain_schemes::<C>(case, samples, fog);
+    let percent = |bits: u32| 100.0 * (1.0 - f64::from(bits) / f64::from(C::ONE.bits()));
+    let dithered = ray::<Dithered<C>>(samples, fog).transparency;
+    case.outcome(format!("1.{} dithered", C::FRACTION), percent(dithered.bits()), None);
+}
+
+/// Those without a dither.
+fn plain_schemes<C: Binary>(case: &mut Case, samples: u32, fog: Fog<'_>) {
     let f = C::FRACTION;
     let name = |scheme: &str| format!("1.{f} {scheme}");
-    let percent = |bits: u32| 100.0 * (1.0 - f64::from(bits) / f64::from(C::ONE.bits()));
     case.outcome(name("truncated"), blocked::<Product<C, false, 15>>(samples, fog), None);
     case.outcome(name("rounded"), blocked::<Product<C, true, 15>>(samples, fog), None);
     case.outcome(
@@ -51,8 +58,6 @@ where
         blocked::<Telescoping<C, false, 15>>(samples, fog),
         None,
     );
-    let dithered = ray::<Dithered<C>>(samples, fog).transparency;
-    case.outcome(name("dithered"), percent(dithered.bits()), None);
 }
 
 /// Half a step of 1/255 in percent: what an 8-bit picture can show.
@@ -81,7 +86,12 @@ fn thin_fog(bits: u32, samples: u32) -> Case {
         12 => schemes::<Short<12>>(&mut case, samples, &fog),
         14 => schemes::<Short<14>>(&mut case, samples, &fog),
         15 => schemes::<Short<15>>(&mut case, samples, &fog),
-        _ => schemes::<Long<16>>(&mut case, samples, &fog),
+        _ => {
+            schemes::<Long<16>>(&mut case, samples, &fog);
+            // The plane dither's products with a colour have 32 bits, too few for these.
+            plain_schemes::<Packed<23>>(&mut case, samples, &fog);
+            plain_schemes::<u32>(&mut case, samples, &fog);
+        }
     }
     let carry = match bits {
         8 => Some(blocked::<Carrying<8>>(samples, &fog)),
