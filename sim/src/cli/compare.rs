@@ -21,7 +21,7 @@ use super::tables;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast compare
-  slicecast compare --converged                 error of the arithmetic, and of the algorithm
+  slicecast compare --converged                 error of the arithmetic, of the algorithm, and both together
   slicecast compare scan.nrrd --scene bone.toml --precision wide --exact-positions --json errors.json
   slicecast compare scan.nrrd --scene bone.toml --npy planes/")]
 pub struct Args {
@@ -34,7 +34,9 @@ pub struct Args {
     /// Let the model sample at the real positions instead of the pipeline's 16.16 ones.
     #[arg(long)]
     exact_positions: bool,
-    /// Also compare with the converged integral, and split the error in that of the arithmetic and that of the algorithm.
+    /// Also compare with the converged integral: the error of the arithmetic (against f64 of the same algorithm), of the
+    /// algorithm (that f64 against the integral: planes, steps, borders), and both together, which is what a viewer sees.
+    /// Takes several times as long; `slicecast report` always shows it.
     #[arg(long)]
     converged: bool,
     /// Write the figures as JSON.
@@ -140,6 +142,11 @@ impl Args {
             None
         };
         println!("{}", tables::images(&lines));
+        if !self.converged {
+            println!(
+                "\nThis is the error of the arithmetic. --converged adds that of the algorithm, and both together."
+            );
+        }
         if prepared.table.underflows > 0 {
             println!(
                 "\nnote: {} table entries are visible in the transfer function and fall to 0 in the table",

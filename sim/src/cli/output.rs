@@ -22,26 +22,37 @@ pub fn write_file(path: &Path, force: bool, contents: &[u8]) -> Result<(), Failu
     replace(path, contents).map_err(|error| Failure::machine(format!("{}: {error}", path.display())))
 }
 
-/// Refuses now what [`write_file`] would refuse later.
+/// Refuses now what [`write_file`] would refuse later: a file that exists, a folder that is not there or cannot be
+/// written.
 pub fn check_free<'a>(paths: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<(), Failure> {
-    let taken = paths
-        .into_iter()
-        .find(|path| !force && fs::symlink_metadata(path).is_ok());
-    match taken {
-        Some(path) => Err(Failure::input(format!(
-            "{} exists; --force replaces it",
-            path.display()
-        ))),
-        None => Ok(()),
+    for path in paths {
+        let shown = path.display();
+        if !force && fs::symlink_metadata(path).is_ok() {
+            return Err(Failure::input(format!("{shown} exists; --force replaces it")));
+        }
+        if path.is_dir() {
+            return Err(Failure::input(format!(
+                "{shown}: is a folder, expected the name of a file"
+            )));
+        }
+        let part = part(path).map_err(|error| Failure::machine(format!("{shown}: {error}")))?;
+        let tried = fs::File::create_new(&part).and_then(|_| fs::remove_file(&part));
+        tried.map_err(|error| Failure::machine(format!("{shown}: cannot be written: {error}")))?;
     }
+    Ok(())
+}
+
+/// Where a file is written before it takes its place.
+fn part(path: &Path) -> io::Result<PathBuf> {
+    let name = path.file_name().ok_or_else(|| io::Error::other("not a file name"))?;
+    let mut part = std::ffi::OsString::from(".");
+    part.push(name);
+    part.push(format!(".{}.part", std::process::id()));
+    Ok(path.with_file_name(part))
 }
 
 fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
-    let name = path.file_name().ok_or_else(|| io::Error::other("not a file name"))?;
-    let mut temporary = std::ffi::OsString::from(".");
-    temporary.push(name);
-    temporary.push(format!(".{}.part", std::process::id()));
-    let temporary = path.with_file_name(temporary);
+    let temporary = part(path)?;
     let written = fs::File::create_new(&temporary).and_then(|mut file| {
         file.write_all(contents)?;
         file.sync_all()
