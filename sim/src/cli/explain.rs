@@ -89,6 +89,14 @@ impl Args {
             "ray {u},{v} of the base plane, {precision}: {} samples in the volume, {folded} folded\n",
             explanation.samples.len()
         );
+        if explanation.samples.is_empty() {
+            println!("No sample of this ray lies in the volume: it shows the background.");
+            return;
+        }
+        if folded == 0 && !self.all {
+            println!("Nothing on this ray is visible: it shows the background. --all lists its samples.");
+            return;
+        }
         let mut names: Vec<&str> = Vec::new();
         for values in explanation.samples.iter().flat_map(|sample| &sample.stages) {
             if !names.contains(&values.stage) {
@@ -115,7 +123,10 @@ impl Args {
             table.add_row(cells);
         }
         println!("{table}");
-        println!("\nStages: error against the f64 model from the beginning, ulp of the stage's format.\n");
+        println!(
+            "\nSamples: codes, 0 to 4095; opacities: of one step, 0 to 1. Stages: error against the f64 model from the \
+             beginning, ulp of the stage's format.\n"
+        );
         let mut table = header(&["error came from", "red", "green", "blue"]);
         for share in &explanation.shares {
             let mut cells = vec![share.stage.to_owned()];

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use comfy_table::CellAlignment;
 use slicecast_sim::study::hard::{Case, Size, run};
 
 use super::Failure;
@@ -52,6 +53,15 @@ fn print(cases: &[Case], all: bool) {
     columns.extend(NAMED);
     columns.extend(["verdict", "Squeeze", "study"]);
     let mut table = header(&columns);
+    // Words, not figures: case, figure, and what Squeeze and the study say.
+    let last = columns.len() - 1;
+    for (_, column) in table
+        .column_iter_mut()
+        .enumerate()
+        .filter(|(place, _)| [1, 2, last - 1, last].contains(place))
+    {
+        column.set_cell_alignment(CellAlignment::Left);
+    }
     for case in cases {
         let mut cells = vec![
             case.group.to_owned(),

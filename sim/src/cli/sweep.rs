@@ -247,16 +247,16 @@ impl MergeArgs {
     pub fn run(self) -> Result<(), Failure> {
         self.tables.check()?;
         let rows = merge_all(read_all(&self.files)?)?;
-        let missing: Vec<_> = catalogue::all()
-            .into_iter()
-            .filter(|c| !rows.iter().any(|row| row.name == c.name))
-            .map(|c| c.name)
-            .collect();
+        let all = catalogue::all();
+        let missing = all.iter().filter(|c| !rows.iter().any(|row| row.name == c.name));
+        let missing: Vec<&str> = missing.map(|c| c.name.as_str()).collect();
         if !missing.is_empty() {
+            let first = missing[..missing.len().min(8)].join(", ");
+            let more = if missing.len() > 8 { " ..." } else { "" };
             eprintln!(
-                "note: {} configurations are not in these rows: {}",
+                "note: {} of {} configurations are not in these rows: {first}{more}",
                 missing.len(),
-                missing.join(", ")
+                all.len()
             );
         }
         self.tables.write(&rows)

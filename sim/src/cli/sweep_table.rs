@@ -81,7 +81,9 @@ pub fn table(rows: &[Row]) -> Table {
             let error = beside.and_then(|d| d.standard_error);
             cells.extend([
                 spread(&row.errors()).map_or("-".into(), short),
-                beside.map_or("-".into(), |d| format!("{:+.5} ± {:.5}", d.mean, error.unwrap_or(0.0))),
+                beside.map_or("-".into(), |d| {
+                    format!("{:+.1e} ± {:.1e}", d.mean, error.unwrap_or(0.0))
+                }),
                 beside.map_or("-".into(), |d| format!("{} of {}", d.better, d.views)),
             ]);
         }

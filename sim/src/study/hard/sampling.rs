@@ -14,7 +14,7 @@ fn homogeneous(depth: usize, opacity: f64, rate: u32) -> Result<Case, RenderErro
     let expected = -255.0 * ((-opacity).ln_1p() * planes / f64::from(rate)).exp_m1();
     let mut case = Case::new(
         "supersampling",
-        format!("{depth} slices of {opacity} a voxel, {rate} planes a voxel"),
+        format!("{depth} slices of {opacity} a voxel, planes a voxel: {rate}"),
         "colour, steps of 1/255",
         expected,
         "1 - (1 - a)^(planes / rate)",

@@ -27,6 +27,12 @@ impl<C: Full, const CORRECTED: bool> Scaled<C, CORRECTED> {
         scaled.shr(C::BITS).narrow()
     }
 
+    /// What a colour of 15 bits gives through an opacity. Not a closure: vectors stay vectors only where all is inlined.
+    #[inline(always)]
+    fn given<V: Lanes>(colour: V, opacity: V) -> V {
+        Self::product(Self::scale(colour, 15), opacity)
+    }
+
     /// A fraction of `bits` bits on this scale, to nearest.
     #[inline(always)]
     fn scale<V: Lanes>(value: V, bits: u32) -> V {
@@ -52,13 +58,12 @@ impl<C: Full, const CORRECTED: bool> Recurrence for Scaled<C, CORRECTED> {
     fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let a = Self::scale(opacity, 31);
         let before = pixel.transparency;
-        let given = |c: V| Self::product(Self::product(Self::scale(c, 15), a), before);
         let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
             colour: [
-                sum::<V, C>(r, given(cr)),
-                sum::<V, C>(g, given(cg)),
-                sum::<V, C>(b, given(cb)),
+                sum::<V, C>(r, Self::product(Self::given(cr, a), before)),
+                sum::<V, C>(g, Self::product(Self::given(cg, a), before)),
+                sum::<V, C>(b, Self::product(Self::given(cb, a), before)),
             ],
             transparency: Self::product(before, one::<V, C>().wrapping_sub(a)),
         }
@@ -68,13 +73,12 @@ impl<C: Full, const CORRECTED: bool> Recurrence for Scaled<C, CORRECTED> {
     fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let a = Self::scale(opacity, 31);
         let t = one::<V, C>().wrapping_sub(a);
-        let given = |c: V| Self::product(Self::scale(c, 15), a);
         let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
             colour: [
-                sum::<V, C>(Self::product(r, t), given(cr)),
-                sum::<V, C>(Self::product(g, t), given(cg)),
-                sum::<V, C>(Self::product(b, t), given(cb)),
+                sum::<V, C>(Self::product(r, t), Self::given(cr, a)),
+                sum::<V, C>(Self::product(g, t), Self::given(cg, a)),
+                sum::<V, C>(Self::product(b, t), Self::given(cb, a)),
             ],
             transparency: Self::product(pixel.transparency, t),
         }
