@@ -272,8 +272,7 @@ impl<C: Channel> Dithered<C> {
     /// The light that a sample takes: at most the transparency, and none at an opacity of 0.
     #[inline(always)]
     fn taken<V: Lanes>(transparency: V, opacity: V, dither: Dither) -> V {
-        let half = V::Wide::splat(i64::from(2 * dither.transparency + 1) << 15);
-        (transparency.product(opacity) + half).shr_narrow(31)
+        transparency.product16_31(opacity, (2 * dither.transparency + 1) << 15)
     }
 }
 

@@ -9,6 +9,7 @@
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
+use crate::classify::ENTRIES;
 use crate::normalise::reciprocal_root;
 
 /// Whether the machine is one without vectors, where a 64-bit product costs less than splitting it, and a branch less
@@ -26,6 +27,9 @@ pub fn places<V: Lanes>(len: usize) -> impl Iterator<Item = usize> {
         (at < len).then_some(at)
     })
 }
+
+/// A value a code, and one more behind the last for its neighbour.
+pub type Neighboured = [u32; ENTRIES + 1];
 
 /// Some 32-bit lanes.
 pub trait Lanes:
@@ -56,8 +60,8 @@ pub trait Lanes:
     fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self;
     /// Writes to elements `at ..` of such a row, as far as it goes.
     fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T);
-    /// The low and the high halves of elements `at ..` of a row of 64 bits; 0 behind its end.
-    fn load_pairs(row: &[u64], at: usize) -> [Self; 2];
+    /// The table's value at these codes (the low 12 bits of a lane), and the next one.
+    fn look_up(self, values: &Neighboured) -> [Self; 2];
 
     /// Lanes 1 .. of this and the first of `next`: each lane's right neighbour.
     fn followed_by(self, next: Self) -> Self;
@@ -120,6 +124,16 @@ pub trait Lanes:
         (self >> 15) * f + (((self & Self::splat(0x7fff)) * f + Self::splat(1 << 14)) >> 15)
     }
 
+    /// `floor((t a + half) / 2^31)` of unsigned numbers: t < 2^16, a < 2^31, half <= 2^31 - 2^15.
+    #[inline(always)]
+    fn product16_31(self, a: Self, half: u32) -> Self {
+        // The sum of both parts is at most (2^16 - 1)^2 + 2^17 - 5.
+        let low = self.wrapping_mul(a & Self::splat(0x7fff));
+        let low = low.wrapping_add(Self::splat(half as i32)).shr_unsigned(15);
+        let high = self.wrapping_mul(a.shr_unsigned(15));
+        high.wrapping_add(low).shr_unsigned(16)
+    }
+
     /// `(a << 16) + (b - a) w`, exact: |a|, |b| < 2^14, 0 <= w < 2^16.
     #[inline(always)]
     fn between16(self, b: Self, w: Self) -> Self {
@@ -152,23 +166,24 @@ pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
     fn at_most(self, other: Self) -> Self;
     /// Product with a 32-bit unsigned number.
     fn times(self, other: Self::Narrow) -> Self;
-    /// Square of a number below 2^32.
-    fn square(self) -> Self;
     /// The square of a number of 31 fraction bits, at most 1, to nearest.
     #[inline(always)]
     fn square31(self) -> Self {
-        (self.square() + Self::splat(1 << 30)).shr(31)
+        (self.low_product(self) + Self::splat(1 << 30)).shr(31)
     }
     /// The low 32 bits after a right shift by 1 to 31.
     #[inline(always)]
     fn shr_narrow(self, by: u32) -> Self::Narrow {
         self.shr(by).narrow()
     }
-    /// Right shift of a number that is not negative, at most 2^31 then. The result before that is below 2^32.
-    #[inline(always)]
-    fn shr_to_one(self, by: u32) -> Self::Narrow {
-        self.shr_narrow(by).at_most_unsigned(Self::Narrow::splat(i32::MIN))
-    }
+    /// The low 32 bits after a right shift by 1 to 31, at most 2^31 as an unsigned number.
+    fn shr_to_one(self, by: u32) -> Self;
+    /// Product of the low 32 bits, unsigned.
+    fn low_product(self, other: Self) -> Self;
+    /// `value` where this is not 0, else 0.
+    fn nonzero_then(self, value: Self) -> Self;
+    /// Whether any is at least `least`, as unsigned numbers of 32 bits (more there are not).
+    fn any_at_least(self, least: u32) -> bool;
     /// Unsigned 32-bit lanes in 64 bits.
     fn of(narrow: Self::Narrow) -> Self;
     /// The low 32 bits.
@@ -208,9 +223,10 @@ impl Lanes for i32 {
         }
     }
     #[inline(always)]
-    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
-        let pair = row.get(at).copied().unwrap_or(0);
-        [pair as Self, (pair >> 32) as Self]
+    fn look_up(self, values: &Neighboured) -> [Self; 2] {
+        let code = self as usize % ENTRIES;
+        let at = |code: usize| values.get(code).map_or(0, |value| *value as Self);
+        [at(code), at(code + 1)]
     }
     #[inline(always)]
     fn followed_by(self, next: Self) -> Self {
@@ -306,6 +322,10 @@ impl Lanes for i32 {
         }
     }
     #[inline(always)]
+    fn product16_31(self, a: Self, half: u32) -> Self {
+        ((u64::from(self as u32) * u64::from(a as u32) + u64::from(half)) >> 31) as Self
+    }
+    #[inline(always)]
     fn between16(self, b: Self, w: Self) -> Self {
         if SMALL {
             // A product and a sum are one instruction.
@@ -358,11 +378,6 @@ impl Wide for i64 {
         self * Self::from(other as u32)
     }
     #[inline(always)]
-    fn square(self) -> Self {
-        let low = u64::from(self as u32);
-        (low * low) as Self
-    }
-    #[inline(always)]
     fn square31(self) -> Self {
         let x = self as u32;
         if SMALL && x < 1 << 31 {
@@ -370,14 +385,24 @@ impl Wide for i64 {
             let square = u64::from(x << 1) * u64::from(x);
             Self::from((square >> 32) as u32 + (square as u32 >> 31))
         } else {
-            (self.square() + (1 << 30)) >> 31
+            (self.low_product(self) + (1 << 30)) >> 31
         }
     }
     #[inline(always)]
-    fn shr_to_one(self, by: u32) -> i32 {
-        // At least 1 where the upper half says so: 2^31 after the shift.
-        let beyond = (self as u64 >> 32) as u32 >= 1 << (by - 1);
-        if beyond { i32::MIN } else { (self as u64 >> by) as i32 }
+    fn shr_to_one(self, by: u32) -> Self {
+        Self::from(Ord::min((self as u64 >> by) as u32, 1 << 31))
+    }
+    #[inline(always)]
+    fn low_product(self, other: Self) -> Self {
+        (u64::from(self as u32) * u64::from(other as u32)) as Self
+    }
+    #[inline(always)]
+    fn nonzero_then(self, value: Self) -> Self {
+        if self != 0 { value } else { 0 }
+    }
+    #[inline(always)]
+    fn any_at_least(self, least: u32) -> bool {
+        self as u32 >= least
     }
     #[inline(always)]
     fn of(narrow: i32) -> Self {

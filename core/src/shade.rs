@@ -34,12 +34,12 @@ use core::marker::PhantomData;
 use heapless::Vec;
 
 use crate::format::{Coefficient, Vector};
-use crate::lanes::{Lanes, places};
+use crate::lanes::{Lanes, Wide as _, places};
 use crate::normalise::Normal;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
 
-use arithmetic::{along, ambient, for_products, lit, reflected_off, weighted};
+use arithmetic::{along, ambient, for_products, lit, reflected_lanes, weighted};
 pub use arithmetic::{dot, dot_lanes, formed, formed_nearest, power, power_lanes, reflected};
 
 /// The largest number of lights.
@@ -199,7 +199,7 @@ pub fn keep_vector<P: Precision>(vector: [Vector; 3]) -> [i32; 3] {
 
 impl<P: Precision> Phong<P> {
     /// Lights and material. All vectors are unit vectors: their length is not checked, and one of more than 1 makes
-    /// highlights that are too bright (or, at 15 bits, wrap). `viewer` is the unit vector towards the eye, in the slice frame; the highlight's exponent
+    /// highlights that are too bright, or wrap. `viewer` is the unit vector towards the eye, in the slice frame; the highlight's exponent
     /// is `2^exponent_log2`.
     ///
     /// # Errors
@@ -282,12 +282,12 @@ impl<P: Precision> Phong<P> {
         [red, green, blue]: [&mut [i32]; 3],
     ) {
         let len = normals.r.len();
-        let zero = V::splat(0);
+        let (zero, dark) = (V::splat(0), V::Wide::splat(0));
         let reflection = self.highlight == Highlight::Reflection;
         for start in (0..len).step_by(B * V::COUNT) {
             let places = (start..len).step_by(V::COUNT);
             let mut sums = [[[zero; 2]; N]; B];
-            let mut facing = [zero; B];
+            let mut facing = [dark; B];
             for ((sums, facing), at) in sums.iter_mut().zip(&mut facing).zip(places.clone()) {
                 for (sum, k) in sums.iter_mut().zip(self.ambient) {
                     *sum = [ambient::<P, V>(k), zero];
@@ -297,39 +297,30 @@ impl<P: Precision> Phong<P> {
                 }
             }
             for light in &self.lights {
-                let (mut towards, mut bases) = ([zero; B], [zero; B]);
-                for ((nl, base), (nv, at)) in towards
-                    .iter_mut()
-                    .zip(&mut bases)
-                    .zip(facing.iter().zip(places.clone()))
-                {
-                    *nl = normals.dot::<P, V>(at, light.direction);
-                    if nl.all_zero() {
+                let mut bases = [dark; B];
+                for (((sums, base), nv), at) in sums.iter_mut().zip(&mut bases).zip(&facing).zip(places.clone()) {
+                    let nl = normals.dot::<P, V>(at, light.direction);
+                    if !nl.any_at_least(1) {
                         continue;
                     }
-                    *base = if !reflection {
-                        nl.nonzero_then(normals.dot::<P, V>(at, light.half))
-                    } else if nv.all_zero() {
-                        zero
+                    *base = if reflection {
+                        reflected_lanes::<P, V>(*nv, nl, light.along)
                     } else {
-                        nl.nonzero_then(nv.nonzero_then(reflected_off::<P, V>(*nv, *nl, light.along)))
+                        nl.nonzero_then(normals.dot::<P, V>(at, light.half))
                     };
-                }
-                let least = V::splat(self.least_bright as i32);
-                for (sums, base) in sums.iter_mut().zip(&bases) {
-                    // A power that products would not see is not formed.
-                    let bright = base.at_least_then(least, *base);
-                    if !bright.all_zero() {
-                        let y = for_products::<P, V>(power_lanes::<P, V>(bright, self.exponent_log2));
-                        for ([_, s], k) in sums.iter_mut().zip(light.specular) {
-                            *s = s.saturating_add(weighted::<P, V>(k, y));
-                        }
-                    }
-                }
-                for (sums, nl) in sums.iter_mut().zip(&towards) {
-                    let x = for_products::<P, V>(*nl);
+                    let x = for_products::<P, V>(nl.narrow());
                     for ([d, _], k) in sums.iter_mut().zip(light.diffuse) {
                         *d = d.saturating_add(weighted::<P, V>(k, x));
+                    }
+                }
+                for (sums, base) in sums.iter_mut().zip(&bases) {
+                    // A power that products would not see is not formed.
+                    if !base.any_at_least(self.least_bright) {
+                        continue;
+                    }
+                    let y = for_products::<P, V>(power_lanes::<P, V>(*base, self.exponent_log2));
+                    for ([_, s], k) in sums.iter_mut().zip(light.specular) {
+                        *s = s.saturating_add(weighted::<P, V>(k, y));
                     }
                 }
             }
@@ -353,7 +344,7 @@ struct Normals<'a> {
 impl Normals<'_> {
     /// [`dot_lanes`] of the normals at a place.
     #[inline(always)]
-    fn dot<P: Precision, V: Lanes>(&self, at: usize, vector: [i32; 3]) -> V {
+    fn dot<P: Precision, V: Lanes>(&self, at: usize, vector: [i32; 3]) -> V::Wide {
         let [x, y, z] = self.g;
         dot_lanes::<P, V>(
             [V::load(x, at), V::load(y, at), V::load(z, at)],
@@ -365,7 +356,7 @@ impl Normals<'_> {
 
 /// The least base of a highlight of which products see anything: its power rises with it.
 fn least_bright<P: Precision>(exponent_log2: u32) -> u32 {
-    let seen = |x: u32| for_products::<P, i32>(power_lanes::<P, i32>(x as i32, exponent_log2)) != 0;
+    let seen = |x: u32| for_products::<P, i32>(power_lanes::<P, i32>(i64::from(x), exponent_log2)) != 0;
     let (mut dark, mut bright) = (0u32, 1u32 << 31);
     while bright - dark > 1 {
         let middle = dark + ((bright - dark) >> 1);
@@ -393,10 +384,12 @@ impl<P: Precision> Shader<P> for Phong<P> {
         };
         if V::COUNT > 1 {
             let normals = Normals { g: [gx, gy, gz], r };
-            return if self.grey {
-                self.shade_row_by::<V, 8, 1>(normals, [red, green, blue])
-            } else {
-                self.shade_row_by::<V, 8, 3>(normals, [red, green, blue])
+            // As many vectors at a time as the registers hold; where they are few, memory is cheaper the more there are.
+            return match (V::COUNT > 8, self.grey) {
+                (true, true) => self.shade_row_by::<V, 2, 1>(normals, [red, green, blue]),
+                (true, false) => self.shade_row_by::<V, 2, 3>(normals, [red, green, blue]),
+                (false, true) => self.shade_row_by::<V, 8, 1>(normals, [red, green, blue]),
+                (false, false) => self.shade_row_by::<V, 8, 3>(normals, [red, green, blue]),
             };
         }
         for at in places::<V>(len) {

@@ -1,30 +1,26 @@
 //! A table as vectors like it: the same bits as core's point tables, in more memory.
 //!
 //! Opacities are decoded beforehand, and both neighbours of a sample are fetched with one load; what is left is done in
-//! lanes. Look-ups run some samples ahead of the lanes that read them, so that these find whole vectors. A table of one
-//! colour is not asked for colours at all. 32 KiB, of which a sample reads 16 bytes.
+//! lanes. A table of one colour is not asked for colours at all. 32 KiB, of which a sample reads 16 bytes.
 
 use fixed::traits::Fixed;
 use slicecast::classify::{AlphaCode, Classifier, ENTRIES, Linear, PointTable, Support, colour_of_entry, mix_colour};
 use slicecast::format::Opacity;
-use slicecast::lanes::{Lanes, places};
+use slicecast::lanes::{Lanes, Neighboured, places};
 use slicecast::precision::Precision;
 
 use crate::scene::LookupName;
 
-/// Samples that are looked up at a time.
-const AHEAD: usize = 64;
-
-/// One value a code, and one more behind the last for its neighbour, which is read with a weight of 0.
-type Column = Box<[u32; ENTRIES + 1]>;
+/// Samples that are not looked up where none of them is bright enough to be visible.
+const TOGETHER: usize = 64;
 
 /// A classifier over decoded entries.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Expanded {
     /// 1.31.
-    opacities: Column,
+    opacities: Box<Neighboured>,
     /// R, G, B in bytes.
-    colours: Column,
+    colours: Box<Neighboured>,
     one_colour: bool,
     /// The first visible code; behind the last one where none is.
     first_visible: usize,
@@ -32,7 +28,7 @@ pub struct Expanded {
     lookup: LookupName,
 }
 
-fn column(value: impl FnMut(usize) -> u32) -> Column {
+fn column(value: impl FnMut(usize) -> u32) -> Box<Neighboured> {
     let values: Vec<u32> = (0..=ENTRIES).map(|index| index.min(ENTRIES - 1)).map(value).collect();
     values
         .into_boxed_slice()
@@ -79,13 +75,11 @@ fn none_above<P: Precision, V: Lanes>(samples: &[i32], code: usize) -> bool {
     above.all_zero()
 }
 
-/// Fetches a value and its right neighbour for each sample.
+/// The values of a sample's entry and of the next one, and the weight of the latter.
 #[inline(always)]
-fn look_up<P: Precision>(values: &Column, samples: &[i32], offset: i32, pairs: &mut [u64; AHEAD]) {
-    for (pair, &sample) in pairs.iter_mut().zip(samples) {
-        let index = ((sample + offset) >> P::SAMPLE_BITS) as usize % ENTRIES;
-        *pair = u64::from(values[index]) | u64::from(values[index + 1]) << 32;
-    }
+fn look_up<P: Precision, V: Lanes>(values: &Neighboured, sample: V, (offset, mask): (i32, i32)) -> ([V; 2], V) {
+    let code = sample.wrapping_add(V::splat(offset)).shr_unsigned(P::SAMPLE_BITS);
+    (code.look_up(values), sample & V::splat(mask))
 }
 
 #[inline(always)]
@@ -114,19 +108,16 @@ impl<P: Precision> Classifier<P> for &Expanded {
 
     #[inline(always)]
     fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
-        let (offset, mask) = self.rule::<P>();
-        let mut pairs = [0; AHEAD];
-        for (samples, out) in samples.chunks(AHEAD).zip(out.chunks_mut(AHEAD)) {
+        let rule = self.rule::<P>();
+        for (samples, out) in samples.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
             let samples = &samples[..out.len()];
             // Up to the code before the first visible one, neither neighbour is visible.
             if self.first_visible > 0 && none_above::<P, V>(samples, self.first_visible - 1) {
                 out.fill(0);
                 continue;
             }
-            look_up::<P>(&self.opacities, samples, offset, &mut pairs);
             for at in places::<V>(samples.len()) {
-                let [a, b] = V::load_pairs(&pairs, at);
-                let f = V::load(samples, at) & V::splat(mask);
+                let ([a, b], f) = look_up::<P, V>(&self.opacities, V::load(samples, at), rule);
                 a.mix(b, f, P::SAMPLE_BITS).store(out, at);
             }
         }
@@ -142,23 +133,14 @@ impl<P: Precision> Classifier<P> for &Expanded {
             blue.fill(colour_of_entry(entry, 2, P::COLOUR_BITS));
             return;
         }
-        let (offset, mask) = self.rule::<P>();
-        let mut pairs = [0; AHEAD];
-        let rows = red
-            .chunks_mut(AHEAD)
-            .zip(green.chunks_mut(AHEAD))
-            .zip(blue.chunks_mut(AHEAD));
-        for (samples, ((red, green), blue)) in samples.chunks(AHEAD).zip(rows) {
-            look_up::<P>(&self.colours, samples, offset, &mut pairs);
-            let len = samples.len();
-            let (red, green, blue) = (&mut red[..len], &mut green[..len], &mut blue[..len]);
-            for at in places::<V>(len) {
-                let [a, b] = V::load_pairs(&pairs, at);
-                let f = V::load(samples, at) & V::splat(mask);
-                mixed_colour::<P, V>(a, b, 0, f).store(red, at);
-                mixed_colour::<P, V>(a, b, 1, f).store(green, at);
-                mixed_colour::<P, V>(a, b, 2, f).store(blue, at);
-            }
+        let rule = self.rule::<P>();
+        let len = samples.len();
+        let (red, green, blue) = (&mut red[..len], &mut green[..len], &mut blue[..len]);
+        for at in places::<V>(len) {
+            let ([a, b], f) = look_up::<P, V>(&self.colours, V::load(samples, at), rule);
+            mixed_colour::<P, V>(a, b, 0, f).store(red, at);
+            mixed_colour::<P, V>(a, b, 1, f).store(green, at);
+            mixed_colour::<P, V>(a, b, 2, f).store(blue, at);
         }
     }
 }

@@ -5,7 +5,10 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
+use slicecast::lanes::Neighboured;
+
 use super::floats::Floats;
+use crate::simd::avx2::look_up;
 use crate::simd::partial::{chunk, chunk_mut, rest};
 
 /// Eight floats. Of use only where the processor has AVX2 and FMA; see [`super::floats::with_floats`].
@@ -52,33 +55,6 @@ fn ones(elements: usize) -> __m256i {
         _mm256_set1_epi32(elements.min(8) as i32),
         _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0)
     ))
-}
-
-/// Low and high halves of eight pairs.
-#[inline(always)]
-fn halves(pairs: &[u64; 8]) -> [__m256i; 2] {
-    avx2!({
-        let first = _mm256_castsi256_ps(_mm256_loadu_si256(pairs.as_ptr().cast()));
-        let second = _mm256_castsi256_ps(_mm256_loadu_si256(pairs.as_ptr().add(4).cast()));
-        let even = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(first, second));
-        let odd = _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(first, second));
-        [
-            _mm256_permute4x64_epi64::<0b11_01_10_00>(even),
-            _mm256_permute4x64_epi64::<0b11_01_10_00>(odd),
-        ]
-    })
-}
-
-#[inline(always)]
-fn of_pairs(pairs: &[u64; 8]) -> [Avx2; 2] {
-    let [low, high] = halves(pairs);
-    avx2!([Avx2(_mm256_castsi256_ps(low)), Avx2(_mm256_castsi256_ps(high))])
-}
-
-#[inline(always)]
-fn of_colours(pairs: &[u64; 8]) -> [[Avx2; 3]; 2] {
-    let [low, high] = halves(pairs);
-    [colours(low), colours(high)]
 }
 
 #[inline(always)]
@@ -129,27 +105,21 @@ impl Floats for Avx2 {
         }
     }
     #[inline(always)]
-    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
-        match chunk::<_, 8>(row, at) {
-            Some(pairs) => of_pairs(pairs),
-            None => [Self::splat(0.0); 2],
-        }
-    }
-    #[inline(always)]
-    fn load_colours(row: &[u64], at: usize) -> [[Self; 3]; 2] {
-        match chunk::<_, 8>(row, at) {
-            Some(pairs) => of_colours(pairs),
-            None => [[Self::splat(0.0); 3]; 2],
-        }
-    }
-    #[inline(always)]
-    fn split(self, whole: &mut [u32], at: usize) -> Self {
+    fn look_up(self, values: &Neighboured) -> ([Self; 2], Self) {
         avx2!({
-            let index = _mm256_cvttps_epi32(self.0);
-            if let Some(lanes) = chunk_mut::<_, 8>(whole, at) {
-                _mm256_storeu_si256(lanes.as_mut_ptr().cast(), index);
-            }
-            Self(_mm256_sub_ps(self.0, _mm256_cvtepi32_ps(index)))
+            let code = _mm256_cvttps_epi32(self.0);
+            let [value, next] = look_up(values, code);
+            let pair = [Self(_mm256_castsi256_ps(value)), Self(_mm256_castsi256_ps(next))];
+            (pair, Self(_mm256_sub_ps(self.0, _mm256_cvtepi32_ps(code))))
+        })
+    }
+    #[inline(always)]
+    fn look_up_colours(self, entries: &Neighboured) -> ([[Self; 3]; 2], Self) {
+        avx2!({
+            let code = _mm256_cvttps_epi32(self.0);
+            let [entry, next] = look_up(entries, code);
+            let fraction = Self(_mm256_sub_ps(self.0, _mm256_cvtepi32_ps(code)));
+            ([colours(entry), colours(next)], fraction)
         })
     }
     #[inline(always)]

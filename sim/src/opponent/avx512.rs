@@ -5,7 +5,10 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
+use slicecast::lanes::Neighboured;
+
 use super::floats::Floats;
+use crate::simd::avx512::look_up;
 use crate::simd::partial::{chunk, chunk_mut, rest};
 
 /// Sixteen floats. Of use only where the processor has AVX-512; see [`super::floats::with_floats`].
@@ -49,37 +52,6 @@ impl Mul for Avx512 {
 #[inline(always)]
 fn ones(elements: usize) -> u16 {
     ((1u32 << (elements & 15)) - 1) as u16
-}
-
-/// Low and high halves of sixteen pairs.
-#[inline(always)]
-fn halves(pairs: &[u64; 16]) -> [__m512i; 2] {
-    const EVEN: [i32; 16] = [0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30];
-    const ODD: [i32; 16] = [1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31];
-    avx512!({
-        let (even, odd) = (
-            _mm512_loadu_si512(EVEN.as_ptr().cast()),
-            _mm512_loadu_si512(ODD.as_ptr().cast()),
-        );
-        let first = _mm512_loadu_si512(pairs.as_ptr().cast());
-        let second = _mm512_loadu_si512(pairs.as_ptr().add(8).cast());
-        [
-            _mm512_permutex2var_epi32(first, even, second),
-            _mm512_permutex2var_epi32(first, odd, second),
-        ]
-    })
-}
-
-#[inline(always)]
-fn of_pairs(pairs: &[u64; 16]) -> [Avx512; 2] {
-    let [low, high] = halves(pairs);
-    avx512!([Avx512(_mm512_castsi512_ps(low)), Avx512(_mm512_castsi512_ps(high))])
-}
-
-#[inline(always)]
-fn of_colours(pairs: &[u64; 16]) -> [[Avx512; 3]; 2] {
-    let [low, high] = halves(pairs);
-    [colours(low), colours(high)]
 }
 
 #[inline(always)]
@@ -128,27 +100,21 @@ impl Floats for Avx512 {
         }
     }
     #[inline(always)]
-    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
-        match chunk::<_, 16>(row, at) {
-            Some(pairs) => of_pairs(pairs),
-            None => [Self::splat(0.0); 2],
-        }
-    }
-    #[inline(always)]
-    fn load_colours(row: &[u64], at: usize) -> [[Self; 3]; 2] {
-        match chunk::<_, 16>(row, at) {
-            Some(pairs) => of_colours(pairs),
-            None => [[Self::splat(0.0); 3]; 2],
-        }
-    }
-    #[inline(always)]
-    fn split(self, whole: &mut [u32], at: usize) -> Self {
+    fn look_up(self, values: &Neighboured) -> ([Self; 2], Self) {
         avx512!({
-            let index = _mm512_cvttps_epi32(self.0);
-            if let Some(lanes) = chunk_mut::<_, 16>(whole, at) {
-                _mm512_storeu_si512(lanes.as_mut_ptr().cast(), index);
-            }
-            Self(_mm512_sub_ps(self.0, _mm512_cvtepi32_ps(index)))
+            let code = _mm512_cvttps_epi32(self.0);
+            let [value, next] = look_up(values, code);
+            let pair = [Self(_mm512_castsi512_ps(value)), Self(_mm512_castsi512_ps(next))];
+            (pair, Self(_mm512_sub_ps(self.0, _mm512_cvtepi32_ps(code))))
+        })
+    }
+    #[inline(always)]
+    fn look_up_colours(self, entries: &Neighboured) -> ([[Self; 3]; 2], Self) {
+        avx512!({
+            let code = _mm512_cvttps_epi32(self.0);
+            let [entry, next] = look_up(entries, code);
+            let fraction = Self(_mm512_sub_ps(self.0, _mm512_cvtepi32_ps(code)));
+            ([colours(entry), colours(next)], fraction)
         })
     }
     #[inline(always)]

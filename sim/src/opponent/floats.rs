@@ -2,6 +2,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
+use slicecast::lanes::{Lanes, Neighboured};
+
 use crate::simd::Simd;
 
 /// Some lanes of 32-bit floats.
@@ -17,14 +19,11 @@ pub trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn store(self, row: &mut [f32], at: usize);
     /// Voxels `at ..` of a row; 0 behind its end.
     fn load_voxels(row: &[u16], at: usize) -> Self;
-    /// The low and the high halves of elements `at ..` of a row of pairs of floats, of which it has whole vectors.
-    fn load_pairs(row: &[u64], at: usize) -> [Self; 2];
-    /// Red, green and blue, 0 to 255, of the low and the high halves of elements `at ..` of such a row
-    /// of pairs of colours.
-    fn load_colours(row: &[u64], at: usize) -> [[Self; 3]; 2];
-    /// Whole parts of numbers that are not negative, written to elements `at ..` of a row that has whole vectors; returns
-    /// the fractions.
-    fn split(self, whole: &mut [u32], at: usize) -> Self;
+    /// The table's values, which are the bits of floats, at the whole parts of these codes, the next ones, and the
+    /// fractions. Codes are not negative; what lies above the last has its low 12 bits.
+    fn look_up(self, values: &Neighboured) -> ([Self; 2], Self);
+    /// Red, green and blue, 0 to 255, of a table's entries there and the next ones, and the fractions.
+    fn look_up_colours(self, entries: &Neighboured) -> ([[Self; 3]; 2], Self);
 
     /// Lanes 1 .. of this and the first of `next`: each lane's right neighbour.
     fn followed_by(self, next: Self) -> Self;
@@ -72,22 +71,16 @@ impl Floats for f32 {
         row.get(at).copied().map_or(0.0, Self::from)
     }
     #[inline(always)]
-    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
-        let pair = row.get(at).copied().unwrap_or(0);
-        [Self::from_bits(pair as u32), Self::from_bits((pair >> 32) as u32)]
+    fn look_up(self, values: &Neighboured) -> ([Self; 2], Self) {
+        let code = self as i32;
+        let pair = code.look_up(values).map(|bits| Self::from_bits(bits as u32));
+        (pair, self - code as Self)
     }
     #[inline(always)]
-    fn load_colours(row: &[u64], at: usize) -> [[Self; 3]; 2] {
-        let pair = row.get(at).copied().unwrap_or(0);
-        [0, 32].map(|half| [0, 8, 16].map(|channel| Self::from((pair >> (half + channel)) as u8)))
-    }
-    #[inline(always)]
-    fn split(self, whole: &mut [u32], at: usize) -> Self {
-        let index = self as u32;
-        if let Some(place) = whole.get_mut(at) {
-            *place = index;
-        }
-        self - index as Self
+    fn look_up_colours(self, entries: &Neighboured) -> ([[Self; 3]; 2], Self) {
+        let code = self as i32;
+        let channels = |entry: i32| [0, 8, 16].map(|channel| Self::from((entry >> channel) as u8));
+        (code.look_up(entries).map(channels), self - code as Self)
     }
     #[inline(always)]
     fn followed_by(self, next: Self) -> Self {

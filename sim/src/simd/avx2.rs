@@ -5,10 +5,10 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
-use slicecast::lanes::{Lanes, Wide};
+use slicecast::lanes::{Lanes, Neighboured, Wide};
 
-use super::partial::{chunk, chunk_mut, rest};
-use super::root::{MARGIN, SCALE, scalar_roots};
+use super::partial::{CODE_MASK, chunk, chunk_mut, neighbours, rest};
+use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
 /// Eight 32-bit lanes. Of use only where the processor has AVX2 and FMA; see [`super::with_lanes`].
 #[derive(Clone, Copy)]
@@ -81,19 +81,6 @@ impl Avx2 {
         Self(avx2!(_mm256_cvtepu16_epi32(_mm_loadu_si128(lanes.as_ptr().cast()))))
     }
 
-    #[inline(always)]
-    fn of_pairs(first: __m256i, second: __m256i) -> [Self; 2] {
-        avx2!({
-            let (first, second) = (_mm256_castsi256_ps(first), _mm256_castsi256_ps(second));
-            let even = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(first, second));
-            let odd = _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(first, second));
-            [
-                Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(even)),
-                Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(odd)),
-            ]
-        })
-    }
-
     /// The lanes shifted so that the odd ones stand where the even ones were.
     #[inline(always)]
     fn odd(self) -> __m256i {
@@ -116,30 +103,47 @@ fn ones(elements: usize) -> __m256i {
     ))
 }
 
-/// `2^35 / sqrt(s)` of four, less and plus a margin that no rounding here reaches, as whole numbers.
-///
-/// A value between two integers gives the same number twice, and that is the floor of the exact value.
+/// The values at eight codes (their low 12 bits), and the next ones.
 #[inline(always)]
-fn reciprocal_roots(s: __m128i) -> [__m128i; 2] {
+pub fn look_up(values: &Neighboured, codes: __m256i) -> [__m256i; 2] {
+    let codes = (Avx2(codes) & Avx2::splat(CODE_MASK)).to_array();
     avx2!({
-        // 2^52 + s, less 2^52.
-        let magic = _mm256_castpd_si256(_mm256_set1_pd(4_503_599_627_370_496.0));
-        let s = _mm256_castsi256_pd(_mm256_or_si256(_mm256_cvtepu32_epi64(s), magic));
-        let s = _mm256_sub_pd(s, _mm256_castsi256_pd(magic));
-        // Within 1.5 * 2^-12, whatever the processor's table.
-        let y = _mm256_cvtps_pd(_mm_rsqrt_ps(_mm256_cvtpd_ps(s)));
-        // With e = 1 - s y^2: 1 / sqrt(s) = y (1 + e/2 + 3 e^2/8 + 5 e^3/16 + 35 e^4/128 + 63 e^5/256 + ...);
-        // e < 2^-10.4, and what is left out is below 2^-60.
-        let e = _mm256_fnmadd_pd(_mm256_mul_pd(s, y), y, _mm256_set1_pd(1.0));
-        let p = _mm256_fmadd_pd(_mm256_set1_pd(0.24609375), e, _mm256_set1_pd(0.2734375));
-        let p = _mm256_fmadd_pd(p, e, _mm256_set1_pd(0.3125));
-        let p = _mm256_fmadd_pd(p, e, _mm256_set1_pd(0.375));
-        let p = _mm256_fmadd_pd(p, e, _mm256_set1_pd(0.5));
-        let scaled = _mm256_mul_pd(y, _mm256_set1_pd(SCALE));
-        let step = _mm256_mul_pd(scaled, e);
-        let below = _mm256_fmadd_pd(step, p, _mm256_sub_pd(scaled, _mm256_set1_pd(MARGIN)));
-        let above = _mm256_fmadd_pd(step, p, _mm256_add_pd(scaled, _mm256_set1_pd(MARGIN)));
-        [_mm256_cvttpd_epi32(below), _mm256_cvttpd_epi32(above)]
+        // Halves of the first hold pairs 0 1 and 4 5, those of the second the others, so that picking their even
+        // elements, two from each, gives the values in order.
+        let pairs = |first: usize| {
+            let half = |at: usize| neighbours(values, codes[at], codes[at + 1]);
+            _mm256_castsi256_ps(_mm256_set_m128i(half(first + 4), half(first)))
+        };
+        let (first, second) = (pairs(0), pairs(2));
+        [
+            _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(first, second)),
+            _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(first, second)),
+        ]
+    })
+}
+
+/// The lanes that stand in the low halves of 64 bits as floating-point numbers: 2^52 and them, less 2^52.
+#[inline(always)]
+fn of_low_halves(v: __m256i) -> __m256d {
+    avx2!({
+        let magic = _mm256_set1_pd(4_503_599_627_370_496.0);
+        let joined = _mm256_blend_epi32::<0b1010_1010>(v, _mm256_castpd_si256(magic));
+        _mm256_sub_pd(_mm256_castsi256_pd(joined), magic)
+    })
+}
+
+/// Those in the high halves.
+#[inline(always)]
+fn of_high_halves(v: __m256i) -> __m256d {
+    of_low_halves(avx2!(_mm256_srli_epi64::<32>(v)))
+}
+
+/// All bits where r^2 s > 2^70: the square is exact, and a fused operation keeps the difference's sign.
+#[inline(always)]
+fn too_large(r: __m256d, s: __m256d) -> __m256i {
+    avx2!({
+        let rest = _mm256_fnmadd_pd(_mm256_mul_pd(r, r), s, _mm256_set1_pd(ROOT_LIMIT));
+        _mm256_castpd_si256(_mm256_cmp_pd::<_CMP_LT_OQ>(rest, _mm256_setzero_pd()))
     })
 }
 
@@ -204,27 +208,9 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
-        match chunk::<_, 8>(row, at) {
-            Some(pairs) => {
-                let first = pairs.as_ptr().cast();
-                Self::of_pairs(
-                    avx2!(_mm256_loadu_si256(first)),
-                    avx2!(_mm256_loadu_si256(first.add(1))),
-                )
-            }
-            None => {
-                let (first, mask) = (row.as_ptr().wrapping_add(at).cast(), ones(rest(row, at)));
-                let halves = [
-                    avx2!(_mm256_cvtepi32_epi64(_mm256_castsi256_si128(mask))),
-                    avx2!(_mm256_cvtepi32_epi64(_mm256_extracti128_si256::<1>(mask))),
-                ];
-                Self::of_pairs(
-                    avx2!(_mm256_maskload_epi64(first, halves[0])),
-                    avx2!(_mm256_maskload_epi64(first.wrapping_add(4), halves[1])),
-                )
-            }
-        }
+    fn look_up(self, values: &Neighboured) -> [Self; 2] {
+        let [value, next] = look_up(values, self.0);
+        [Self(value), Self(next)]
     }
     #[inline(always)]
     fn followed_by(self, next: Self) -> Self {
@@ -318,15 +304,30 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn reciprocal_root(self) -> Self {
-        let [low, low_above] = reciprocal_roots(avx2!(_mm256_castsi256_si128(self.0)));
-        let [high, high_above] = reciprocal_roots(avx2!(_mm256_extracti128_si256::<1>(self.0)));
-        let below = Self(avx2!(_mm256_set_m128i(high, low)));
-        let above = Self(avx2!(_mm256_set_m128i(high_above, low_above)));
-        if self.nonzero_then(below ^ above).all_zero() {
-            self.nonzero_then(below)
-        } else {
-            Self::of_array(&scalar_roots(self.to_array()))
-        }
+        avx2!({
+            // Half of it: a signed number.
+            let s = _mm256_cvtepi32_ps(_mm256_srli_epi32::<1>(self.0));
+            // Within 1.5 * 2^-12, whatever the processor's table; with e = 1 - s y^2,
+            // 1 / sqrt(s) = y (1 + e/2 + 3 e^2/8 + 5 e^3/16 ...).
+            let y = _mm256_rsqrt_ps(s);
+            let e = _mm256_fnmadd_ps(_mm256_mul_ps(s, y), y, _mm256_set1_ps(1.0));
+            let p = _mm256_fmadd_ps(_mm256_set1_ps(0.375), e, _mm256_set1_ps(0.5));
+            let scaled = _mm256_mul_ps(y, _mm256_set1_ps(ROOT_SCALE * std::f32::consts::FRAC_1_SQRT_2));
+            // Wrong by 0.3 at most: to nearest it is the floor that is asked for, or one more.
+            let r = _mm256_cvtps_epi32(_mm256_fmadd_ps(_mm256_mul_ps(scaled, e), p, scaled));
+            let even = too_large(of_low_halves(r), of_low_halves(self.0));
+            let odd = too_large(of_high_halves(r), of_high_halves(self.0));
+            let one_less = _mm256_blend_epi32::<0b1010_1010>(even, odd);
+            self.nonzero_then(Self(_mm256_add_epi32(r, one_less)))
+        })
+    }
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        // An odd number is not 0, for which the instruction would give 0.
+        Self(avx2!(_mm256_sign_epi32(
+            self.0,
+            _mm256_or_si256(sign.0, _mm256_set1_epi32(1))
+        )))
     }
 }
 
@@ -392,7 +393,12 @@ impl Wide for Products {
     }
     #[inline(always)]
     fn at_least_zero(self) -> Self {
-        self.each(|v| avx2!(_mm256_and_si256(v, _mm256_cmpgt_epi64(v, _mm256_setzero_si256()))))
+        self.each(|v| {
+            avx2!({
+                let v = _mm256_castsi256_pd(v);
+                _mm256_castpd_si256(_mm256_blendv_pd(v, _mm256_setzero_pd(), v))
+            })
+        })
     }
     #[inline(always)]
     fn at_most(self, other: Self) -> Self {
@@ -403,8 +409,36 @@ impl Wide for Products {
         Self(times(self.0, other.0), times(self.1, other.odd()))
     }
     #[inline(always)]
-    fn square(self) -> Self {
-        self.each(|v| avx2!(_mm256_mul_epu32(v, v)))
+    fn shr_to_one(self, by: u32) -> Self {
+        self.shr(by)
+            .each(|v| avx2!(_mm256_min_epu32(v, _mm256_set1_epi64x(1 << 31))))
+    }
+    #[inline(always)]
+    fn low_product(self, other: Self) -> Self {
+        Self(
+            avx2!(_mm256_mul_epu32(self.0, other.0)),
+            avx2!(_mm256_mul_epu32(self.1, other.1)),
+        )
+    }
+    #[inline(always)]
+    fn nonzero_then(self, value: Self) -> Self {
+        avx2!({
+            let zero = _mm256_setzero_si256();
+            Self(
+                _mm256_andnot_si256(_mm256_cmpeq_epi64(self.0, zero), value.0),
+                _mm256_andnot_si256(_mm256_cmpeq_epi64(self.1, zero), value.1),
+            )
+        })
+    }
+    #[inline(always)]
+    fn any_at_least(self, least: u32) -> bool {
+        avx2!({
+            // The upper halves are 0.
+            let below = _mm256_set1_epi64x(i64::from(least) - 1);
+            let (even, odd) = (_mm256_cmpgt_epi64(self.0, below), _mm256_cmpgt_epi64(self.1, below));
+            let any = _mm256_or_si256(even, odd);
+            _mm256_testz_si256(any, any) == 0
+        })
     }
     #[inline(always)]
     fn of(narrow: Avx2) -> Self {

@@ -5,10 +5,10 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
-use slicecast::lanes::{Lanes, Wide};
+use slicecast::lanes::{Lanes, Neighboured, Wide};
 
-use super::partial::{chunk, chunk_mut, rest};
-use super::root::{MARGIN, SCALE, scalar_roots};
+use super::partial::{CODE_MASK, chunk, chunk_mut, neighbours, rest};
+use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
 /// Sixteen 32-bit lanes. A value exists only where the processor has AVX-512 (F, BW, CD, DQ, VL): nothing but the
 /// entry point [`super::with_lanes`], which asks for it, can make the first one useful.
@@ -77,17 +77,6 @@ impl Avx512 {
         ))))
     }
 
-    #[inline(always)]
-    fn of_pairs(first: __m512i, second: __m512i) -> [Self; 2] {
-        const EVEN: [i32; 16] = [0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30];
-        const ODD: [i32; 16] = [1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31];
-        let (even, odd) = (Self::of_array(&EVEN).0, Self::of_array(&ODD).0);
-        [
-            Self(avx512!(_mm512_permutex2var_epi32(first, even, second))),
-            Self(avx512!(_mm512_permutex2var_epi32(first, odd, second))),
-        ]
-    }
-
     /// The lanes shifted so that the odd ones stand where the even ones were.
     #[inline(always)]
     fn odd(self) -> __m512i {
@@ -108,25 +97,45 @@ fn ones(elements: usize) -> u32 {
     (1 << (elements & 15)) - 1
 }
 
-/// `2^35 / sqrt(s)` of eight, less and plus a margin that no rounding here reaches, as whole numbers.
-///
-/// A value between two integers gives the same number twice, and that is the floor of the exact value.
+/// The values at sixteen codes (their low 12 bits), and the next ones.
 #[inline(always)]
-fn reciprocal_roots(s: __m256i) -> [__m256i; 2] {
+pub fn look_up(values: &Neighboured, codes: __m512i) -> [__m512i; 2] {
+    let codes = (Avx512(codes) & Avx512::splat(CODE_MASK)).to_array();
     avx512!({
-        let s = _mm512_cvtepu32_pd(s);
-        // Within 2^-14, whatever the processor's table.
-        let y = _mm512_rsqrt14_pd(s);
-        // With e = 1 - s y^2: 1 / sqrt(s) = y (1 + e/2 + 3 e^2/8 + 5 e^3/16 + 35 e^4/128 ...); e < 2^-13, and what is
-        // left out is below 2^-53.
-        let e = _mm512_fnmadd_pd(_mm512_mul_pd(s, y), y, _mm512_set1_pd(1.0));
-        let p = _mm512_fmadd_pd(_mm512_set1_pd(0.3125), e, _mm512_set1_pd(0.375));
-        let p = _mm512_fmadd_pd(p, e, _mm512_set1_pd(0.5));
-        let scaled = _mm512_mul_pd(y, _mm512_set1_pd(SCALE));
-        let step = _mm512_mul_pd(scaled, e);
-        let below = _mm512_fmadd_pd(step, p, _mm512_sub_pd(scaled, _mm512_set1_pd(MARGIN)));
-        let above = _mm512_fmadd_pd(step, p, _mm512_add_pd(scaled, _mm512_set1_pd(MARGIN)));
-        [_mm512_cvttpd_epu32(below), _mm512_cvttpd_epu32(above)]
+        // Quarters of the first hold pairs 0 1, 4 5, 8 9 and 12 13, those of the second the pairs between, so that
+        // picking their even elements, two from each, gives the values in order.
+        let pairs = |first: usize| {
+            let quarter = |at: usize| neighbours(values, codes[at], codes[at + 1]);
+            let low = _mm256_set_m128i(quarter(first + 4), quarter(first));
+            let high = _mm256_set_m128i(quarter(first + 12), quarter(first + 8));
+            _mm512_castsi512_ps(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
+        };
+        let (first, second) = (pairs(0), pairs(2));
+        [
+            _mm512_castps_si512(_mm512_shuffle_ps::<0b10_00_10_00>(first, second)),
+            _mm512_castps_si512(_mm512_shuffle_ps::<0b11_01_11_01>(first, second)),
+        ]
+    })
+}
+
+/// The lanes, which stand in the low halves of 64 bits, as floating-point numbers.
+#[inline(always)]
+fn of_low_halves(v: __m512i) -> __m512d {
+    avx512!(_mm512_cvtepu64_pd(_mm512_maskz_mov_epi32(0x5555, v)))
+}
+
+/// Those in the high halves.
+#[inline(always)]
+fn of_high_halves(v: __m512i) -> __m512d {
+    avx512!(_mm512_cvtepu64_pd(_mm512_srli_epi64::<32>(v)))
+}
+
+/// Where r^2 s > 2^70: the square is exact, and a fused operation keeps the difference's sign.
+#[inline(always)]
+fn too_large(r: __m512d, s: __m512d) -> __mmask8 {
+    avx512!({
+        let rest = _mm512_fnmadd_pd(_mm512_mul_pd(r, r), s, _mm512_set1_pd(ROOT_LIMIT));
+        _mm512_cmp_pd_mask::<_CMP_LT_OQ>(rest, _mm512_setzero_pd())
     })
 }
 
@@ -199,23 +208,9 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn load_pairs(row: &[u64], at: usize) -> [Self; 2] {
-        match chunk::<_, 16>(row, at) {
-            Some(pairs) => {
-                let first = pairs.as_ptr().cast();
-                Self::of_pairs(
-                    avx512!(_mm512_loadu_si512(first)),
-                    avx512!(_mm512_loadu_si512(first.add(1))),
-                )
-            }
-            None => {
-                let (first, mask) = (row.as_ptr().wrapping_add(at).cast(), ones(rest(row, at)));
-                Self::of_pairs(
-                    avx512!(_mm512_maskz_loadu_epi64(mask as u8, first)),
-                    avx512!(_mm512_maskz_loadu_epi64((mask >> 8) as u8, first.wrapping_add(8))),
-                )
-            }
-        }
+    fn look_up(self, values: &Neighboured) -> [Self; 2] {
+        let [value, next] = look_up(values, self.0);
+        [Self(value), Self(next)]
     }
     #[inline(always)]
     fn followed_by(self, next: Self) -> Self {
@@ -304,18 +299,28 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn reciprocal_root(self) -> Self {
-        let [low, low_above] = reciprocal_roots(avx512!(_mm512_castsi512_si256(self.0)));
-        let [high, high_above] = reciprocal_roots(avx512!(_mm512_extracti64x4_epi64::<1>(self.0)));
-        let below = Self(avx512!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)));
-        let above = Self(avx512!(_mm512_inserti64x4::<1>(
-            _mm512_castsi256_si512(low_above),
-            high_above
-        )));
-        if self.nonzero_then(below ^ above).all_zero() {
-            self.nonzero_then(below)
-        } else {
-            Self::of_array(&scalar_roots(self.to_array()))
-        }
+        avx512!({
+            let s = _mm512_cvtepu32_ps(self.0);
+            // Within 2^-14, whatever the processor's table; with e = 1 - s y^2, 1 / sqrt(s) = y (1 + e/2 + 3 e^2/8 ...).
+            let y = _mm512_rsqrt14_ps(s);
+            let e = _mm512_fnmadd_ps(_mm512_mul_ps(s, y), y, _mm512_set1_ps(1.0));
+            let half = _mm512_mul_ps(y, _mm512_set1_ps(ROOT_SCALE / 2.0));
+            let scaled = _mm512_mul_ps(y, _mm512_set1_ps(ROOT_SCALE));
+            // Wrong by 0.2 at most: to nearest it is the floor that is asked for, or one more.
+            let r = _mm512_cvtps_epi32(_mm512_fmadd_ps(half, e, scaled));
+            let even = too_large(of_low_halves(r), of_low_halves(self.0));
+            let odd = too_large(of_high_halves(r), of_high_halves(self.0));
+            let r = _mm512_mask_sub_epi64(r, even, r, _mm512_set1_epi64(1));
+            let r = _mm512_mask_sub_epi64(r, odd, r, _mm512_set1_epi64(1 << 32));
+            self.nonzero_then(Self(r))
+        })
+    }
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        avx512!({
+            let negative = _mm512_movepi32_mask(sign.0);
+            Self(_mm512_mask_sub_epi32(self.0, negative, _mm512_setzero_si512(), self.0))
+        })
     }
 }
 
@@ -384,8 +389,34 @@ impl Wide for Products {
         )
     }
     #[inline(always)]
-    fn square(self) -> Self {
-        self.each(|v| avx512!(_mm512_mul_epu32(v, v)))
+    fn shr_to_one(self, by: u32) -> Self {
+        self.shr(by)
+            .each(|v| avx512!(_mm512_min_epu32(v, _mm512_set1_epi64(1 << 31))))
+    }
+    #[inline(always)]
+    fn low_product(self, other: Self) -> Self {
+        Self(
+            avx512!(_mm512_mul_epu32(self.0, other.0)),
+            avx512!(_mm512_mul_epu32(self.1, other.1)),
+        )
+    }
+    #[inline(always)]
+    fn nonzero_then(self, value: Self) -> Self {
+        avx512!(Self(
+            _mm512_maskz_mov_epi64(_mm512_test_epi64_mask(self.0, self.0), value.0),
+            _mm512_maskz_mov_epi64(_mm512_test_epi64_mask(self.1, self.1), value.1),
+        ))
+    }
+    #[inline(always)]
+    fn any_at_least(self, least: u32) -> bool {
+        avx512!({
+            let least = _mm512_set1_epi64(i64::from(least));
+            let (even, odd) = (
+                _mm512_cmpge_epu64_mask(self.0, least),
+                _mm512_cmpge_epu64_mask(self.1, least),
+            );
+            even | odd != 0
+        })
     }
     #[inline(always)]
     fn of(narrow: Avx512) -> Self {

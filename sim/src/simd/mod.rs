@@ -1,9 +1,9 @@
 //! The processor's vectors as core's lanes: chosen once a frame, the same bits with any of them.
 
 #[cfg(target_arch = "x86_64")]
-mod avx2;
+pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
-mod avx512;
+pub(crate) mod avx512;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod partial;
 #[cfg(target_arch = "x86_64")]

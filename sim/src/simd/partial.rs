@@ -5,6 +5,28 @@
     reason = "one comparison a piece, where a slice's own checks make two that cannot be hoisted"
 )]
 
+use std::arch::x86_64::{__m128i, _mm_castpd_si128, _mm_castsi128_pd, _mm_loadh_pd, _mm_loadl_epi64};
+
+use slicecast::classify::ENTRIES;
+use slicecast::lanes::Neighboured;
+
+/// The bits of a code.
+pub const CODE_MASK: i32 = ENTRIES as i32 - 1;
+
+/// The values at two codes, each with the next one behind it. Loads, not a gather, which takes longer.
+///
+/// # Safety
+/// The codes are 0 to [`CODE_MASK`].
+#[inline(always)]
+pub unsafe fn neighbours(values: &Neighboured, first: i32, second: i32) -> __m128i {
+    let at = |code: i32| values.as_ptr().wrapping_add(code as usize);
+    // SAFETY: SSE2 is part of x86-64, and behind the value of every code there is one more.
+    unsafe {
+        let low = _mm_castsi128_pd(_mm_loadl_epi64(at(first).cast()));
+        _mm_castpd_si128(_mm_loadh_pd(low, at(second).cast()))
+    }
+}
+
 /// `N` elements of a row, if it has them.
 #[inline(always)]
 pub fn chunk<T, const N: usize>(row: &[T], at: usize) -> Option<&[T; N]> {

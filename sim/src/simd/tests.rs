@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use slicecast::lanes::{Lanes, Wide};
+use slicecast::lanes::{Lanes, Neighboured, Wide};
 
 use super::{OverLanes, Simd, with_lanes};
 
@@ -28,12 +28,10 @@ impl OverLanes for &Rows {
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Vec<Vec<i32>> {
-        const OPERATIONS: usize = 46;
+        const OPERATIONS: usize = 48;
         let n = self.any.len();
         let mut out = vec![vec![0; n]; OPERATIONS];
-        let pairs: Vec<u64> = (self.any.iter().zip(&self.other))
-            .map(|(a, b)| u64::from(*a as u32) | u64::from(*b as u32) << 32)
-            .collect();
+        let values: Neighboured = std::array::from_fn(|code| (code as u32).wrapping_mul(2_654_435_761));
         let by = self.by;
         let mut narrow: Vec<u16> = self.voxels.clone();
         for at in (0..n).step_by(V::COUNT) {
@@ -48,7 +46,9 @@ impl OverLanes for &Rows {
             // Small enough for every product and sum.
             let (x, y) = (a >> 16, b >> 16);
             let (w, v) = (a.product(b), one.product(one));
-            let [low, high] = V::load_pairs(&pairs, at);
+            let [value, next] = a.look_up(&values);
+            // Whether any lane is that large says nothing of one lane, so all are alike.
+            let alike = V::Wide::of(V::splat(self.ones.first().copied().unwrap_or(0)));
             let flag = |condition: bool| V::splat(i32::from(condition));
             let results: [V; OPERATIONS] = [
                 x + y,
@@ -61,8 +61,8 @@ impl OverLanes for &Rows {
                 a >> (by & 31),
                 voxel,
                 V::load_as(&self.voxels, at, |v| u32::from(v) + 1),
-                low,
-                high,
+                value,
+                next,
                 a.followed_by(V::load(&self.any, at + V::COUNT)),
                 a.wrapping_add(b),
                 a.wrapping_sub(b),
@@ -95,8 +95,11 @@ impl OverLanes for &Rows {
                 x.product_signed(y).at_most(V::Wide::of(one)).narrow(),
                 V::Wide::of(one).shl(by & 31).shr(by & 15).narrow(),
                 V::Wide::of(one).times(shift).shr(4).narrow(),
-                V::Wide::of(one).square31().narrow() ^ V::Wide::of(a).square().shr(31).narrow(),
-                one.product(shift).shr_to_one(5) ^ flag(V::splat(0).all_zero()),
+                V::Wide::of(one).square31().narrow() ^ w.low_product(v).shr(31).narrow(),
+                one.product(shift).shr_to_one(5).narrow()
+                    ^ flag(V::splat(0).all_zero() != alike.any_at_least(by << 26)),
+                v.shr_to_one(by.max(1)).nonzero_then(w).narrow() ^ w.nonzero_then(v).narrow(),
+                weight.product16_31(one.at_most_unsigned(V::splat(2_147_418_113)), 0x7fff_8000),
             ];
             for (row, lanes) in out.iter_mut().zip(results) {
                 lanes.store(row, at);
