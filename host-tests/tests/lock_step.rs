@@ -9,11 +9,14 @@ mod frames;
 use frames::{frame, light};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
+use slicecast::composite::{Channel, Pixel, Unorm16};
+use slicecast::warp::in_front_of;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_host_tests::record::recorded;
 use slicecast_host_tests::reference::render;
-use slicecast_sim::engine::{BaseImage, Layer, on_threads};
+use slicecast_sim::camera::Picture;
+use slicecast_sim::engine::{BaseImage, Layer, Prepared, background, on_threads};
 use slicecast_sim::scene::{Blend, PrecisionName};
 use slicecast_sim::simd::Simd;
 use std::sync::Arc;
@@ -122,6 +125,49 @@ proptest! {
         for (threads, made) in [1, 2, 3, 7].iter().zip(&all) {
             prop_assert_eq!(image_difference(&streamed.base, &made.base), None, "{} threads", threads);
             prop_assert!(streamed.picture == made.picture, "the picture of {} threads", threads);
+        }
+    }
+}
+
+/// The picture of a base plane by the definition of the warp.
+fn warped<C: Channel>(prepared: &Prepared<'_>, base: &BaseImage) -> Vec<u8> {
+    let Picture { size, warp, .. } = prepared.setup.picture;
+    let [width, height] = base.size;
+    let pixel = |u: i64, v: i64| -> Pixel<C> {
+        let find = |side: usize, place: i64| usize::try_from(place).ok().filter(|place| *place < side);
+        let Some((u, v)) = find(width, u).zip(find(height, v)) else {
+            return Pixel::clear();
+        };
+        let [red, green, blue, transparency] =
+            [0, 1, 2, 3].map(|plane| C::from_bits(base.planes[plane][v * width + u]));
+        Pixel {
+            colour: [red, green, blue],
+            transparency,
+        }
+    };
+    let background = background(prepared.scene);
+    let places = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+    places
+        .flat_map(|(x, y)| in_front_of(warp.pixel(x, y, pixel), background))
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(config(200, 7))]
+
+    #[test]
+    fn pictures_are_the_definition_of_the_warp(frame in frame()) {
+        for precision in PrecisionName::ALL {
+            frame.in_precision(precision).with_prepared(|prepared, _| {
+                let made = prepared.render(Layer::Tiles(5), &|_, _| ()).unwrap();
+                let expected = match made.base.one {
+                    0x8000 => warped::<u16>(prepared, &made.base),
+                    0xffff => warped::<Unorm16>(prepared, &made.base),
+                    _ => warped::<u32>(prepared, &made.base),
+                };
+                prop_assert!(made.picture.bytes == expected, "{}", precision.name());
+                Ok(())
+            })?;
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Renders a scene: tiles of base-plane rows through all slices, on all cores; or slice by slice, as firmware does.
 
 use rayon::prelude::*;
-use slicecast::composite::{Channel, Pixel};
+use slicecast::composite::Channel;
 use slicecast::format::Intensity;
 use slicecast::lanes::Lanes;
 use slicecast::locate::{cell, plane};
@@ -10,10 +10,10 @@ use slicecast::plane::{ChannelOf, Pipeline, Rows, clear, scratch_len};
 use slicecast::slice::{RowRange, Slice, SliceError, Window};
 use slicecast::stream::{Memory, Needs, Stream, StreamError, base_pixel, phase_len};
 use slicecast::tap::{NoTap, Tap};
-use slicecast::warp::in_front_of;
 
-use crate::camera::{CameraError, Picture, Setup, set_up};
+use crate::camera::{CameraError, Setup, set_up};
 use crate::oriented::{packed, with_slices};
+pub(crate) use crate::picture::picture;
 use crate::pipelines::{Job, compile, dispatch};
 use crate::scene::Scene;
 use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
@@ -444,25 +444,6 @@ pub fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) 
         format: ChannelOf::<L::Precision>::NAME,
         one: ChannelOf::<L::Precision>::ONE.bits(),
         planes,
-    }
-}
-
-/// The viewer's picture, in front of the scene's background.
-pub(crate) fn picture<L: Pipeline>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
-    let Picture { size, warp, .. } = prepared.setup.picture;
-    let plan = &prepared.setup.plan;
-    let background = background(prepared.scene);
-    let row = |y: u32| -> Vec<u8> {
-        (0..size[0])
-            .flat_map(|x| {
-                let base = |u, v| -> Pixel<ChannelOf<L::Precision>> { base_pixel(plan, pipeline, image, u, v) };
-                in_front_of(warp.pixel(x, y, base), background)
-            })
-            .collect()
-    };
-    Rgb {
-        size,
-        bytes: (0..size[1]).into_par_iter().flat_map_iter(row).collect(),
     }
 }
 

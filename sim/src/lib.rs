@@ -13,6 +13,7 @@ pub mod export;
 pub mod model;
 pub mod opponent;
 pub mod oriented;
+mod picture;
 pub mod pipelines;
 pub mod presets;
 pub mod rays;
