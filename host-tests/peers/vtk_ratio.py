@@ -7,7 +7,8 @@
 Two scenes, both under one white light from the viewer: dense fog (made here, 256^3, nothing can be skipped) and the bone
 of a CT volume, made cubic first (linear along z), because rays are so many a voxel here and so many a millimetre there.
 Rays are half a voxel apart (512 x 512 over a face of 256 x 256 voxels), the step is that of slicecast's
-sample planes, the view is parallel, the opacity table is corrected for the step by both. Rounds of VTK and of slicecast
+sample planes, the view is parallel, the opacity table is corrected for the step by both, and a ray ends where less than
+1/128 of its light is left (VTK: 255 of 32767). Rounds of VTK and of slicecast
 take turns; the shortest frame of each counts. VTK's time is the mapper's own (GetTimeToDraw: its gradients are made
 before the first frame and not counted, nor is showing the picture); slicecast's is all sample planes and the final warp,
 `compact`, all threads. With --pictures both pictures are written, to be looked at. Not part of the build.
@@ -29,6 +30,8 @@ rays_per_voxel = 2
 [transfer]
 unit_distance = 1.0
 points = [{points}]
+[render]
+early_termination = 7
 [lighting]
 ambient = 0.2
 diffuse = 0.7
