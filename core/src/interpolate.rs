@@ -94,28 +94,28 @@ pub(crate) fn extend_row(edge: &mut [i32], inner: &[i32]) {
     }
 }
 
-/// Fills the two places of a row (one before its first voxel, one after its last) with the volume continued
-/// linearly by one voxel. A row of one voxel is continued with itself.
+/// The volume continued linearly by one voxel beyond its end; a row of one voxel is continued with itself.
 #[inline]
-pub(crate) fn extend_ends(row: &mut [i32]) {
-    let beyond = |edge: i32, inner: i32| 2 * edge - inner;
+const fn beyond(edge: i32, inner: i32) -> i32 {
+    2 * edge - inner
+}
+
+/// Fills the place of a row before its first voxel.
+#[inline]
+pub(crate) fn extend_start(row: &mut [i32]) {
     match row {
-        [before, a, b, .., y, z, after] => {
-            *before = beyond(*a, *b);
-            *after = beyond(*z, *y);
-        }
-        [before, a, b, c, after] => {
-            *before = beyond(*a, *b);
-            *after = beyond(*c, *b);
-        }
-        [before, a, b, after] => {
-            *before = beyond(*a, *b);
-            *after = beyond(*b, *a);
-        }
-        [before, a, after] => {
-            *before = *a;
-            *after = *a;
-        }
+        [before, a, b, _, ..] => *before = beyond(*a, *b),
+        [before, a, _] => *before = *a,
+        _ => {}
+    }
+}
+
+/// Fills the place of a row behind its last voxel.
+#[inline]
+pub(crate) fn extend_end(row: &mut [i32]) {
+    match row {
+        [_, .., y, z, after] => *after = beyond(*z, *y),
+        [_, z, after] => *after = *z,
         _ => {}
     }
 }
@@ -339,7 +339,8 @@ mod tests {
             let mut row = vec![0];
             row.extend_from_slice(inner);
             row.push(0);
-            extend_ends(&mut row);
+            extend_start(&mut row);
+            extend_end(&mut row);
             (row[0], row[row.len() - 1])
         };
         assert_eq!(extended(&[5]), (5, 5));

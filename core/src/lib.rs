@@ -75,6 +75,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod blocks;
 pub mod classify;
 pub mod composite;
 pub mod format;

@@ -5,9 +5,10 @@
 //! shader and order of compositing ([`Composite`]), or an extreme of the samples ([`Project`]). Who names one pays for
 //! that one.
 //!
-//! Only what the scene needs, and the same bits with all of it or without: a row whose voxels all classify to nothing
-//! is not interpolated, nor is one whose rays are all finished; colours, gradients and shading are computed for spans
-//! of visible samples (opacity above 0 on a ray that is not finished).
+//! Only what the scene needs, and the same bits with all of it or without: a block of a row whose voxels all classify to
+//! nothing is not interpolated, nor is one whose rays are all finished; colours, gradients and shading are computed for
+//! spans of visible samples (opacity above 0 on a ray that is not finished). Where nobody has looked at the blocks of the
+//! volume, as in a stream, a row is one block.
 
 mod composite;
 mod meeting;
@@ -20,6 +21,7 @@ use core::fmt::Debug;
 
 pub use self::composite::Composite;
 pub use self::project::Project;
+use crate::classify::Support;
 use crate::composite::{Pixel, Recurrence};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
@@ -46,6 +48,8 @@ pub trait Pipeline: Sync {
     const SCRATCH_ROWS: usize;
     /// Whether planes go from the last to the first.
     const BACK_TO_FRONT: bool;
+    /// Which voxel ranges can change the image; `None` where any can.
+    fn support(&self) -> Option<Support>;
     /// What an element of an untouched image holds, for the run of that number.
     fn empty(channel: usize) -> Self::Element;
 
@@ -72,6 +76,10 @@ impl<L: Pipeline> Pipeline for &L {
     const SLICES: usize = L::SLICES;
     const SCRATCH_ROWS: usize = L::SCRATCH_ROWS;
     const BACK_TO_FRONT: bool = L::BACK_TO_FRONT;
+
+    fn support(&self) -> Option<Support> {
+        L::support(self)
+    }
 
     fn empty(channel: usize) -> Self::Element {
         L::empty(channel)

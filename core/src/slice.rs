@@ -4,6 +4,7 @@
 //! `width` voxels, every voxel is at most 4095, and every row's range is known (rows that classify to nothing are
 //! never read again).
 
+use crate::blocks::Seen;
 use crate::format::VOXEL_MAX;
 use crate::lanes::SMALL;
 
@@ -210,6 +211,8 @@ pub struct Window<'a> {
     pub far: Option<Slice<'a>>,
     /// Slice z + 2.
     pub after: Option<Slice<'a>>,
+    /// What can show something between slices z and z + 1. Where nobody knows, it is asked row by row.
+    pub seen: Option<Seen<'a>>,
 }
 
 impl<'a> Window<'a> {
@@ -220,6 +223,7 @@ impl<'a> Window<'a> {
             near: slice(z)?,
             far: slice(z + 1),
             after: slice(z + 2),
+            seen: None,
         })
     }
 

@@ -305,6 +305,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                 near,
                 far: slice(z + 1),
                 after: outer(z + 2),
+                seen: None,
             });
             if let Some(window) = window {
                 for (number, data) in (0..self.plan.phases()).zip(image.chunks_exact_mut(phase_len)) {

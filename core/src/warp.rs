@@ -76,8 +76,9 @@ pub fn mix<C: Channel>(a: C, b: C, weight: u32) -> C {
     C::from_bits((a + (((b - a) * i64::from(weight) + (1 << 15)) >> 16)) as u32)
 }
 
+/// [`mix`] of all channels.
 #[inline]
-fn mix_pixels<C: Channel>(a: Pixel<C>, b: Pixel<C>, weight: u32) -> Pixel<C> {
+pub fn mix_pixels<C: Channel>(a: Pixel<C>, b: Pixel<C>, weight: u32) -> Pixel<C> {
     let mut out = a;
     for (o, b) in out.colour.iter_mut().zip(b.colour) {
         *o = mix(*o, b, weight);

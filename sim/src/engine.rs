@@ -1,7 +1,9 @@
 //! Renders a scene: tiles of base-plane rows through all slices, on all cores; or slice by slice, as firmware does.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
-use slicecast::composite::{Channel, Pixel};
+use slicecast::composite::Channel;
 use slicecast::format::Intensity;
 use slicecast::lanes::Lanes;
 use slicecast::locate::{cell, plane};
@@ -10,10 +12,11 @@ use slicecast::plane::{ChannelOf, Pipeline, Rows, clear, scratch_len};
 use slicecast::slice::{RowRange, Slice, SliceError, Window};
 use slicecast::stream::{Memory, Needs, Stream, StreamError, base_pixel, phase_len};
 use slicecast::tap::{NoTap, Tap};
-use slicecast::warp::in_front_of;
 
-use crate::camera::{CameraError, Picture, Setup, set_up};
-use crate::oriented::{packed, with_slices};
+use crate::camera::{CameraError, Setup, set_up};
+use crate::occupancy::Sight;
+use crate::oriented::{Oriented, packed, with_slices};
+pub(crate) use crate::picture::picture;
 use crate::pipelines::{Job, compile, dispatch};
 use crate::scene::Scene;
 use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
@@ -146,23 +149,23 @@ impl<'a> Prepared<'a> {
     /// [`RenderError`]; nothing is rendered then.
     pub fn render(&self, layer: Layer, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
         with_slices(self.volume, self.setup.plan.view(), |slices| {
-            self.render_slices(slices, layer, progress)
+            self.render_oriented(&Oriented::of(slices), layer, progress)
         })?
     }
 
-    /// Renders the frame from slices that [`with_slices`] has made for a view along the same axis and direction.
+    /// Renders the frame from a volume that has been turned for a view along the same axis and direction.
     ///
     /// # Errors
     /// As [`Prepared::render`].
-    pub fn render_slices(
+    pub fn render_oriented(
         &self,
-        slices: &[Slice<'_>],
+        volume: &Oriented<'_>,
         layer: Layer,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Frame, RenderError> {
         self.dispatch(Render {
             prepared: self,
-            slices,
+            volume,
             layer,
             progress,
         })?
@@ -171,7 +174,7 @@ impl<'a> Prepared<'a> {
 
 struct Render<'a> {
     prepared: &'a Prepared<'a>,
-    slices: &'a [Slice<'a>],
+    volume: &'a Oriented<'a>,
     layer: Layer,
     progress: &'a (dyn Fn(usize, usize) + Sync),
 }
@@ -185,9 +188,16 @@ impl Job for Render<'_> {
         match self.layer {
             Layer::Tiles(rows) => {
                 let simd = self.prepared.simd;
-                fold_tiles(plan, pipeline, self.slices, &mut image, rows, simd, self.progress);
+                fold_tiles(plan, pipeline, self.volume, &mut image, rows, simd, self.progress);
             }
-            Layer::Stream => stream_tapped(plan, pipeline, self.slices, &mut image, self.progress, &mut NoTap)?,
+            Layer::Stream => stream_tapped(
+                plan,
+                pipeline,
+                self.volume.slices,
+                &mut image,
+                self.progress,
+                &mut NoTap,
+            )?,
         }
         Ok(Frame {
             base: base_image(plan, pipeline, &image),
@@ -229,17 +239,19 @@ pub struct Tile {
 pub fn fold_tiles<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
-    slices: &[Slice<'_>],
+    volume: &Oriented<'_>,
     image: &mut [L::Element],
     tile_rows: usize,
     simd: Simd,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) {
+    let sight = volume.sight(pipeline.support());
     each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {
         let fold = FoldTile {
             plan,
             pipeline,
-            slices,
+            slices: volume.slices,
+            sight: sight.as_ref(),
             tile,
             data,
             scratch,
@@ -266,6 +278,7 @@ pub fn fold_tiles_tapped<L: Pipeline, T: Tap + Send>(
             plan,
             pipeline,
             slices,
+            sight: None,
             tile,
             data,
             scratch,
@@ -290,7 +303,7 @@ fn each_tile<L: Pipeline, R: Send>(
     let [slice_width, _, _] = plan.dims();
     let tiles_per_phase = (base_height as usize).div_ceil(tile_rows);
     let total = tiles_per_phase * plan.phases() as usize;
-    let done = std::sync::atomic::AtomicUsize::new(0);
+    let done = AtomicUsize::new(0);
     let phases: Vec<(u32, &mut [L::Element])> = (0..).zip(image.chunks_mut(phase_len::<L>(plan))).collect();
     phases
         .into_par_iter()
@@ -307,7 +320,7 @@ fn each_tile<L: Pipeline, R: Send>(
                     rows: (data.len() / row_len) as u32,
                 };
                 let result = work(tile, data, scratch);
-                progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
                 result
             },
         )
@@ -329,6 +342,7 @@ pub fn fold_tile<L: Pipeline, T: Tap>(
         plan,
         pipeline,
         slices,
+        sight: None,
         tile,
         data,
         scratch,
@@ -341,12 +355,24 @@ pub fn fold_tile<L: Pipeline, T: Tap>(
 pub(crate) const AHEAD: i32 = 3;
 
 impl<L: Pipeline, T> FoldTile<'_, '_, L, T> {
-    /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`.
+    /// Asks for what a tile will read of a slice: the rows under its own, shifted by `offset`, and of those the blocks
+    /// that can show something, or whose neighbours can.
     #[inline(always)]
-    fn prefetch(&self, slice: &Slice<'_>, offset: i32) {
+    fn prefetch(&self, z: i32, offset: i32) {
+        let Some((number, slice)) = usize::try_from(z).ok().and_then(|z| Some((z, self.slices.get(z)?))) else {
+            return;
+        };
         let first = (i64::from(self.tile.first) + i64::from(offset)).max(0) as usize;
         for row in first..first + self.tile.rows as usize + 1 {
-            prefetch(slice.row(row));
+            match self.sight {
+                None => prefetch(slice.row(row)),
+                Some(sight) => {
+                    for columns in sight.around(number, row) {
+                        let end = columns.end.min(slice.width());
+                        prefetch(slice.row(row).get(columns.start..end).unwrap_or(&[]));
+                    }
+                }
+            }
         }
     }
 }
@@ -356,6 +382,7 @@ struct FoldTile<'a, 's, L: Pipeline, T> {
     plan: &'a Plan,
     pipeline: &'a L,
     slices: &'a [Slice<'s>],
+    sight: Option<&'a Sight>,
     tile: Tile,
     data: &'a mut [L::Element],
     scratch: &'a mut [i32],
@@ -377,11 +404,10 @@ impl<L: Pipeline, T: Tap> OverLanes for FoldTile<'_, '_, L, T> {
             let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
             if ahead != Some(wanted) {
                 ahead = Some(wanted);
-                if let Some(slice) = slice(wanted) {
-                    self.prefetch(&slice, cell(plane.y).index);
-                }
+                self.prefetch(wanted, cell(plane.y).index);
             }
-            if let Some(window) = Window::at(z, slice) {
+            if let Some(mut window) = Window::at(z, slice) {
+                window.seen = self.sight.map(|sight| sight.between(z as usize));
                 let rows = Rows {
                     first: self.tile.first,
                     data: &mut *self.data,
@@ -444,25 +470,6 @@ pub fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) 
         format: ChannelOf::<L::Precision>::NAME,
         one: ChannelOf::<L::Precision>::ONE.bits(),
         planes,
-    }
-}
-
-/// The viewer's picture, in front of the scene's background.
-pub(crate) fn picture<L: Pipeline>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
-    let Picture { size, warp, .. } = prepared.setup.picture;
-    let plan = &prepared.setup.plan;
-    let background = background(prepared.scene);
-    let row = |y: u32| -> Vec<u8> {
-        (0..size[0])
-            .flat_map(|x| {
-                let base = |u, v| -> Pixel<ChannelOf<L::Precision>> { base_pixel(plan, pipeline, image, u, v) };
-                in_front_of(warp.pixel(x, y, base), background)
-            })
-            .collect()
-    };
-    Rgb {
-        size,
-        bytes: (0..size[1]).into_par_iter().flat_map_iter(row).collect(),
     }
 }
 

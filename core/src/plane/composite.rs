@@ -2,12 +2,13 @@
 
 use core::marker::PhantomData;
 
-use super::meeting::{Meeting, meets, met_rows};
+use super::meeting::{Meeting, met_rows, seen};
 use super::normals::NormalRows;
 use super::sampler::Sampler;
-use super::spans::{all_finished, visible_span};
+use super::spans::{unfinished, visible_span};
 use super::{ChannelOf, Pipeline, Rows, scratch_len, take_row};
-use crate::classify::Classifier;
+use crate::blocks::runs;
+use crate::classify::{Classifier, Support};
 use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence, fold_row};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
@@ -59,26 +60,31 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         mut scratch: &mut [i32],
         tap: &mut T,
     ) {
-        let meeting = Meeting::of(plan, plane);
-        let n = meeting.columns.len();
-        if n == 0 {
+        let meeting = Meeting::of(plan, plane, window);
+        if meeting.columns.is_empty() {
             return;
         }
         let [base_width, _] = plan.base().map(|side| side as usize);
         let [slice_width, _, _] = plan.dims();
         let mut sampler = Sampler::<P, LIT>::new(&mut scratch, slice_width);
-        let opacities = part_mut(take_row(&mut scratch, slice_width), 0..n);
+        let opacities = take_row(&mut scratch, slice_width);
         let mut colours = [(); 3].map(|()| take_row(&mut scratch, slice_width));
         let mut normals = NormalRows::<LIT>::new(&mut scratch, slice_width);
         let dither = Dither::of_plane(plane.index);
         let support = self.classifier.support();
-
+        let place = meeting.voxel + 1;
         for (row, data, voxel_row) in met_rows(&meeting, rows, 4 * base_width) {
-            let mut pixels = PixelRow::of_runs(data, base_width, meeting.columns.clone());
-            if !O::BACK_TO_FRONT && all_finished::<_, V>(pixels.transparency) {
+            let seen = seen(support, window, meeting.voxel_rows(voxel_row));
+            if seen == 0 {
                 continue;
             }
-            if !meets(support, window, meeting.voxel_rows(voxel_row)) {
+            let mut pixels = PixelRow::of_runs(data, base_width, meeting.columns.clone());
+            let active = if O::BACK_TO_FRONT {
+                seen
+            } else {
+                unfinished::<_, V>(&meeting, seen, pixels.transparency)
+            };
+            if active == 0 {
                 continue;
             }
             let beam = |offset: usize| Beam {
@@ -86,32 +92,40 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
                 row,
                 column: (meeting.columns.start + offset) as u32,
             };
-            sampler.make::<V>(&meeting, window, voxel_row);
-            let place = meeting.voxel + 1;
-            let samples = part(sampler.row(voxel_row), place..place + n);
-            tap.samples(beam(0), samples);
-            self.classifier.opacity_row::<V>(samples, opacities);
-            tap.opacities(beam(0), opacities);
-
-            let mut from = 0;
-            while let Some(span) = visible_span::<O, _, V>(opacities, pixels.transparency, from) {
-                from = span.end;
-                let at = beam(span.start);
-                let places = place + span.start..place + span.end;
-                let [cr, cg, cb] = colours.each_mut().map(|c| part_mut(c, 0..span.len()));
-                let samples = part(sampler.row(voxel_row), places.clone());
-                self.classifier.colour_row::<V>(samples, [&mut *cr, &mut *cg, &mut *cb]);
-                tap.colours(at, [cr, cg, cb]);
-                if LIT {
-                    sampler.make::<V>(&meeting, window, voxel_row - 1);
-                    sampler.make::<V>(&meeting, window, voxel_row + 1);
-                    normals.make::<P, V>(plan, &meeting, window, &sampler, voxel_row, places);
-                    normals.shade::<P, S, V, T>(&self.shader, at, [&mut *cr, &mut *cg, &mut *cb], tap);
+            // All samples of a row first: none of them waits for a look at another.
+            sampler.make::<V>(&meeting, window, voxel_row, active);
+            for run in runs(active) {
+                let all = meeting.samples(run);
+                let samples = part(sampler.row(voxel_row), place + all.start..place + all.end);
+                let opacities = part_mut(opacities, all.clone());
+                tap.samples(beam(all.start), samples);
+                self.classifier.opacity_row::<V>(samples, opacities);
+                tap.opacities(beam(all.start), opacities);
+            }
+            for run in runs(active) {
+                let all = meeting.samples(run);
+                let opacities = part(opacities, all.clone());
+                let mut from = 0;
+                while let Some(span) = visible_span::<O, _, V>(opacities, part(pixels.transparency, all.clone()), from)
+                {
+                    from = span.end;
+                    let opacities = part(opacities, span.clone());
+                    let span = all.start + span.start..all.start + span.end;
+                    let at = beam(span.start);
+                    let places = place + span.start..place + span.end;
+                    let [cr, cg, cb] = colours.each_mut().map(|c| part_mut(c, 0..span.len()));
+                    let samples = part(sampler.row(voxel_row), places.clone());
+                    self.classifier.colour_row::<V>(samples, [&mut *cr, &mut *cg, &mut *cb]);
+                    tap.colours(at, [cr, cg, cb]);
+                    if LIT {
+                        normals.make::<P, V>(plan, &meeting, window, &mut sampler, voxel_row, places);
+                        normals.shade::<P, S, V, T>(&self.shader, at, [&mut *cr, &mut *cg, &mut *cb], tap);
+                    }
+                    let mut pixels = pixels.span(span);
+                    tap.before(at, &pixels);
+                    fold_row::<P::Pixel, O, V>(&mut pixels, [cr, cg, cb], opacities, dither, self.floor);
+                    tap.after(at, &pixels);
                 }
-                let mut pixels = pixels.span(span.clone());
-                tap.before(at, &pixels);
-                fold_row::<P::Pixel, O, V>(&mut pixels, [cr, cg, cb], part(opacities, span), dither, self.floor);
-                tap.after(at, &pixels);
             }
         }
     }
@@ -134,6 +148,10 @@ where
         Sampler::<P, false>::ROWS + 4
     };
     const BACK_TO_FRONT: bool = O::BACK_TO_FRONT;
+
+    fn support(&self) -> Option<Support> {
+        Some(self.classifier.support())
+    }
 
     fn empty(channel: usize) -> ChannelOf<P> {
         if channel == 3 {

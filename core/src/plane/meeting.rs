@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use super::Rows;
+use crate::blocks::{Grain, Seen};
 use crate::classify::Support;
 use crate::format::Weight;
 use crate::locate::{Cell, Plane, cell, inside};
@@ -18,11 +19,13 @@ pub(super) struct Meeting {
     pub(super) rows: Range<u32>,
     /// Column of the volume under the first of `columns`.
     pub(super) voxel: usize,
+    pub(super) width: usize,
     pub(super) height: i32,
+    pub(super) grain: Grain,
 }
 
 impl Meeting {
-    pub(super) fn of(plan: &Plan, plane: &Plane) -> Self {
+    pub(super) fn of(plan: &Plan, plane: &Plane, window: &Window<'_>) -> Self {
         let [width, height, _] = plan.dims();
         let [base_width, base_height] = plan.base();
         let (x, y, z) = (cell(plane.x), cell(plane.y), cell(plane.z));
@@ -34,7 +37,9 @@ impl Meeting {
             voxel: (i64::from(columns.start) + i64::from(x.index)).max(0) as usize,
             columns: columns.start as usize..columns.end as usize,
             rows: inside(y, height, base_height),
+            width: width as usize,
             height: height as i32,
+            grain: window.seen.map_or(Grain::WHOLE, Seen::grain),
         }
     }
 
@@ -46,6 +51,14 @@ impl Meeting {
     /// The weights along x and y.
     pub(super) fn weights(&self) -> [Weight; 2] {
         [self.x.weight, self.y.weight]
+    }
+
+    /// The samples of some blocks, counted from the first of `columns`.
+    #[inline(always)]
+    pub(super) fn samples(&self, blocks: Range<u32>) -> Range<usize> {
+        let Range { start, end } = self.grain.span(blocks, self.width);
+        let sample = |column: usize| column.saturating_sub(self.voxel).min(self.columns.len());
+        sample(start)..sample(end)
     }
 
     /// The voxel rows around a row of samples: its own and the next, which is itself behind the last.
@@ -70,10 +83,14 @@ pub(super) fn met_rows<'m, E>(
     met.map(|(row, data)| (row, data, row as i32 + meeting.y.index))
 }
 
-/// Whether samples between these voxel rows can be visible.
-pub(super) fn meets(support: Support, window: &Window<'_>, (row, next): (usize, usize)) -> bool {
+/// The blocks of a row of samples that can be visible.
+#[inline(always)]
+pub(super) fn seen(support: Support, window: &Window<'_>, (row, next): (usize, usize)) -> u64 {
+    if let Some(seen) = window.seen {
+        return seen.row(row);
+    }
     let far = window.far_or_near();
     let range = |s: &Slice<'_>| s.range(row).union(s.range(next));
     let range: RowRange = range(&window.near).union(range(&far));
-    support.meets(range)
+    u64::from(support.meets(range))
 }

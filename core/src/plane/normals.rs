@@ -3,8 +3,9 @@
 use core::ops::Range;
 
 use super::meeting::Meeting;
-use super::sampler::Sampler;
+use super::sampler::{Made, Sampler};
 use super::take_row;
+use crate::blocks::runs;
 use crate::gradient::{coarsen_row, difference_row, space_row};
 use crate::interpolate::{Difference, yx_row, z_difference_row};
 use crate::lanes::Lanes;
@@ -20,9 +21,9 @@ use crate::tap::{Beam, Tap};
 pub(super) struct NormalRows<'s, const LIT: bool> {
     g: [&'s mut [i32]; 3],
     r: &'s mut [i32],
-    /// z interpolation of derivatives along z, of an even and an odd voxel row: which row, and which columns of it.
+    /// z interpolation of derivatives along z, of an even and an odd voxel row.
     z: [&'s mut [i32]; 2],
-    z_made: [(usize, Range<usize>); 2],
+    z_made: [Made; 2],
     len: usize,
 }
 
@@ -37,33 +38,31 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
             g: [row(), row(), row()],
             r: row(),
             z: [row(), row()],
-            z_made: [(0, 0..0), (0, 0..0)],
+            z_made: [Made::NOTHING; 2],
             len: 0,
         }
     }
 
-    /// Makes some columns of the z interpolation of a voxel row's derivatives along z.
+    /// Makes blocks of the z interpolation of a voxel row's derivatives along z, and a column behind them.
     #[inline(always)]
-    fn make_z<P: Precision, V: Lanes>(
-        &mut self,
-        meeting: &Meeting,
-        window: &Window<'_>,
-        row: usize,
-        columns: &Range<usize>,
-    ) {
+    fn make_z<P: Precision, V: Lanes>(&mut self, meeting: &Meeting, window: &Window<'_>, row: usize, blocks: u64) {
         let ([even, odd], [even_made, odd_made]) = (&mut self.z, &mut self.z_made);
         let (out, made) = if row & 1 == 0 {
             (even, even_made)
         } else {
             (odd, odd_made)
         };
-        if made.0 == row && made.1.start <= columns.start && columns.end <= made.1.end {
+        let missing = made.missing(row as i32, blocks);
+        if missing == 0 {
             return;
         }
-        *made = (row, columns.clone());
         let (near, far) = derivatives(window, row);
-        let (near, far) = (near.columns(columns.clone()), far.columns(columns.clone()));
-        z_difference_row::<P, V>(near, far, meeting.z.weight, part_mut(out, columns.clone()));
+        for run in runs(missing) {
+            let Range { start, end } = meeting.grain.span(run, meeting.width);
+            let columns = start..(end + 1).min(meeting.width);
+            let (near, far) = (near.columns(columns.clone()), far.columns(columns.clone()));
+            z_difference_row::<P, V>(near, far, meeting.z.weight, part_mut(out, columns));
+        }
     }
 
     /// Gradients of the samples at `places` of a row.
@@ -73,16 +72,21 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
         plan: &Plan,
         meeting: &Meeting,
         window: &Window<'_>,
-        sampler: &Sampler<'_, P, LIT>,
+        sampler: &mut Sampler<'_, P, LIT>,
         row: i32,
         places: Range<usize>,
     ) {
+        let blocks = meeting
+            .grain
+            .covering(places.start.saturating_sub(1)..places.end.saturating_sub(1));
+        sampler.make::<V>(meeting, window, row - 1, blocks);
+        sampler.make::<V>(meeting, window, row + 1, blocks);
         self.len = places.len();
         // Along z: derivatives in place of voxels, one column more than the span where there is one.
-        let columns = places.start.saturating_sub(1)..places.end.min(window.near.width());
+        let columns = places.start.saturating_sub(1)..places.end.min(meeting.width);
         let (this, next) = meeting.voxel_rows(row);
-        self.make_z::<P, V>(meeting, window, this, &columns);
-        self.make_z::<P, V>(meeting, window, next, &columns);
+        self.make_z::<P, V>(meeting, window, this, blocks);
+        self.make_z::<P, V>(meeting, window, next, blocks);
         let [even, odd] = &self.z;
         let pick = |row: usize| part(if row & 1 == 0 { even } else { odd }, columns.clone());
 

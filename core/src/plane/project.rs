@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use super::meeting::{Meeting, met_rows};
 use super::sampler::Sampler;
 use super::{ChannelOf, Pipeline, Rows, scratch_len};
-use crate::classify::Classifier;
+use crate::classify::{Classifier, Support};
 use crate::composite::Pixel;
 use crate::lanes::Lanes;
 use crate::locate::Plane;
@@ -42,6 +42,10 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
     const SCRATCH_ROWS: usize = Sampler::<P, false>::ROWS;
     const BACK_TO_FRONT: bool = false;
 
+    fn support(&self) -> Option<Support> {
+        None
+    }
+
     fn empty(_: usize) -> i32 {
         X::EMPTY
     }
@@ -61,15 +65,16 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             return;
         }
         tap.plane(plane);
-        let meeting = Meeting::of(plan, plane);
+        let meeting = Meeting::of(plan, plane, window);
         let n = meeting.columns.len();
         if n == 0 {
             return;
         }
         let [base_width, _] = plan.base().map(|side| side as usize);
+        let whole = meeting.grain.covering(0..meeting.width);
         let mut sampler = Sampler::<P, false>::new(&mut scratch, slice_width);
         for (row, data, voxel_row) in met_rows(&meeting, rows, base_width) {
-            sampler.make::<V>(&meeting, window, voxel_row);
+            sampler.make::<V>(&meeting, window, voxel_row, whole);
             let place = meeting.voxel + 1;
             let samples = part(sampler.row(voxel_row), place..place + n);
             let at = Beam {

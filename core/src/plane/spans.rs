@@ -1,9 +1,11 @@
-//! What of a row is worth its work: spans of visible samples, rays that are not finished.
+//! What of a row is worth its work: spans of visible samples on rays that are not finished.
 
 use core::ops::Range;
 
+use super::meeting::Meeting;
 use crate::composite::{Channel, Order};
 use crate::lanes::Lanes;
+use crate::rows::part;
 
 /// Whether any of the `V::COUNT` samples at `at` is visible.
 #[inline(always)]
@@ -38,11 +40,26 @@ pub(super) fn visible_span<O: Order, C: Channel, V: Lanes>(
 
 /// Whether all rays of a row are finished.
 #[inline(always)]
-pub(super) fn all_finished<C: Channel, V: Lanes>(transparencies: &[C]) -> bool {
+fn all_finished<C: Channel, V: Lanes>(transparencies: &[C]) -> bool {
     for at in (0..transparencies.len()).step_by(V::COUNT) {
         if !V::load_as(transparencies, at, C::bits).all_zero() {
             return false;
         }
     }
     true
+}
+
+/// Those of some blocks in which a ray is not finished.
+#[inline(always)]
+pub(super) fn unfinished<C: Channel, V: Lanes>(meeting: &Meeting, blocks: u64, transparencies: &[C]) -> u64 {
+    let (mut left, mut kept) = (blocks, 0);
+    while left != 0 {
+        let block = left.trailing_zeros();
+        let bit = left & left.wrapping_neg();
+        left ^= bit;
+        if !all_finished::<C, V>(part(transparencies, meeting.samples(block..block + 1))) {
+            kept |= bit;
+        }
+    }
+    kept
 }
