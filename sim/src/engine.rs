@@ -246,19 +246,36 @@ pub fn fold_tiles<L: Pipeline>(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) {
     let sight = volume.sight(pipeline.support());
-    each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {
-        let fold = FoldTile {
-            plan,
-            pipeline,
-            slices: volume.slices,
-            sight: sight.as_ref(),
-            tile,
-            data,
-            scratch,
-            tap: &mut NoTap,
-        };
-        with_lanes(simd, fold);
-    });
+    let [base_width, base_height] = plan.base();
+    let row_len = L::CHANNELS * base_width as usize;
+    let tile_rows = tile_rows.clamp(1, base_height as usize);
+    let count = (base_height as usize).div_ceil(tile_rows);
+    // A tile takes its rows of all phases through the volume together, because they look at the same voxels.
+    let mut tiles: Vec<Vec<_>> = (0..count).map(|_| Vec::new()).collect();
+    for (phase, data) in (0..).zip(image.chunks_mut(phase_len::<L>(plan))) {
+        for (tile, data) in tiles.iter_mut().zip(data.chunks_mut(row_len * tile_rows)) {
+            tile.push((phase, data));
+        }
+    }
+    let done = AtomicUsize::new(0);
+    tiles.into_par_iter().enumerate().with_max_len(1).for_each_init(
+        || vec![0; scratch_len::<L>(plan.dims()[0])],
+        |scratch, (index, mut phases)| {
+            let fold = FoldTile {
+                plan,
+                pipeline,
+                slices: volume.slices,
+                sight: sight.as_ref(),
+                first: (index * tile_rows) as u32,
+                rows: tile_rows as u32,
+                phases: &mut phases,
+                scratch,
+                tap: &mut NoTap,
+            };
+            with_lanes(simd, fold);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, count);
+        },
+    );
 }
 
 /// Folds all planes into an image like [`fold_tiles`], by the scalar definitions, each tile under a tap of its own.
@@ -279,8 +296,9 @@ pub fn fold_tiles_tapped<L: Pipeline, T: Tap + Send>(
             pipeline,
             slices,
             sight: None,
-            tile,
-            data,
+            first: tile.first,
+            rows: tile.rows,
+            phases: &mut [(tile.phase, data)],
             scratch,
             tap: &mut tap,
         };
@@ -343,8 +361,9 @@ pub fn fold_tile<L: Pipeline, T: Tap>(
         pipeline,
         slices,
         sight: None,
-        tile,
-        data,
+        first: tile.first,
+        rows: tile.rows,
+        phases: &mut [(tile.phase, data)],
         scratch,
         tap,
     };
@@ -354,7 +373,7 @@ pub fn fold_tile<L: Pipeline, T: Tap>(
 /// How many slices ahead of a plane memory is asked for.
 pub(crate) const AHEAD: i32 = 3;
 
-impl<L: Pipeline, T> FoldTile<'_, '_, L, T> {
+impl<L: Pipeline, T> FoldTile<'_, '_, '_, L, T> {
     /// Asks for what a tile will read of a slice: the rows under its own, shifted by `offset`, and of those the blocks
     /// that can show something, or whose neighbours can.
     #[inline(always)]
@@ -362,8 +381,8 @@ impl<L: Pipeline, T> FoldTile<'_, '_, L, T> {
         let Some((number, slice)) = usize::try_from(z).ok().and_then(|z| Some((z, self.slices.get(z)?))) else {
             return;
         };
-        let first = (i64::from(self.tile.first) + i64::from(offset)).max(0) as usize;
-        for row in first..first + self.tile.rows as usize + 1 {
+        let first = (i64::from(self.first) + i64::from(offset)).max(0) as usize;
+        for row in first..first + self.rows as usize + 1 {
             match self.sight {
                 None => prefetch(slice.row(row)),
                 Some(sight) => {
@@ -378,18 +397,21 @@ impl<L: Pipeline, T> FoldTile<'_, '_, L, T> {
 }
 
 /// A tile on its way through all planes.
-struct FoldTile<'a, 's, L: Pipeline, T> {
+struct FoldTile<'a, 's, 'p, L: Pipeline, T> {
     plan: &'a Plan,
     pipeline: &'a L,
     slices: &'a [Slice<'s>],
     sight: Option<&'a Sight>,
-    tile: Tile,
-    data: &'a mut [L::Element],
+    /// Its first row, and how many there are.
+    first: u32,
+    rows: u32,
+    /// Its rows of each phase.
+    phases: &'a mut [(u32, &'p mut [L::Element])],
     scratch: &'a mut [i32],
     tap: &'a mut T,
 }
 
-impl<L: Pipeline, T: Tap> OverLanes for FoldTile<'_, '_, L, T> {
+impl<L: Pipeline, T: Tap> OverLanes for FoldTile<'_, '_, '_, L, T> {
     type Output = ();
 
     #[inline(always)]
@@ -399,21 +421,27 @@ impl<L: Pipeline, T: Tap> OverLanes for FoldTile<'_, '_, L, T> {
         let mut ahead = None;
         for step in 0..planes {
             let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
-            let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
-            let z = cell(plane.z).index;
-            let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
-            if ahead != Some(wanted) {
-                ahead = Some(wanted);
-                self.prefetch(wanted, cell(plane.y).index);
-            }
-            if let Some(mut window) = Window::at(z, slice) {
+            for number in 0..self.phases.len() {
+                let Some((phase, data)) = self.phases.get_mut(number) else {
+                    continue;
+                };
+                let plane = plane(self.plan, self.plan.phase(*phase), index);
+                let z = cell(plane.z).index;
+                let Some(mut window) = Window::at(z, slice) else {
+                    continue;
+                };
                 window.seen = self.sight.map(|sight| sight.between(z as usize));
                 let rows = Rows {
-                    first: self.tile.first,
-                    data: &mut *self.data,
+                    first: self.first,
+                    data: &mut **data,
                 };
                 self.pipeline
                     .fold::<V, T>(self.plan, &plane, &window, rows, self.scratch, self.tap);
+                let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
+                if ahead != Some(wanted) {
+                    ahead = Some(wanted);
+                    self.prefetch(wanted, cell(plane.y).index);
+                }
             }
         }
     }
