@@ -309,7 +309,7 @@ fn hard(cases: &[Case]) -> Markup {
                     thead {
                         tr {
                             th { "case" } th.text { "figure" } th { "theory" } th { "paper" } th { "compact" } th { "wide" }
-                            th.text { "verdict" } th.text { "others" } th.text { "Squeeze; study; note" }
+                            th.text { "verdict" } th.others { "others" } th.text { "Squeeze; study; note" }
                         }
                     }
                     tbody { @for case in cases { (hard_row(case)) } }
@@ -334,7 +334,7 @@ fn hard_row(case: &Case) -> Markup {
                 td { @match case.outcomes.iter().find(|o| o.who == name) { Some(o) => (short(o.value)), None => "-" } }
             }
             td.text.fails[!case.holds()] { @if case.holds() { "holds" } @else { "fails" } }
-            td.text {
+            td.others {
                 @for outcome in case.outcomes.iter().filter(|o| !named.contains(&o.who.as_str())) {
                     (outcome.who) ": " (short(outcome.value)) br;
                 }
