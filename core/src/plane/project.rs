@@ -12,8 +12,7 @@ use crate::locate::Plane;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::project::{Extreme, keep_row, resolve};
-use crate::rows::part;
-use crate::rows::part_mut;
+use crate::rows::{part, part_mut};
 use crate::slice::Window;
 use crate::tap::{Beam, Tap};
 

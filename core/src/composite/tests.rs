@@ -1,0 +1,146 @@
+use super::*;
+use proptest::prelude::*;
+
+fn opacity() -> impl Strategy<Value = Opacity> {
+    prop_oneof![0u32..=1 << 31, 0u32..100_000, Just(1 << 31), Just(2147418113), Just(0)].prop_map(Opacity::from_bits)
+}
+
+/// Colours in 1.15; [`scaled`] takes them to a pixel's own bits.
+fn colour() -> impl Strategy<Value = [u32; 3]> {
+    prop::array::uniform3(prop_oneof![0u32..=32768, Just(32768), Just(0)])
+}
+
+fn scaled<R: Recurrence>(colour: [u32; 3]) -> [u32; 3] {
+    colour.map(|c| c << (R::COLOUR_BITS - 15))
+}
+
+/// One sample folded by the scalar functions and [`settle`].
+fn folded<R: Recurrence, O: Order>(
+    pixel: Pixel<R::Channel>,
+    colour: [u32; 3],
+    opacity: Opacity,
+    dither: Dither,
+) -> Pixel<R::Channel> {
+    if O::BACK_TO_FRONT {
+        return R::under(pixel, colour, opacity, dither);
+    }
+    let mut out = R::over(pixel, colour, opacity, dither);
+    out.transparency = settle(out.transparency, R::FLOOR);
+    out
+}
+
+fn keeps_its_bounds<R: Recurrence>(samples: &[([u32; 3], Opacity)]) -> Result<(), TestCaseError> {
+    let one = R::Channel::ONE.bits();
+    let (mut over, mut under) = (Pixel::<R::Channel>::clear(), Pixel::<R::Channel>::clear());
+    for (k, &(c, a)) in samples.iter().enumerate() {
+        let dither = Dither::of_plane(k as u32);
+        let c = scaled::<R>(c);
+        over = R::over(over, c, a, dither);
+        under = R::under(under, c, a, dither);
+        for channel in over.colour {
+            prop_assert!(channel.bits() + over.transparency.bits() <= one);
+        }
+        for channel in under.colour {
+            prop_assert!(channel.bits() <= one);
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn nothing_ever_needs_a_clamp(samples in prop::collection::vec((colour(), opacity()), 0..200)) {
+        keeps_its_bounds::<Truncating15>(&samples)?;
+        keeps_its_bounds::<Dithered<u16>>(&samples)?;
+        keeps_its_bounds::<Dithered<Unorm16>>(&samples)?;
+        keeps_its_bounds::<Telescoping31>(&samples)?;
+    }
+
+    #[test]
+    fn white_fog_keeps_all_light(samples in prop::collection::vec(opacity(), 0..400)) {
+        let white = [1 << 15; 3];
+        let (mut wide, mut compact) = (Pixel::<u32>::clear(), Pixel::<Unorm16>::clear());
+        for (k, &a) in samples.iter().enumerate() {
+            let dither = Dither::of_plane(k as u32);
+            wide = Telescoping31::over(wide, scaled::<Telescoping31>(white), a, dither);
+            compact = Dithered::over(compact, white, a, dither);
+        }
+        prop_assert_eq!(wide.colour[0] + wide.transparency, 1 << 31);
+        prop_assert_eq!(compact.colour[0].0 + compact.transparency.0, u16::MAX);
+    }
+
+    #[test]
+    fn transparent_samples_and_finished_rays_change_nothing(
+        t in 0u32..=1 << 31, c in any::<u32>(), sample in colour(), a in opacity(), k in any::<u32>(),
+    ) {
+        fn unchanged<R: Recurrence>(
+            t: u32, c: u32, sample: [u32; 3], a: Opacity, k: u32,
+        ) -> Result<(), TestCaseError> {
+            let t = ((u64::from(t) * u64::from(R::Channel::ONE.bits())) >> 31) as u32;
+            let c = c.checked_rem(R::Channel::ONE.bits() - t + 1).unwrap_or(0);
+            let pixel = Pixel { colour: [R::Channel::from_bits(c); 3], transparency: R::Channel::from_bits(t) };
+            let (sample, dither) = (scaled::<R>(sample), Dither::of_plane(k));
+            prop_assert_eq!(R::over(pixel, sample, Opacity::ZERO, dither), pixel);
+            prop_assert_eq!(R::under(pixel, sample, Opacity::ZERO, dither), pixel);
+            let finished = Pixel { transparency: R::Channel::default(), ..pixel };
+            prop_assert_eq!(R::over(finished, sample, a, dither), finished);
+            Ok(())
+        }
+        unchanged::<Truncating15>(t, c, sample, a, k)?;
+        unchanged::<Dithered<u16>>(t, c, sample, a, k)?;
+        unchanged::<Dithered<Unorm16>>(t, c, sample, a, k)?;
+        unchanged::<Telescoping31>(t, c, sample, a, k)?;
+    }
+
+    #[test]
+    fn rows_are_the_scalar(samples in prop::collection::vec((colour(), opacity()), 0..34), k in any::<u32>()) {
+        fn same<R: Recurrence, O: Order>(
+            samples: &[([u32; 3], Opacity)], k: u32,
+        ) -> Result<(), TestCaseError> {
+            let n = samples.len();
+            let dither = Dither::of_plane(k);
+            let mut row = std::vec![R::Channel::default(); 4 * n];
+            for (i, v) in row.iter_mut().enumerate() {
+                let share = R::Channel::ONE.bits() / (4 * n as u32 + 1);
+                *v = R::Channel::from_bits(share * (i as u32 % 7));
+            }
+            let before = row.clone();
+            let column = |c: usize| samples.iter().map(|s| scaled::<R>(s.0)[c] as i32).collect::<std::vec::Vec<_>>();
+            let (r, g, b) = (column(0), column(1), column(2));
+            let a: std::vec::Vec<i32> = samples.iter().map(|s| s.1.to_bits() as i32).collect();
+            let mut pixels = PixelRow::of_runs(&mut row, n, 0..n);
+            fold_row::<R, O, i32>(&mut pixels, [&r, &g, &b], &a, dither, R::FLOOR);
+            for (i, &(c, a)) in samples.iter().enumerate() {
+                let pixel = Pixel {
+                    colour: [before[i], before[n + i], before[2 * n + i]], transparency: before[3 * n + i],
+                };
+                let out = folded::<R, O>(pixel, scaled::<R>(c), a, dither);
+                prop_assert_eq!([row[i], row[n + i], row[2 * n + i]], out.colour);
+                prop_assert_eq!(row[3 * n + i], out.transparency);
+            }
+            Ok(())
+        }
+        same::<Truncating15, FrontToBack>(&samples, k)?;
+        same::<Dithered<Unorm16>, FrontToBack>(&samples, k)?;
+        same::<Telescoping31, FrontToBack>(&samples, k)?;
+        same::<Dithered<Unorm16>, BackToFront>(&samples, k)?;
+        same::<Telescoping31, BackToFront>(&samples, k)?;
+    }
+}
+
+#[test]
+fn bytes_are_exactly_rounded() {
+    for bits in 0..=1u16 << 15 {
+        let exact = (f64::from(bits) / 32768.0 * 255.0 + 0.5).floor();
+        assert_eq!(f64::from(to_byte(bits)), exact);
+    }
+    assert_eq!(
+        (
+            to_byte(0u32),
+            to_byte(1u32 << 31),
+            to_byte(4210752u32),
+            to_byte(4210753u32)
+        ),
+        (0, 255, 0, 1)
+    );
+}
