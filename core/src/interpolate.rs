@@ -23,30 +23,36 @@ use crate::precision::Precision;
 
 /// Sixteen-bit weight with the bits that a precision does not have cut off.
 #[inline(always)]
-fn cut<P: Precision>(weight: Weight) -> i32 {
+pub(crate) fn cut<P: Precision>(weight: Weight) -> i32 {
     (weight.to_bits() & (u32::MAX << (16 - P::WEIGHT_BITS))) as i32
+}
+
+/// A number with all 16 fraction bits, rounded to those that a precision keeps between its steps.
+#[inline(always)]
+pub(crate) fn kept<P: Precision, V: Lanes>(exact: V) -> V {
+    let cut = 16 - P::LERP_BITS;
+    if cut == 0 {
+        exact
+    } else {
+        ((exact + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut) << cut
+    }
 }
 
 /// `WHOLE`: `a` and `b` are whole numbers, and so their difference times the weight is exact.
 #[inline(always)]
-fn lerp_y<P: Precision, V: Lanes, const WHOLE: bool>(a: V, b: V, w: V) -> V {
+pub(crate) fn lerp_y<P: Precision, V: Lanes, const WHOLE: bool>(a: V, b: V, w: V) -> V {
     let cut = 16 - P::LERP_BITS;
     if WHOLE {
-        let exact = a + ((b - a) >> 16) * w;
-        if cut == 0 {
-            exact
-        } else {
-            ((exact + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut) << cut
-        }
+        kept::<P, V>(a + ((b - a) >> 16) * w)
     } else if cut == 0 {
         a + (b - a).scale16(w, P::LERP_ROUNDING.bias(16))
     } else {
-        ((a + (b - a).scale16(w, 0) + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut) << cut
+        kept::<P, V>(a + (b - a).scale16(w, 0))
     }
 }
 
 #[inline(always)]
-fn lerp_x<P: Precision, V: Lanes>(a: V, b: V, w: V) -> V {
+pub(crate) fn lerp_x<P: Precision, V: Lanes>(a: V, b: V, w: V) -> V {
     let cut = 16 - P::SAMPLE_BITS;
     (a + (b - a).scale16(w, 0) + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut
 }
@@ -141,6 +147,18 @@ impl Difference<'_> {
             minuend: self.minuend.get(..len)?,
             subtrahend: self.subtrahend.get(..len)?,
         })
+    }
+
+    /// Columns `at ..`.
+    #[inline(always)]
+    pub(crate) fn scaled<V: Lanes>(&self, at: usize) -> V {
+        let lanes = self.lanes::<V>(at);
+        // At a face of the volume; everywhere else the scale is 1.
+        if self.scale == 1 {
+            lanes
+        } else {
+            lanes * V::splat(self.scale)
+        }
     }
 
     /// Columns `at ..`, before scaling.

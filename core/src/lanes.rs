@@ -95,6 +95,12 @@ pub trait Lanes:
     fn at_least_then(self, floor: Self, value: Self) -> Self;
     /// Whether all lanes are 0.
     fn all_zero(self) -> bool;
+    /// How many lanes are not 0.
+    fn count(self) -> usize;
+    /// The lanes where `chosen` is not 0, in their order, in the first lanes; the others hold anything.
+    fn packed(self, chosen: Self) -> Self;
+    /// The first lanes, in their order, in those where `chosen` is not 0; the others hold anything.
+    fn spread(self, chosen: Self) -> Self;
     /// Unsigned 32 by 32 bits.
     fn product(self, other: Self) -> Self::Wide;
     /// Signed 32 by 32 bits.
@@ -291,6 +297,18 @@ impl Lanes for i32 {
     #[inline(always)]
     fn all_zero(self) -> bool {
         self == 0
+    }
+    #[inline(always)]
+    fn count(self) -> usize {
+        usize::from(self != 0)
+    }
+    #[inline(always)]
+    fn packed(self, _: Self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn spread(self, _: Self) -> Self {
+        self
     }
     #[inline(always)]
     fn product(self, other: Self) -> i64 {

@@ -88,6 +88,7 @@ pub mod plane;
 pub mod precision;
 pub mod project;
 mod rows;
+pub mod seen;
 pub mod shade;
 pub mod slice;
 pub mod stream;

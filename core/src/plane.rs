@@ -9,9 +9,11 @@
 //! is not interpolated, nor is one whose rays are all finished; colours, gradients and shading are computed for spans
 //! of visible samples (opacity above 0 on a ray that is not finished).
 
+mod blocks;
 mod composite;
 mod meeting;
 mod normals;
+mod probe;
 mod project;
 mod sampler;
 mod spans;
@@ -20,12 +22,14 @@ use core::fmt::Debug;
 
 pub use self::composite::Composite;
 pub use self::project::Project;
+use crate::classify::Support;
 use crate::composite::{Pixel, Recurrence};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::take;
+use crate::seen::Seen;
 use crate::slice::Window;
 use crate::tap::Tap;
 
@@ -44,8 +48,14 @@ pub trait Pipeline: Sync {
     const SLICES: usize;
     /// Rows of scratch memory.
     const SCRATCH_ROWS: usize;
+    /// Words of scratch memory for [`Pipeline::fold_seen`].
+    const SEEN_SCRATCH: usize = 0;
     /// Whether planes go from the last to the first.
     const BACK_TO_FRONT: bool;
+    /// Which voxel ranges can change the image; `None` where any can.
+    fn support(&self) -> Option<Support> {
+        None
+    }
     /// What an element of an untouched image holds, for the run of that number.
     fn empty(channel: usize) -> Self::Element;
 
@@ -61,6 +71,26 @@ pub trait Pipeline: Sync {
         tap: &mut T,
     );
 
+    /// Like [`Pipeline::fold`], for planes of which little is seen: only the blocks in `seen` are looked at, and rows are
+    /// not interpolated as a whole. The same bits if `seen` holds all blocks that its [`support`](Pipeline::support)
+    /// meets; slower than `fold` where they are many. `scratch` holds at least `SEEN_SCRATCH` words; with less, nothing
+    /// is folded. Only where `support` says something.
+    fn fold_seen<V: Lanes>(
+        &self,
+        _plan: &Plan,
+        _plane: &Plane,
+        _window: &Window<'_>,
+        _seen: Seen<'_>,
+        _rows: Rows<'_, Self::Element>,
+        _scratch: &mut [i32],
+    ) {
+    }
+
+    /// Whether no further plane can change these whole rows.
+    fn finished<V: Lanes>(&self, _plan: &Plan, _data: &[Self::Element]) -> bool {
+        false
+    }
+
     /// The pixel in a column of a finished row.
     fn pixel(&self, row: &[Self::Element], column: usize) -> Pixel<ChannelOf<Self::Precision>>;
 }
@@ -71,7 +101,12 @@ impl<L: Pipeline> Pipeline for &L {
     const CHANNELS: usize = L::CHANNELS;
     const SLICES: usize = L::SLICES;
     const SCRATCH_ROWS: usize = L::SCRATCH_ROWS;
+    const SEEN_SCRATCH: usize = L::SEEN_SCRATCH;
     const BACK_TO_FRONT: bool = L::BACK_TO_FRONT;
+
+    fn support(&self) -> Option<Support> {
+        L::support(self)
+    }
 
     fn empty(channel: usize) -> Self::Element {
         L::empty(channel)
@@ -88,6 +123,24 @@ impl<L: Pipeline> Pipeline for &L {
         tap: &mut T,
     ) {
         L::fold::<V, T>(self, plan, plane, window, rows, scratch, tap);
+    }
+
+    #[inline(always)]
+    fn fold_seen<V: Lanes>(
+        &self,
+        plan: &Plan,
+        plane: &Plane,
+        window: &Window<'_>,
+        seen: Seen<'_>,
+        rows: Rows<'_, Self::Element>,
+        scratch: &mut [i32],
+    ) {
+        L::fold_seen::<V>(self, plan, plane, window, seen, rows, scratch);
+    }
+
+    #[inline(always)]
+    fn finished<V: Lanes>(&self, plan: &Plan, data: &[Self::Element]) -> bool {
+        L::finished::<V>(self, plan, data)
     }
 
     fn pixel(&self, row: &[Self::Element], column: usize) -> Pixel<ChannelOf<Self::Precision>> {

@@ -42,6 +42,8 @@ pub enum Filling {
     Extremes,
     /// Mostly 0, one voxel in 8 anything.
     Sparse,
+    /// 0, and here and there a small box of anything: most blocks of a row are empty.
+    Boxes,
     /// `400 + 7 x - 5 y + 11 z`, the study's linear field.
     Linear,
     /// A solid ball with a soft rim, in integers.
@@ -55,6 +57,15 @@ pub enum Filling {
 pub fn volume(dims: [usize; 3], filling: Filling, seed: u64) -> Volume {
     let mut random = Random::new(seed);
     let [nx, ny, nz] = dims;
+    let boxes = boxes(
+        dims,
+        &mut random,
+        if filling == Filling::Boxes {
+            1 + seed as usize % 5
+        } else {
+            0
+        },
+    );
     let mut voxels = Vec::with_capacity(nx * ny * nz);
     for z in 0..nz {
         for y in 0..ny {
@@ -65,6 +76,8 @@ pub fn volume(dims: [usize; 3], filling: Filling, seed: u64) -> Volume {
                     Filling::Extremes => 4095 * random.below(2) as u16,
                     Filling::Sparse if random.below(8) > 0 => 0,
                     Filling::Sparse => random.below(4096) as u16,
+                    Filling::Boxes if !boxes.iter().any(|b| (0..3).all(|a| b[a].contains(&[x, y, z][a]))) => 0,
+                    Filling::Boxes => random.below(4096) as u16,
                     Filling::Linear => ((400 + 7 * x + 11 * z).saturating_sub(5 * y) as u16).min(4095),
                     Filling::Ball => ball(dims, [x, y, z]),
                     Filling::Ripples => ripples(dims, [x, y, z]),
@@ -82,6 +95,15 @@ pub fn volume(dims: [usize; 3], filling: Filling, seed: u64) -> Volume {
             offset: 0.0,
         },
     }
+}
+
+/// Boxes of up to 9 voxels a side anywhere in a volume, cut off at its faces.
+fn boxes(dims: [usize; 3], random: &mut Random, count: usize) -> Vec<[std::ops::Range<usize>; 3]> {
+    let mut range = |side: usize| {
+        let first = random.below(side as u32) as usize;
+        first..first + 1 + random.below(9) as usize
+    };
+    (0..count).map(|_| dims.map(&mut range)).collect()
 }
 
 /// Place of a voxel from the middle of its side, -2^12 to 2^12.

@@ -8,8 +8,11 @@ mod frames;
 
 use frames::{frame, light};
 use proptest::prelude::*;
-use proptest::test_runner::{Config, RngSeed};
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{Config, RngSeed, TestRunner};
+use slicecast::classify::Support;
 use slicecast::composite::{Channel, Pixel, Unorm16};
+use slicecast::plane::Pipeline;
 use slicecast::warp::in_front_of;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, volume};
@@ -17,6 +20,8 @@ use slicecast_host_tests::record::recorded;
 use slicecast_host_tests::reference::render;
 use slicecast_sim::camera::Picture;
 use slicecast_sim::engine::{BaseImage, Layer, Prepared, background, on_threads};
+use slicecast_sim::oriented::Oriented;
+use slicecast_sim::pipelines::Job;
 use slicecast_sim::scene::{Blend, PrecisionName};
 use slicecast_sim::simd::Simd;
 use std::sync::Arc;
@@ -77,22 +82,31 @@ fn hold_together(frame: &Frame) -> Result<(), String> {
         }
     }
     for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
-        for rows in [WHOLE, 3] {
-            let made = rendered(frame, simd, rows);
-            if let Some(difference) = image_difference(&image, &made) {
-                return Err(format!("{} in tiles of {rows} rows: {difference}", simd.name()));
+        for (kernel, dense_from) in KERNELS {
+            for rows in [WHOLE, 3] {
+                let made = rendered(frame, simd, rows, dense_from);
+                if let Some(difference) = image_difference(&image, &made) {
+                    return Err(format!(
+                        "{} in tiles of {rows} rows, {kernel}: {difference}",
+                        simd.name()
+                    ));
+                }
             }
         }
     }
     Ok(())
 }
 
+/// Both kernels, by the share of visible blocks from which on rows are made as a whole.
+const KERNELS: [(&str, f64); 2] = [("whole rows", 0.0), ("visible blocks", 2.0)];
+
 /// The base plane by these vectors.
-fn rendered(frame: &Frame, simd: Simd, rows: usize) -> BaseImage {
-    frame.with_prepared(|prepared, _| {
+fn rendered(frame: &Frame, simd: Simd, rows: usize, dense_from: f64) -> BaseImage {
+    frame.with_prepared(|prepared, slices| {
+        let volume = Oriented::of(slices).dense_from(dense_from);
         let prepared = prepared.clone().with_simd(simd);
         prepared
-            .render(Layer::Tiles(rows), &|_, _| ())
+            .render_oriented(&volume, Layer::Tiles(rows), &|_, _| ())
             .expect("a good frame")
             .base
     })
@@ -108,6 +122,79 @@ proptest! {
                 prop_assert!(false, "{}: {difference}", precision.name());
             }
         }
+    }
+}
+
+/// Frames of more than one block a row, most of which are empty: along the rows, across them, and between slices.
+fn wide_frame() -> impl Strategy<Value = Frame> {
+    let long = 17usize..=100;
+    let dims = prop_oneof![
+        4 => (long.clone(), 1usize..=12, 1usize..=12).prop_map(|(x, y, z)| [x, y, z]),
+        1 => (1usize..=12, long.clone(), 1usize..=12).prop_map(|(x, y, z)| [x, y, z]),
+        1 => (1usize..=12, 1usize..=12, long).prop_map(|(x, y, z)| [x, y, z]),
+        1 => (1030usize..=1100, 1usize..=3, 2usize..=4).prop_map(|(x, y, z)| [x, y, z]),
+    ];
+    let filling = prop_oneof![
+        5 => Just(Filling::Boxes),
+        1 => Just(Filling::Sparse),
+        1 => Just(Filling::Ball),
+        1 => Just(Filling::Ripples),
+    ];
+    (frame(), dims, filling, any::<u64>()).prop_map(|(frame, dims, filling, seed)| Frame {
+        volume: Arc::new(volume(dims, filling, seed)),
+        ..frame
+    })
+}
+
+/// What is left out changes nothing: many views, tables and lights, and how much was left out.
+#[test]
+fn blocks_that_are_not_seen_change_nothing() {
+    let (mut frames, mut skipping, mut chosen) = (0, 0, 0);
+    let mut runner = TestRunner::new(config(400, 16));
+    let tried = runner.run(&wide_frame(), |frame| {
+        for precision in PrecisionName::ALL {
+            let frame = frame.in_precision(precision);
+            let expected = rendered(&frame, Simd::Scalar, WHOLE, 0.0);
+            for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+                for (kernel, dense_from) in KERNELS {
+                    let difference = image_difference(&expected, &rendered(&frame, simd, 5, dense_from));
+                    prop_assert_eq!(difference, None, "{}, {}, {}", precision.name(), simd.name(), kernel);
+                }
+            }
+        }
+        Ok(())
+    });
+    tried.unwrap_or_else(|difference| panic!("{difference}"));
+    // The same frames again, counted: the runner's closure may not.
+    let mut runner = TestRunner::new(config(400, 16));
+    for _ in 0..400 {
+        let frame = wide_frame().new_tree(&mut runner).expect("a frame").current();
+        let share = frame.with_prepared(|prepared, slices| {
+            let (plan, support) = (
+                &prepared.setup.plan,
+                prepared.dispatch(SupportOf).expect("a good frame"),
+            );
+            let of = |volume: Oriented<'_>| volume.sight(plan, support).map(|sight| sight.share);
+            chosen += usize::from(of(Oriented::of(slices)).is_some());
+            of(Oriented::of(slices).dense_from(2.0))
+        });
+        frames += 1;
+        skipping += usize::from(share.is_some_and(|share| share > 0.0 && share < 1.0));
+    }
+    assert!(
+        skipping * 3 > frames && chosen * 4 > frames,
+        "{skipping} and {chosen} of {frames} frames skip blocks"
+    );
+}
+
+/// Which voxels a frame's pipeline can show.
+struct SupportOf;
+
+impl Job for SupportOf {
+    type Output = Option<Support>;
+
+    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+        pipeline.support()
     }
 }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use slicecast::composite::Channel;
 use slicecast::format::Intensity;
 use slicecast::lanes::Lanes;
-use slicecast::locate::{cell, plane};
+use slicecast::locate::{Plane, cell, plane};
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Pipeline, Rows, clear, scratch_len};
 use slicecast::slice::{RowRange, Slice, SliceError, Window};
@@ -12,7 +12,8 @@ use slicecast::stream::{Memory, Needs, Stream, StreamError, base_pixel, phase_le
 use slicecast::tap::{NoTap, Tap};
 
 use crate::camera::{CameraError, Setup, set_up};
-use crate::oriented::{packed, with_slices};
+use crate::occupancy::Sight;
+use crate::oriented::{Oriented, packed, with_slices};
 pub(crate) use crate::picture::picture;
 use crate::pipelines::{Job, compile, dispatch};
 use crate::scene::Scene;
@@ -146,23 +147,23 @@ impl<'a> Prepared<'a> {
     /// [`RenderError`]; nothing is rendered then.
     pub fn render(&self, layer: Layer, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
         with_slices(self.volume, self.setup.plan.view(), |slices| {
-            self.render_slices(slices, layer, progress)
+            self.render_oriented(&Oriented::of(slices), layer, progress)
         })?
     }
 
-    /// Renders the frame from slices that [`with_slices`] has made for a view along the same axis and direction.
+    /// Renders the frame from a volume that has been turned for a view along the same axis and direction.
     ///
     /// # Errors
     /// As [`Prepared::render`].
-    pub fn render_slices(
+    pub fn render_oriented(
         &self,
-        slices: &[Slice<'_>],
+        volume: &Oriented<'_>,
         layer: Layer,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Frame, RenderError> {
         self.dispatch(Render {
             prepared: self,
-            slices,
+            volume,
             layer,
             progress,
         })?
@@ -171,7 +172,7 @@ impl<'a> Prepared<'a> {
 
 struct Render<'a> {
     prepared: &'a Prepared<'a>,
-    slices: &'a [Slice<'a>],
+    volume: &'a Oriented<'a>,
     layer: Layer,
     progress: &'a (dyn Fn(usize, usize) + Sync),
 }
@@ -185,9 +186,16 @@ impl Job for Render<'_> {
         match self.layer {
             Layer::Tiles(rows) => {
                 let simd = self.prepared.simd;
-                fold_tiles(plan, pipeline, self.slices, &mut image, rows, simd, self.progress);
+                fold_oriented(plan, pipeline, self.volume, &mut image, rows, simd, self.progress);
             }
-            Layer::Stream => stream_tapped(plan, pipeline, self.slices, &mut image, self.progress, &mut NoTap)?,
+            Layer::Stream => stream_tapped(
+                plan,
+                pipeline,
+                self.volume.slices,
+                &mut image,
+                self.progress,
+                &mut NoTap,
+            )?,
         }
         Ok(Frame {
             base: base_image(plan, pipeline, &image),
@@ -225,7 +233,37 @@ pub struct Tile {
     pub rows: u32,
 }
 
-/// Folds all planes into an image, tile by tile on rayon's current threads.
+/// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or, where the volume's blocks
+/// are known and few of them can be seen, those blocks.
+pub fn fold_oriented<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    volume: &Oriented<'_>,
+    image: &mut [L::Element],
+    tile_rows: usize,
+    simd: Simd,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) {
+    let slices = volume.slices;
+    let Some(sight) = volume.sight(plan, pipeline.support()) else {
+        return fold_tiles(plan, pipeline, slices, image, tile_rows, simd, progress);
+    };
+    each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {
+        scratch.resize(scratch.len().max(L::SEEN_SCRATCH), 0);
+        let fold = FoldTile {
+            plan,
+            pipeline,
+            slices,
+            how: Blocks(&sight),
+            tile,
+            data,
+            scratch,
+        };
+        with_lanes(simd, fold);
+    });
+}
+
+/// Folds all planes into an image, tile by tile on rayon's current threads, rows as a whole.
 pub fn fold_tiles<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
@@ -240,10 +278,10 @@ pub fn fold_tiles<L: Pipeline>(
             plan,
             pipeline,
             slices,
+            how: Whole(&mut NoTap),
             tile,
             data,
             scratch,
-            tap: &mut NoTap,
         };
         with_lanes(simd, fold);
     });
@@ -266,10 +304,10 @@ pub fn fold_tiles_tapped<L: Pipeline, T: Tap + Send>(
             plan,
             pipeline,
             slices,
+            how: Whole(&mut tap),
             tile,
             data,
             scratch,
-            tap: &mut tap,
         };
         fold.run::<i32>();
         tap
@@ -282,7 +320,7 @@ fn each_tile<L: Pipeline, R: Send>(
     image: &mut [L::Element],
     tile_rows: usize,
     progress: &(dyn Fn(usize, usize) + Sync),
-    work: impl Fn(Tile, &mut [L::Element], &mut [i32]) -> R + Sync,
+    work: impl Fn(Tile, &mut [L::Element], &mut Vec<i32>) -> R + Sync,
 ) -> Vec<R> {
     let [base_width, base_height] = plan.base();
     let row_len = L::CHANNELS * base_width as usize;
@@ -329,10 +367,10 @@ pub fn fold_tile<L: Pipeline, T: Tap>(
         plan,
         pipeline,
         slices,
+        how: Whole(tap),
         tile,
         data,
         scratch,
-        tap,
     };
     fold.run::<i32>();
 }
@@ -340,33 +378,99 @@ pub fn fold_tile<L: Pipeline, T: Tap>(
 /// How many slices ahead of a plane memory is asked for.
 pub(crate) const AHEAD: i32 = 3;
 
-impl<L: Pipeline, T> FoldTile<'_, '_, L, T> {
-    /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`.
+/// After how many planes a tile is asked whether its rays are all finished.
+const FINISHED_EVERY: u32 = 16;
+
+/// How the planes of a tile are folded.
+trait How<L: Pipeline> {
+    /// Asks for what a row of slice `z` will be read of.
+    fn prefetch(&self, z: usize, row: usize, voxels: &[u16]);
+    /// Folds the plane at a slice, or between it and the next.
+    fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]);
+    /// Whether no further plane can change these rows.
+    fn finished<V: Lanes>(&self, pipeline: &L, plan: &Plan, data: &[L::Element]) -> bool;
+}
+
+/// A plane and what is around it.
+struct At<'a> {
+    plan: &'a Plan,
+    plane: Plane,
+    slice: usize,
+    window: Window<'a>,
+}
+
+/// Rows as a whole, under a tap, which sees every plane: finished rows are left out one by one.
+struct Whole<'t, T>(&'t mut T);
+
+/// The blocks that can be seen.
+struct Blocks<'a>(&'a Sight);
+
+impl<L: Pipeline, T: Tap> How<L> for Whole<'_, T> {
     #[inline(always)]
-    fn prefetch(&self, slice: &Slice<'_>, offset: i32) {
-        let first = (i64::from(self.tile.first) + i64::from(offset)).max(0) as usize;
-        for row in first..first + self.tile.rows as usize + 1 {
-            prefetch(slice.row(row));
+    fn prefetch(&self, _: usize, _: usize, voxels: &[u16]) {
+        prefetch(voxels);
+    }
+
+    #[inline(always)]
+    fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]) {
+        pipeline.fold::<V, T>(at.plan, &at.plane, &at.window, rows, scratch, self.0);
+    }
+
+    #[inline(always)]
+    fn finished<V: Lanes>(&self, _: &L, _: &Plan, _: &[L::Element]) -> bool {
+        false
+    }
+}
+
+impl<L: Pipeline> How<L> for Blocks<'_> {
+    #[inline(always)]
+    fn prefetch(&self, z: usize, row: usize, voxels: &[u16]) {
+        for columns in self.0.columns(z, row) {
+            prefetch(&voxels[columns.start..columns.end.min(voxels.len())]);
         }
+    }
+
+    #[inline(always)]
+    fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]) {
+        pipeline.fold_seen::<V>(at.plan, &at.plane, &at.window, self.0.at(at.slice), rows, scratch);
+    }
+
+    #[inline(always)]
+    fn finished<V: Lanes>(&self, pipeline: &L, plan: &Plan, data: &[L::Element]) -> bool {
+        pipeline.finished::<V>(plan, data)
     }
 }
 
 /// A tile on its way through all planes.
-struct FoldTile<'a, 's, L: Pipeline, T> {
+struct FoldTile<'a, 's, L: Pipeline, H> {
     plan: &'a Plan,
     pipeline: &'a L,
     slices: &'a [Slice<'s>],
+    how: H,
     tile: Tile,
     data: &'a mut [L::Element],
     scratch: &'a mut [i32],
-    tap: &'a mut T,
 }
 
-impl<L: Pipeline, T: Tap> OverLanes for FoldTile<'_, '_, L, T> {
+impl<L: Pipeline, H: How<L>> FoldTile<'_, '_, L, H> {
+    /// Asks for what a tile will read of a slice: under its own rows, shifted by `offset`.
+    #[inline(always)]
+    fn prefetch(&self, z: i32, offset: i32) {
+        let Some((z, slice)) = usize::try_from(z).ok().and_then(|z| Some((z, self.slices.get(z)?))) else {
+            return;
+        };
+        let first = (i64::from(self.tile.first) + i64::from(offset)).max(0) as usize;
+        for row in first..(first + self.tile.rows as usize + 1).min(slice.height()) {
+            self.how.prefetch(z, row, slice.row(row));
+        }
+    }
+}
+
+impl<L: Pipeline, H: How<L>> OverLanes for FoldTile<'_, '_, L, H> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Lanes>(self) {
+    fn run<V: Lanes>(mut self) {
         let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
         let planes = self.plan.planes();
         let mut ahead = None;
@@ -377,17 +481,23 @@ impl<L: Pipeline, T: Tap> OverLanes for FoldTile<'_, '_, L, T> {
             let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
             if ahead != Some(wanted) {
                 ahead = Some(wanted);
-                if let Some(slice) = slice(wanted) {
-                    self.prefetch(&slice, cell(plane.y).index);
-                }
+                self.prefetch(wanted, cell(plane.y).index);
             }
             if let Some(window) = Window::at(z, slice) {
                 let rows = Rows {
                     first: self.tile.first,
                     data: &mut *self.data,
                 };
-                self.pipeline
-                    .fold::<V, T>(self.plan, &plane, &window, rows, self.scratch, self.tap);
+                let at = At {
+                    plan: self.plan,
+                    plane,
+                    slice: z as usize,
+                    window,
+                };
+                self.how.fold::<V>(self.pipeline, at, rows, self.scratch);
+            }
+            if step % FINISHED_EVERY == 0 && self.how.finished::<V>(self.pipeline, self.plan, self.data) {
+                break;
             }
         }
     }

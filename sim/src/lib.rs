@@ -11,6 +11,7 @@ pub mod expanded;
 pub mod explain;
 pub mod export;
 pub mod model;
+pub mod occupancy;
 pub mod opponent;
 pub mod oriented;
 mod picture;

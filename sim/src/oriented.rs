@@ -2,12 +2,15 @@
 //!
 //! Slices across y and z are read in place (rows along x are contiguous); slices across x need a transposed copy, as
 //! large as the volume. Copying and measuring take all threads; who renders many frames does it once for those that look
-//! along the same axis ([`Prepared::render_slices`](crate::engine::Prepared::render_slices)).
+//! along the same axis ([`Prepared::render_oriented`](crate::engine::Prepared::render_oriented)).
 
 use rayon::prelude::*;
+use slicecast::classify::Support;
+use slicecast::plan::Plan;
 use slicecast::slice::{RowRange, Slice, SliceError};
 use slicecast::view::{Axis, View};
 
+use crate::occupancy::{Occupancy, Sight};
 use crate::volume::Volume;
 
 /// Calls `run` with the slices of a volume in the order in which the view meets them.
@@ -37,6 +40,44 @@ pub fn with_slices<R>(volume: &Volume, view: &View, run: impl FnOnce(&[Slice<'_>
         slices.reverse();
     }
     Ok(run(&slices))
+}
+
+/// A volume as views along one axis and direction meet it.
+#[derive(Clone, Debug)]
+pub struct Oriented<'a> {
+    /// Its slices, nearest to the eye first.
+    pub slices: &'a [Slice<'a>],
+    occupancy: Occupancy,
+    /// Share of blocks that can be seen from which on rows are made as a whole.
+    dense: f64,
+}
+
+/// Blocks take 1.6 to 1.9 times as long as whole rows where all can be seen, and half as long where a fifth can.
+const DENSE: f64 = 0.5;
+
+impl<'a> Oriented<'a> {
+    /// Measures the blocks of slices that [`with_slices`] has made.
+    pub fn of(slices: &'a [Slice<'a>]) -> Self {
+        Self {
+            slices,
+            occupancy: Occupancy::of(slices),
+            dense: DENSE,
+        }
+    }
+
+    /// The same with another share of visible blocks from which on rows are made as a whole: 0 is always, and above 1
+    /// never. Nothing but time depends on it.
+    #[must_use]
+    pub fn dense_from(self, share: f64) -> Self {
+        Self { dense: share, ..self }
+    }
+
+    /// The blocks that can be seen under a table of this support; none where so many can that rows are made faster as a
+    /// whole.
+    pub fn sight(&self, plan: &Plan, support: Option<Support>) -> Option<Sight> {
+        let sight = self.occupancy.sight(plan, support?);
+        (sight.share < self.dense).then_some(sight)
+    }
 }
 
 /// Slices across x that are filled together: so many voxels of a row lie in one line of the cache.

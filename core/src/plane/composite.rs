@@ -6,14 +6,15 @@ use super::meeting::{Meeting, meets, met_rows};
 use super::normals::NormalRows;
 use super::sampler::Sampler;
 use super::spans::{all_finished, visible_span};
-use super::{ChannelOf, Pipeline, Rows, scratch_len, take_row};
-use crate::classify::Classifier;
+use super::{ChannelOf, Pipeline, Rows, blocks, scratch_len, take_row};
+use crate::classify::{Classifier, Support};
 use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence, fold_row};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
+use crate::seen::Seen;
 use crate::shade::Shader;
 use crate::slice::Window;
 use crate::tap::{Beam, Tap};
@@ -21,9 +22,9 @@ use crate::tap::{Beam, Tap};
 /// Alpha compositing of classified, perhaps shaded samples.
 #[derive(Clone, Debug)]
 pub struct Composite<P: Precision, C, S, O> {
-    classifier: C,
-    shader: S,
-    floor: ChannelOf<P>,
+    pub(super) classifier: C,
+    pub(super) shader: S,
+    pub(super) floor: ChannelOf<P>,
     order: PhantomData<O>,
 }
 
@@ -133,7 +134,12 @@ where
     } else {
         Sampler::<P, false>::ROWS + 4
     };
+    const SEEN_SCRATCH: usize = blocks::SCRATCH;
     const BACK_TO_FRONT: bool = O::BACK_TO_FRONT;
+
+    fn support(&self) -> Option<Support> {
+        Some(self.classifier.support())
+    }
 
     fn empty(channel: usize) -> ChannelOf<P> {
         if channel == 3 {
@@ -163,6 +169,31 @@ where
         } else {
             self.fold_plane::<V, T, false>(plan, plane, window, rows, scratch, tap);
         }
+    }
+
+    #[inline(always)]
+    fn fold_seen<V: Lanes>(
+        &self,
+        plan: &Plan,
+        plane: &Plane,
+        window: &Window<'_>,
+        seen: Seen<'_>,
+        rows: Rows<'_, ChannelOf<P>>,
+        scratch: &mut [i32],
+    ) {
+        if S::LIT {
+            self.fold_blocks::<V, true>(plan, plane, window, seen, rows, scratch);
+        } else {
+            self.fold_blocks::<V, false>(plan, plane, window, seen, rows, scratch);
+        }
+    }
+
+    #[inline(always)]
+    fn finished<V: Lanes>(&self, plan: &Plan, data: &[ChannelOf<P>]) -> bool {
+        let [width, _] = plan.base().map(|side| side as usize);
+        let rows = data.chunks_exact((4 * width).max(1));
+        let mut transparencies = rows.map(|row| row.get(3 * width..).unwrap_or(&[]));
+        !O::BACK_TO_FRONT && transparencies.all(all_finished::<_, V>)
     }
 
     fn pixel(&self, row: &[ChannelOf<P>], column: usize) -> Pixel<ChannelOf<P>> {

@@ -128,7 +128,8 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
 }
 
 /// Derivatives along z at the slices before and behind a plane, for a voxel row.
-fn derivatives<'a>(window: &Window<'a>, row: usize) -> (Difference<'a>, Difference<'a>) {
+#[inline(always)]
+pub(super) fn derivatives<'a>(window: &Window<'a>, row: usize) -> (Difference<'a>, Difference<'a>) {
     let of = |scale, minuend: Slice<'a>, subtrahend: Slice<'a>| Difference {
         scale,
         minuend: minuend.row(row),

@@ -13,12 +13,11 @@ use serde::Serialize;
 use slicecast::locate::{cell, inside, plane};
 use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
-use slicecast::slice::Slice;
 
 use crate::camera::CameraError;
-use crate::engine::{Prepared, RenderError, TILE_ROWS, fold_tiles, new_image, picture};
+use crate::engine::{Prepared, RenderError, TILE_ROWS, fold_oriented, new_image, picture};
 use crate::opponent::Opponent;
-use crate::oriented::with_slices;
+use crate::oriented::{Oriented, with_slices};
 use crate::pipelines::{Job, compile};
 use crate::rays;
 use crate::scene::{PrecisionName, Scene};
@@ -147,10 +146,11 @@ pub fn measure(
     let mut floats = Vec::new();
     let mut shortest = vec![Duration::MAX; subjects.len()];
     with_slices(volume, plan.view(), |slices| {
+        let oriented = Oriented::of(slices);
         for round in 0..frames {
             for (subject, shortest) in subjects.iter().zip(&mut shortest) {
                 let frame = || match subject.engine {
-                    Engine::Fixed(precision) => of(precision).dispatch(Fold(&plan, slices, subject.simd))?,
+                    Engine::Fixed(precision) => of(precision).dispatch(Fold(&plan, &oriented, subject.simd))?,
                     Engine::Float => {
                         floats.resize(Opponent::image_len(&plan), 0.0);
                         Opponent::clear(&plan, &mut floats);
@@ -196,16 +196,16 @@ fn rows(subjects: &[Subject], shortest: &[Duration], samples: u64, threads: &Thr
 }
 
 /// Folds a frame; the time that it takes.
-struct Fold<'a>(&'a Plan, &'a [Slice<'a>], Simd);
+struct Fold<'a>(&'a Plan, &'a Oriented<'a>, Simd);
 
 impl Job for Fold<'_> {
     type Output = Result<Duration, RenderError>;
 
     fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
-        let Self(plan, slices, simd) = self;
+        let Self(plan, volume, simd) = self;
         let mut image = new_image::<L>(plan)?;
         let start = Instant::now();
-        fold_tiles(plan, pipeline, slices, &mut image, TILE_ROWS, simd, &|_, _| ());
+        fold_oriented(plan, pipeline, volume, &mut image, TILE_ROWS, simd, &|_, _| ());
         let time = start.elapsed();
         black_box(&image);
         Ok(time)
@@ -236,8 +236,9 @@ pub fn beside(scene: &Scene, volume: &Volume, frames: usize, threads: &Threads) 
     let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
     let mut shortest = [Duration::MAX; 4];
     with_slices(volume, prepared.setup.plan.view(), |slices| {
+        let oriented = Oriented::of(slices);
         for _ in 0..frames {
-            let frame = || prepared.dispatch(FoldAndWarp(&prepared, slices));
+            let frame = || prepared.dispatch(FoldAndWarp(&prepared, &oriented));
             let [fold, warp] = threads.pool(true).install(frame)??;
             let start = Instant::now();
             let table = black_box(compile(scene, &volume.mapping, prepared.setup.step_length));
@@ -262,17 +263,17 @@ pub fn beside(scene: &Scene, volume: &Volume, frames: usize, threads: &Threads) 
 }
 
 /// Folds a frame and makes its picture; the times that both take.
-struct FoldAndWarp<'a>(&'a Prepared<'a>, &'a [Slice<'a>]);
+struct FoldAndWarp<'a>(&'a Prepared<'a>, &'a Oriented<'a>);
 
 impl Job for FoldAndWarp<'_> {
     type Output = Result<[Duration; 2], RenderError>;
 
     fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
-        let Self(prepared, slices) = self;
+        let Self(prepared, volume) = self;
         let plan = &prepared.setup.plan;
         let mut image = new_image::<L>(plan)?;
         let start = Instant::now();
-        fold_tiles(plan, pipeline, slices, &mut image, TILE_ROWS, prepared.simd, &|_, _| ());
+        fold_oriented(plan, pipeline, volume, &mut image, TILE_ROWS, prepared.simd, &|_, _| ());
         let fold = start.elapsed();
         let start = Instant::now();
         black_box(picture(prepared, pipeline, &image));

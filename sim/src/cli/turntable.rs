@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use slicecast_sim::engine::{Layer, Prepared, RenderError, Rgb, TILE_ROWS, on_threads};
-use slicecast_sim::oriented::with_slices;
+use slicecast_sim::oriented::{Oriented, with_slices};
 use slicecast_sim::scene::Scene;
 
 use super::Failure;
@@ -78,9 +78,10 @@ impl Args {
                 // Slices are made once for all frames in a row that look along the same axis.
                 for run in prepared.chunk_by(|a, b| seen(a) == seen(b)) {
                     with_slices(&loaded.volume, run[0].setup.plan.view(), |slices| {
+                        let volume = Oriented::of(slices);
                         for frame in run {
                             let frame = frame.clone().with_simd(self.threads.simd());
-                            let made = frame.render_slices(slices, Layer::Tiles(TILE_ROWS), &|_, _| {})?;
+                            let made = frame.render_oriented(&volume, Layer::Tiles(TILE_ROWS), &|_, _| {})?;
                             pictures.push(made.picture);
                             progress(pictures.len(), total);
                         }

@@ -87,11 +87,50 @@ impl Avx2 {
         avx2!(_mm256_srli_epi64::<32>(self.0))
     }
 
+    /// The lanes that are 0, as bits.
+    #[inline(always)]
+    fn zeros_mask(self) -> u8 {
+        avx2!(_mm256_movemask_ps(_mm256_castsi256_ps(self.zeros()))) as u8
+    }
+
+    /// Lanes in another order.
+    #[inline(always)]
+    fn moved(self, order: &[i32; 8]) -> Self {
+        Self(avx2!(_mm256_permutevar8x32_epi32(self.0, Self::of_array(order).0)))
+    }
+
     /// All bits where this is 0.
     #[inline(always)]
     fn zeros(self) -> __m256i {
         avx2!(_mm256_cmpeq_epi32(self.0, _mm256_setzero_si256()))
     }
+}
+
+/// For each set of lanes, the bits of a byte: those lanes in their order, in the first places.
+static PACKED: [[i32; 8]; 256] = orders(false);
+
+/// For each set of lanes: where each of them finds itself among the packed ones.
+static SPREAD: [[i32; 8]; 256] = orders(true);
+
+const fn orders(spread: bool) -> [[i32; 8]; 256] {
+    let mut orders = [[0; 8]; 256];
+    let mut set = 0;
+    while set < 256 {
+        let (mut lane, mut place) = (0, 0);
+        while lane < 8 {
+            if set >> lane & 1 != 0 {
+                if spread {
+                    orders[set][lane] = place as i32;
+                } else {
+                    orders[set][place] = lane as i32;
+                }
+                place += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    orders
 }
 
 /// All bits in as many of the first lanes as there are elements.
@@ -287,6 +326,18 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn all_zero(self) -> bool {
         avx2!(_mm256_testz_si256(self.0, self.0)) == 1
+    }
+    #[inline(always)]
+    fn count(self) -> usize {
+        8 - self.zeros_mask().count_ones() as usize
+    }
+    #[inline(always)]
+    fn packed(self, chosen: Self) -> Self {
+        self.moved(&PACKED[usize::from(!chosen.zeros_mask())])
+    }
+    #[inline(always)]
+    fn spread(self, chosen: Self) -> Self {
+        self.moved(&SPREAD[usize::from(!chosen.zeros_mask())])
     }
     #[inline(always)]
     fn product(self, other: Self) -> Products {

@@ -284,6 +284,24 @@ impl Lanes for Avx512 {
         avx512!(_mm512_test_epi32_mask(self.0, self.0)) == 0
     }
     #[inline(always)]
+    fn count(self) -> usize {
+        avx512!(_mm512_test_epi32_mask(self.0, self.0)).count_ones() as usize
+    }
+    #[inline(always)]
+    fn packed(self, chosen: Self) -> Self {
+        Self(avx512!(_mm512_maskz_compress_epi32(
+            _mm512_test_epi32_mask(chosen.0, chosen.0),
+            self.0
+        )))
+    }
+    #[inline(always)]
+    fn spread(self, chosen: Self) -> Self {
+        Self(avx512!(_mm512_maskz_expand_epi32(
+            _mm512_test_epi32_mask(chosen.0, chosen.0),
+            self.0
+        )))
+    }
+    #[inline(always)]
     fn product(self, other: Self) -> Products {
         Products(
             avx512!(_mm512_mul_epu32(self.0, other.0)),

@@ -215,3 +215,81 @@ fn reciprocal_roots_are_the_definition() {
         assert!(with_lanes(simd, &roots) == expected, "{}", simd.name());
     }
 }
+
+/// A row packed by what is chosen, and spread again.
+struct Packing<'a> {
+    row: &'a [i32],
+    chosen: &'a [i32],
+}
+
+impl OverLanes for Packing<'_> {
+    type Output = [Vec<i32>; 2];
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> [Vec<i32>; 2] {
+        let n = self.row.len();
+        let (mut packed, mut spread) = (vec![0; n + V::COUNT], vec![0; n]);
+        let (mut end, mut from) = (0, 0);
+        for at in (0..n).step_by(V::COUNT) {
+            let chosen = V::load(self.chosen, at);
+            V::load(self.row, at).packed(chosen).store(&mut packed, end);
+            end += chosen.count();
+        }
+        packed.truncate(end);
+        for at in (0..n).step_by(V::COUNT) {
+            let chosen = V::load(self.chosen, at);
+            let lanes = V::load(&packed, from).spread(chosen);
+            chosen.nonzero_then(lanes).store(&mut spread, at);
+            from += chosen.count();
+        }
+        [packed, spread]
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, rng_seed: RngSeed::Fixed(8), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn packed_rows_are_what_is_chosen(
+        rows in prop::collection::vec((bits(), prop_oneof![Just(0), bits()]), 0..70),
+    ) {
+        let (row, chosen): (Vec<i32>, Vec<i32>) = rows.iter().copied().unzip();
+        let kept: Vec<i32> = rows.iter().filter(|(_, chosen)| *chosen != 0).map(|(c, _)| *c).collect();
+        let back: Vec<i32> = rows.iter().map(|(c, chosen)| if *chosen != 0 { *c } else { 0 }).collect();
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+            let [packed, spread] = with_lanes(simd, Packing { row: &row, chosen: &chosen });
+            prop_assert_eq!(&packed, &kept, "packed by {}", simd.name());
+            prop_assert_eq!(&spread, &back, "spread by {}", simd.name());
+        }
+    }
+}
+
+/// Every set of eight lanes, and every one of sixteen.
+#[test]
+fn every_choice_of_lanes_is_packed() {
+    let row: Vec<i32> = (1..=16).collect();
+    for set in 0..1 << 16 {
+        let chosen: Vec<i32> = (0..16).map(|lane| set >> lane & 1).collect();
+        let kept: Vec<i32> = row
+            .iter()
+            .zip(&chosen)
+            .filter(|(_, c)| **c != 0)
+            .map(|(v, _)| *v)
+            .collect();
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+            let [packed, spread] = with_lanes(
+                simd,
+                Packing {
+                    row: &row,
+                    chosen: &chosen,
+                },
+            );
+            assert_eq!(packed, kept, "{set:x} by {}", simd.name());
+            assert!(
+                spread.iter().zip(&row).zip(&chosen).all(|((s, v), c)| *s == v * c),
+                "{set:x} by {}",
+                simd.name()
+            );
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Samples and gradients at any place of a plane, straight from the voxels: nothing is kept from place to place. Where
+//! few blocks of a volume show something this is less work than whole rows; the bits are the same.
+
+use core::marker::PhantomData;
+
+use super::meeting::Meeting;
+use super::normals::derivatives;
+use crate::interpolate::{Difference, cut, kept, lerp_x, lerp_y};
+use crate::lanes::Lanes;
+use crate::precision::Precision;
+use crate::slice::{Slice, Window};
+
+/// The most lanes that a probe can have.
+const LANES_MAX: usize = 64;
+
+/// 1 at a single place: loaded so that this place meets one of the lanes.
+static UNIT: [i32; 2 * LANES_MAX] = {
+    let mut unit = [0; 2 * LANES_MAX];
+    unit[LANES_MAX] = 1;
+    unit
+};
+
+/// What a sample plane and the voxels around it are to `V::COUNT` samples side by side.
+///
+/// A place is a voxel row and the column of the first lane's voxel, both those before the sample. Lanes behind the last
+/// column hold anything.
+pub(super) struct Probe<'w, P, V> {
+    window: &'w Window<'w>,
+    near: Slice<'w>,
+    far: Slice<'w>,
+    width: i32,
+    height: i32,
+    in_slice: bool,
+    wx: V,
+    wy: V,
+    wz: V,
+    /// The weight along z of a single voxel.
+    wz_bits: i32,
+    precision: PhantomData<P>,
+}
+
+/// How the voxels around a place are read: `WHOLE`, the plane lies in a slice, so that nothing is interpolated along z
+/// and voxels stay whole numbers until they meet along y; `INNER`, all of them exist.
+impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
+    #[inline(always)]
+    pub(super) fn new(meeting: &Meeting, window: &'w Window<'w>) -> Self {
+        const { assert!(V::COUNT <= LANES_MAX) };
+        let [wx, wy, wz] = [meeting.x, meeting.y, meeting.z].map(|cell| cut::<P>(cell.weight));
+        Self {
+            window,
+            near: window.near,
+            far: window.far_or_near(),
+            width: window.near.width() as i32,
+            height: meeting.height,
+            in_slice: meeting.in_slice(),
+            wx: V::splat(wx),
+            wy: V::splat(wy),
+            wz: V::splat(wz),
+            wz_bits: wz,
+            precision: PhantomData,
+        }
+    }
+
+    /// Whether columns `from` to `to` beyond the last lane and rows `above` to `below` exist.
+    #[inline(always)]
+    fn has(&self, columns: [i32; 2], rows: [i32; 2]) -> bool {
+        let ([from, to], [above, below]) = (columns, rows);
+        from >= 0 && to + V::COUNT as i32 <= self.width && above >= 0 && below < self.height
+    }
+
+    /// The samples at a place.
+    #[inline(always)]
+    pub(super) fn sample(&self, row: i32, from: i32) -> V {
+        match (self.in_slice, self.has([from, from + 1], [row, row + 1])) {
+            (true, true) => self.sample_of::<true, true>(row, from),
+            (true, false) => self.sample_of::<true, false>(row, from),
+            (false, true) => self.sample_of::<false, true>(row, from),
+            (false, false) => self.sample_of::<false, false>(row, from),
+        }
+    }
+
+    #[inline(always)]
+    fn sample_of<const WHOLE: bool, const INNER: bool>(&self, row: i32, from: i32) -> V {
+        let a = self.z::<WHOLE, INNER>(row, from);
+        let b = self.z::<WHOLE, INNER>(row, from + 1);
+        let c = self.z::<WHOLE, INNER>(row + 1, from);
+        let d = self.z::<WHOLE, INNER>(row + 1, from + 1);
+        self.x(self.y::<WHOLE>(a, c), self.y::<WHOLE>(b, d))
+    }
+
+    /// The gradients of the samples at a place, before the spacing factors.
+    #[inline(always)]
+    pub(super) fn gradient(&self, row: i32, from: i32) -> [V; 3] {
+        match (self.in_slice, self.has([from - 1, from + 2], [row - 1, row + 2])) {
+            (true, true) => self.gradient_of::<true, true>(row, from),
+            (true, false) => self.gradient_of::<true, false>(row, from),
+            (false, true) => self.gradient_of::<false, true>(row, from),
+            (false, false) => self.gradient_of::<false, false>(row, from),
+        }
+    }
+
+    #[inline(always)]
+    fn gradient_of<const WHOLE: bool, const INNER: bool>(&self, row: i32, from: i32) -> [V; 3] {
+        // Columns from - 1 to from + 2 of the rows around the sample, the two in the middle of those beyond.
+        let b = self.z::<WHOLE, INNER>(row - 1, from);
+        let c = self.z::<WHOLE, INNER>(row - 1, from + 1);
+        let e = self.z::<WHOLE, INNER>(row, from - 1);
+        let f = self.z::<WHOLE, INNER>(row, from);
+        let g = self.z::<WHOLE, INNER>(row, from + 1);
+        let h = self.z::<WHOLE, INNER>(row, from + 2);
+        let i = self.z::<WHOLE, INNER>(row + 1, from - 1);
+        let j = self.z::<WHOLE, INNER>(row + 1, from);
+        let k = self.z::<WHOLE, INNER>(row + 1, from + 1);
+        let l = self.z::<WHOLE, INNER>(row + 1, from + 2);
+        let n = self.z::<WHOLE, INNER>(row + 2, from);
+        let o = self.z::<WHOLE, INNER>(row + 2, from + 1);
+        let right = self.x(self.y::<WHOLE>(g, k), self.y::<WHOLE>(h, l));
+        let left = self.x(self.y::<WHOLE>(e, i), self.y::<WHOLE>(f, j));
+        let below = self.x(self.y::<WHOLE>(j, n), self.y::<WHOLE>(k, o));
+        let above = self.x(self.y::<WHOLE>(b, f), self.y::<WHOLE>(c, g));
+
+        let (column, last) = (from as usize, self.height - 1);
+        let this = derivatives(self.window, row.min(last).max(0) as usize);
+        let next = derivatives(self.window, (row + 1).min(last).max(0) as usize);
+        let here = self.y::<WHOLE>(
+            self.derivative::<WHOLE>(&this, column),
+            self.derivative::<WHOLE>(&next, column),
+        );
+        let there = self.y::<WHOLE>(
+            self.derivative::<WHOLE>(&this, column + 1),
+            self.derivative::<WHOLE>(&next, column + 1),
+        );
+        [right - left, below - above, self.x(here, there)]
+    }
+
+    /// Interpolation along x: samples.
+    #[inline(always)]
+    fn x(&self, a: V, b: V) -> V {
+        lerp_x::<P, V>(a, b, self.wx)
+    }
+
+    /// Interpolation along y.
+    #[inline(always)]
+    fn y<const WHOLE: bool>(&self, a: V, b: V) -> V {
+        if WHOLE {
+            kept::<P, V>(a.between16(b, self.wy))
+        } else {
+            lerp_y::<P, V, false>(a, b, self.wy)
+        }
+    }
+
+    /// Interpolation along z of the voxels of a row from a column on; one voxel beyond each face the volume is continued
+    /// linearly.
+    #[inline(always)]
+    fn z<const WHOLE: bool, const INNER: bool>(&self, row: i32, from: i32) -> V {
+        if INNER {
+            let (row, column) = (row as usize, from as usize);
+            let near = V::load_voxels(self.near.row(row), column);
+            if WHOLE {
+                return near;
+            }
+            return near.between16(V::load_voxels(self.far.row(row), column), self.wz);
+        }
+        let last = self.height - 1;
+        let edge = row.min(last).max(0);
+        let voxels = self.z_with_ends::<WHOLE>(edge as usize, from);
+        if edge == row {
+            return voxels;
+        }
+        // Twice the edge less the row inside it.
+        let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
+        voxels + voxels - self.z_with_ends::<WHOLE>(inner as usize, from)
+    }
+
+    /// The same inside the rows of a slice; a place to the left of the first column and to the right of the last one is
+    /// made up, further ones are 0.
+    #[inline(always)]
+    fn z_with_ends<const WHOLE: bool>(&self, row: usize, from: i32) -> V {
+        let (near, far) = (self.near.row(row), self.far.row(row));
+        let start = from.max(0) as usize;
+        let (a, b) = (V::load_voxels(near, start), V::load_voxels(far, start));
+        let mut voxels = if WHOLE { a } else { a.between16(b, self.wz) };
+        let one = |column: i32| {
+            let [a, b] = [near, far].map(|row| i32::load_voxels(row, column.max(0) as usize));
+            if WHOLE { a } else { a.between16(b, self.wz_bits) }
+        };
+        let last = self.width - 1;
+        let lane = (last + 1).checked_sub(start as i32).unwrap_or(-1);
+        if (0..V::COUNT as i32).contains(&lane) {
+            let beyond = 2 * one(last) - one((last - 1).max(0));
+            voxels = voxels + V::load(&UNIT, LANES_MAX - lane as usize) * V::splat(beyond);
+        }
+        if from < 0 {
+            let mut shifted = [0; LANES_MAX + 1];
+            voxels.store(&mut shifted, 1);
+            if let Some(first) = shifted.first_mut() {
+                *first = 2 * one(0) - one(1.min(last));
+            }
+            voxels = V::load(&shifted, 0);
+        }
+        voxels
+    }
+
+    /// Interpolation along z of derivatives along z.
+    #[inline(always)]
+    fn derivative<const WHOLE: bool>(&self, (near, far): &(Difference<'_>, Difference<'_>), from: usize) -> V {
+        if WHOLE {
+            near.scaled(from)
+        } else {
+            near.scaled::<V>(from).between16(far.scaled(from), self.wz)
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! What can be seen: for each row of samples the blocks of columns that are not known to be empty.
+//!
+//! A row's voxels are taken in at most 64 blocks, so that a set of them is the bits of a word. Whoever has the whole volume
+//! at hand can measure its blocks once, turn them into such words for each table, and spare the plane layer what lies
+//! between ([`Pipeline::fold_seen`](crate::plane::Pipeline::fold_seen)).
+
+use core::ops::Range;
+
+/// How many columns a block has: a power of two, 16 or more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grain(u32);
+
+impl Grain {
+    /// The finest grain for rows of this width.
+    pub const fn of(width: usize) -> Self {
+        let mut shift = 4;
+        while shift < 16 && width > 64 << shift {
+            shift += 1;
+        }
+        Self(shift)
+    }
+
+    /// Columns of a block.
+    pub const fn columns(self) -> usize {
+        1 << self.0
+    }
+
+    /// The columns of a block.
+    #[inline(always)]
+    pub(crate) const fn block(self, number: u32) -> Range<usize> {
+        (number as usize) << self.0..(number as usize + 1) << self.0
+    }
+
+    /// Columns of the runs of neighbouring blocks in a set.
+    #[inline]
+    pub fn runs(self, blocks: u64) -> impl Iterator<Item = Range<usize>> {
+        let mut left = blocks;
+        core::iter::from_fn(move || {
+            // Adding the lowest bit carries over the lowest run.
+            let rest = left & left.wrapping_add(left & left.wrapping_neg());
+            let run = left ^ rest;
+            left = rest;
+            let columns = (run.trailing_zeros() as usize) << self.0..(64 - run.leading_zeros() as usize) << self.0;
+            (run != 0).then_some(columns)
+        })
+    }
+}
+
+/// Which blocks can show something, for the rows of samples between two slices.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    rows: &'a [u64],
+    grain: Grain,
+}
+
+impl<'a> Seen<'a> {
+    /// `rows[y]`: the blocks of samples between voxel rows y and y + 1 (the last row: itself). Bit b of it stands for
+    /// the samples from the first column of block b up to the first of the next. Whoever leaves a bit out promises
+    /// that all those samples are invisible.
+    pub const fn new(rows: &'a [u64], grain: Grain) -> Self {
+        Self { rows, grain }
+    }
+
+    /// How long the blocks are.
+    #[inline(always)]
+    pub const fn grain(self) -> Grain {
+        self.grain
+    }
+
+    /// The blocks of a row; none where there is no row.
+    #[inline(always)]
+    pub fn row(self, row: usize) -> u64 {
+        self.rows.get(row).copied().unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn a_row_has_at_most_64_blocks() {
+        for width in [1, 16, 1024, 1025, 2048, 8192, 32768] {
+            let grain = Grain::of(width);
+            assert!(width.div_ceil(grain.columns()) <= 64, "{width}");
+            assert!(
+                grain.columns() == 16 || width.div_ceil(grain.columns() >> 1) > 64,
+                "{width}"
+            );
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn runs_are_the_set(blocks in any::<u64>(), mask in any::<u64>(), dense in any::<bool>(), width in 1usize..9000) {
+            let blocks = if dense { blocks | mask } else { blocks & mask };
+            let grain = Grain::of(width);
+            let runs: Vec<_> = grain.runs(blocks).collect();
+            let columns: Vec<_> = runs.iter().cloned().flatten().collect();
+            let set = (0..64).filter(|b| blocks >> b & 1 != 0);
+            let expected: Vec<_> = set.flat_map(|b| grain.block(b)).collect();
+            prop_assert_eq!(columns, expected);
+            prop_assert!(runs.windows(2).all(|pair| pair[0].end < pair[1].start));
+        }
+    }
+
+    #[test]
+    fn the_whole_word_is_one_run() {
+        assert_eq!(Grain::of(1).runs(!0).collect::<Vec<_>>(), [0..1024]);
+        assert_eq!(Grain::of(1).runs(0).count(), 0);
+    }
+}

@@ -1,0 +1,218 @@
+//! What blocks of a volume hold, so that those which a table makes invisible are never interpolated.
+//!
+//! Samples of a block of columns lie between the smallest and the largest of the voxels around them. These ranges are
+//! measured once a volume and axis ([`Occupancy::of`]); each table then turns them into a bit a block
+//! ([`Occupancy::sight`]), which core's plane layer asks before it makes anything.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use slicecast::classify::Support;
+use slicecast::plan::Plan;
+use slicecast::seen::{Grain, Seen};
+use slicecast::slice::{RowRange, Slice};
+
+/// Codes are kept in steps of 64, which is as fine as a table's support knows them.
+const STEP: u32 = 6;
+
+/// Smallest and largest step of a block's voxels.
+type Steps = [u8; 2];
+
+/// The range of every block of a volume, for views along one axis and direction.
+#[derive(Clone, Debug)]
+pub struct Occupancy {
+    /// Block after block, row after row, slice after slice: of samples that lie in a slice.
+    inside: Vec<Steps>,
+    /// Of samples between a slice and the next.
+    between: Vec<Steps>,
+    grain: Grain,
+    /// Blocks of a row.
+    blocks: usize,
+    /// Rows of a slice.
+    height: usize,
+}
+
+/// Which blocks of a volume can show something under a table.
+#[derive(Clone, Debug)]
+pub struct Sight {
+    rows: Vec<u64>,
+    grain: Grain,
+    height: usize,
+    /// Share of the blocks, 0 to 1.
+    pub share: f64,
+}
+
+impl Occupancy {
+    /// Measures slices, in parallel. Memory: 4 bytes for 16 voxels.
+    pub fn of(slices: &[Slice<'_>]) -> Self {
+        let [width, height] = slices.first().map_or([0; 2], |slice| [slice.width(), slice.height()]);
+        let grain = Grain::of(width);
+        let blocks = width.div_ceil(grain.columns());
+        let row_len = blocks.max(1);
+        let slice_len = row_len * height.max(1);
+        let mut inside = vec![[u8::MAX, 0]; blocks * height * slices.len()];
+        inside.par_chunks_mut(slice_len).zip(slices).for_each(|(out, slice)| {
+            for (row, out) in out.chunks_mut(row_len).enumerate() {
+                measure(slice.row(row), grain, out);
+            }
+            // Each row with the next one, which is as it was measured when its turn comes.
+            for block in 0..out.len() - row_len {
+                out[block] = union(out[block], out[block + row_len]);
+            }
+        });
+        let mut between = inside.clone();
+        between
+            .par_iter_mut()
+            .zip(&inside[slice_len.min(inside.len())..])
+            .for_each(|(near, far)| *near = union(*near, *far));
+        Self {
+            inside,
+            between,
+            grain,
+            blocks,
+            height,
+        }
+    }
+
+    /// The blocks that can show something under a table, for the planes of a view; in parallel.
+    pub fn sight(&self, plan: &Plan, support: Support) -> Sight {
+        let next = next_visible(support);
+        let [_, _, step] = plan.step();
+        let all_in_slices = step.frac() == 0;
+        let steps = if all_in_slices { &self.inside } else { &self.between };
+        let mut rows = vec![0; steps.len() / self.blocks.max(1)];
+        let seen: u32 = (rows.par_iter_mut().with_min_len(1024))
+            .zip(steps.par_chunks(self.blocks.max(1)))
+            .map(|(row, steps)| {
+                for (block, [low, high]) in steps.iter().enumerate() {
+                    *row |= u64::from(next[usize::from(*low)] <= *high) << block;
+                }
+                row.count_ones()
+            })
+            .sum();
+        Sight {
+            share: f64::from(seen) / steps.len().max(1) as f64,
+            rows,
+            grain: self.grain,
+            height: self.height,
+        }
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.inside[..]) + size_of_val(&self.between[..])
+    }
+}
+
+impl Sight {
+    /// The blocks of planes at a slice, or between it and the next.
+    pub fn at(&self, slice: usize) -> Seen<'_> {
+        let start = slice.saturating_mul(self.height);
+        let rows = start..start.saturating_add(self.height);
+        Seen::new(self.rows.get(rows).unwrap_or(&[]), self.grain)
+    }
+
+    /// The columns of a voxel row that visible blocks of its slice look at, in runs; the last may end behind the row.
+    pub fn columns(&self, slice: usize, row: usize) -> impl Iterator<Item = Range<usize>> {
+        self.grain.runs(self.at(slice).row(row))
+    }
+}
+
+/// For each step the first that is visible, from it on; 255 where none is.
+fn next_visible(support: Support) -> [u8; 64] {
+    let mut next = [u8::MAX; 64];
+    let mut found = u8::MAX;
+    for step in (0..64u8).rev() {
+        let code = u16::from(step) << STEP;
+        if support.meets(RowRange { low: code, high: code }) {
+            found = step;
+        }
+        next[usize::from(step)] = found;
+    }
+    next
+}
+
+/// Ranges of the blocks of a row: a block's samples look at the first voxel behind it as well.
+fn measure(row: &[u16], grain: Grain, out: &mut [Steps]) {
+    for (block, out) in out.iter_mut().enumerate() {
+        let voxels = &row[block * grain.columns()..];
+        let voxels = &voxels[..voxels.len().min(grain.columns() + 1)];
+        let low = voxels.iter().fold(u16::MAX, |low, v| low.min(*v));
+        let high = voxels.iter().fold(0, |high, v| high.max(*v));
+        *out = [low, high].map(|code| (code >> STEP) as u8);
+    }
+}
+
+/// The smallest range that holds both.
+fn union([low, high]: Steps, [other_low, other_high]: Steps) -> Steps {
+    [low.min(other_low), high.max(other_high)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+    use slicecast::format::Direction;
+    use slicecast::plan::{Sampling, Spacing};
+    use slicecast::view::View;
+
+    /// A plan straight along z.
+    fn plan(dims: [usize; 3], planes_per_voxel: u32) -> Plan {
+        let view = View::new([Direction::ZERO, Direction::ZERO, Direction::ONE]).unwrap();
+        let sampling = Sampling {
+            planes_per_voxel,
+            rays_per_voxel: 1,
+        };
+        Plan::new(view, dims.map(|side| side as u32), Spacing::CUBIC, sampling).unwrap()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 300, rng_seed: RngSeed::Fixed(64), failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// A bit is what the table's support says of all voxels around the block's samples.
+        #[test]
+        fn bits_are_the_support_of_the_voxels_around(
+            dims in (1usize..70, 1usize..5, 1usize..5),
+            few in prop::collection::vec((any::<u32>(), 0u16..=4095), 0..9),
+            ground in 0u16..=4095,
+            visible in any::<u64>(),
+            sparse in any::<u64>(),
+            between in any::<bool>(),
+        ) {
+            let dims = [dims.0, dims.1, dims.2];
+            let [nx, ny, nz] = dims;
+            let mut voxels = vec![ground; nx * ny * nz];
+            for (place, value) in few {
+                let len = voxels.len();
+                voxels[place as usize % len] = value;
+            }
+            let visible = visible & sparse;
+            let support = Support::of((0..4096).map(|code| visible >> (code >> 6) & 1 != 0));
+            let mut ranges = vec![RowRange::EMPTY; ny * nz];
+            let slices: Vec<_> = (voxels.chunks(nx * ny).zip(ranges.chunks_mut(ny)))
+                .map(|(voxels, ranges)| Slice::measure(voxels, nx, ny, nx, ranges).unwrap())
+                .collect();
+            let sight = Occupancy::of(&slices).sight(&plan(dims, if between { 3 } else { 1 }), support);
+            let mut seen = 0;
+            for (z, y) in (0..nz).flat_map(|z| (0..ny).map(move |y| (z, y))) {
+                let mut expected = 0;
+                for first in (0..nx).step_by(16) {
+                    let mut range = RowRange::EMPTY;
+                    let last = |first: usize, side: usize| (first + 1).min(side - 1);
+                    for k in z..=if between { last(z, nz) } else { z } {
+                        for j in y..=last(y, ny) {
+                            for v in &voxels[(k * ny + j) * nx..][first..=(first + 16).min(nx - 1)] {
+                                range = range.union(RowRange { low: *v, high: *v });
+                            }
+                        }
+                    }
+                    expected |= u64::from(support.meets(range)) << (first / 16);
+                }
+                prop_assert_eq!(sight.at(z).row(y), expected, "slice {}, row {}", z, y);
+                seen += expected.count_ones() as usize;
+            }
+            prop_assert!((sight.share - seen as f64 / (nx.div_ceil(16) * ny * nz) as f64).abs() < 1e-12);
+        }
+    }
+}
