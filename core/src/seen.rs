@@ -30,20 +30,6 @@ impl Grain {
     pub(crate) const fn block(self, number: u32) -> Range<usize> {
         (number as usize) << self.0..(number as usize + 1) << self.0
     }
-
-    /// Columns of the runs of neighbouring blocks in a set.
-    #[inline]
-    pub fn runs(self, blocks: u64) -> impl Iterator<Item = Range<usize>> {
-        let mut left = blocks;
-        core::iter::from_fn(move || {
-            // Adding the lowest bit carries over the lowest run.
-            let rest = left & left.wrapping_add(left & left.wrapping_neg());
-            let run = left ^ rest;
-            left = rest;
-            let columns = (run.trailing_zeros() as usize) << self.0..(64 - run.leading_zeros() as usize) << self.0;
-            (run != 0).then_some(columns)
-        })
-    }
 }
 
 /// Which blocks can show something, for the rows of samples between two slices.
@@ -77,8 +63,6 @@ impl<'a> Seen<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-    use std::vec::Vec;
 
     #[test]
     fn a_row_has_at_most_64_blocks() {
@@ -90,25 +74,5 @@ mod tests {
                 "{width}"
             );
         }
-    }
-
-    proptest! {
-        #[test]
-        fn runs_are_the_set(blocks in any::<u64>(), mask in any::<u64>(), dense in any::<bool>(), width in 1usize..9000) {
-            let blocks = if dense { blocks | mask } else { blocks & mask };
-            let grain = Grain::of(width);
-            let runs: Vec<_> = grain.runs(blocks).collect();
-            let columns: Vec<_> = runs.iter().cloned().flatten().collect();
-            let set = (0..64).filter(|b| blocks >> b & 1 != 0);
-            let expected: Vec<_> = set.flat_map(|b| grain.block(b)).collect();
-            prop_assert_eq!(columns, expected);
-            prop_assert!(runs.windows(2).all(|pair| pair[0].end < pair[1].start));
-        }
-    }
-
-    #[test]
-    fn the_whole_word_is_one_run() {
-        assert_eq!(Grain::of(1).runs(!0).collect::<Vec<_>>(), [0..1024]);
-        assert_eq!(Grain::of(1).runs(0).count(), 0);
     }
 }

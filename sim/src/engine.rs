@@ -314,7 +314,7 @@ pub fn fold_tiles_tapped<L: Pipeline, T: Tap + Send>(
     })
 }
 
-/// Does something with every tile of an image, in parallel; its results in the order of the tiles.
+/// Does something with every tile of an image, in parallel; its results phase by phase, row by row.
 fn each_tile<L: Pipeline, R: Send>(
     plan: &Plan,
     image: &mut [L::Element],
@@ -329,27 +329,32 @@ fn each_tile<L: Pipeline, R: Send>(
     let tiles_per_phase = (base_height as usize).div_ceil(tile_rows);
     let total = tiles_per_phase * plan.phases() as usize;
     let done = std::sync::atomic::AtomicUsize::new(0);
-    let phases: Vec<(u32, &mut [L::Element])> = (0..).zip(image.chunks_mut(phase_len::<L>(plan))).collect();
-    phases
+    let mut tiles = Vec::with_capacity(total);
+    for (phase, data) in (0..).zip(image.chunks_mut(phase_len::<L>(plan))) {
+        for (index, data) in data.chunks_mut(row_len * tile_rows).enumerate() {
+            let tile = Tile {
+                phase,
+                first: (index * tile_rows) as u32,
+                rows: (data.len() / row_len) as u32,
+            };
+            tiles.push((tiles.len(), tile, data));
+        }
+    }
+    // The same rows of all phases one after the other: they read the same voxels, which are still near.
+    tiles.sort_by_key(|(_, tile, _)| tile.first);
+    let mut results: Vec<(usize, R)> = tiles
         .into_par_iter()
-        .flat_map(|(phase, data)| {
-            let tiles = data.par_chunks_mut(row_len * tile_rows).enumerate();
-            tiles.map(move |(index, data)| (phase, index, data))
-        })
         .map_init(
             || vec![0; scratch_len::<L>(slice_width)],
-            |scratch, (phase, index, data)| {
-                let tile = Tile {
-                    phase,
-                    first: (index * tile_rows) as u32,
-                    rows: (data.len() / row_len) as u32,
-                };
+            |scratch, (number, tile, data)| {
                 let result = work(tile, data, scratch);
                 progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
-                result
+                (number, result)
             },
         )
-        .collect()
+        .collect();
+    results.sort_by_key(|(number, _)| *number);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
 /// Folds all planes into the rows of a tile by the scalar definitions, under a tap. `scratch` holds at least
@@ -383,8 +388,6 @@ const FINISHED_EVERY: u32 = 16;
 
 /// How the planes of a tile are folded.
 trait How<L: Pipeline> {
-    /// Asks for what a row of slice `z` will be read of.
-    fn prefetch(&self, z: usize, row: usize, voxels: &[u16]);
     /// Folds the plane at a slice, or between it and the next.
     fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]);
     /// Whether no further plane can change these rows.
@@ -407,11 +410,6 @@ struct Blocks<'a>(&'a Sight);
 
 impl<L: Pipeline, T: Tap> How<L> for Whole<'_, T> {
     #[inline(always)]
-    fn prefetch(&self, _: usize, _: usize, voxels: &[u16]) {
-        prefetch(voxels);
-    }
-
-    #[inline(always)]
     fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]) {
         pipeline.fold::<V, T>(at.plan, &at.plane, &at.window, rows, scratch, self.0);
     }
@@ -423,13 +421,6 @@ impl<L: Pipeline, T: Tap> How<L> for Whole<'_, T> {
 }
 
 impl<L: Pipeline> How<L> for Blocks<'_> {
-    #[inline(always)]
-    fn prefetch(&self, z: usize, row: usize, voxels: &[u16]) {
-        for columns in self.0.columns(z, row) {
-            prefetch(&voxels[columns.start..columns.end.min(voxels.len())]);
-        }
-    }
-
     #[inline(always)]
     fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]) {
         pipeline.fold_seen::<V>(at.plan, &at.plane, &at.window, self.0.at(at.slice), rows, scratch);
@@ -453,15 +444,13 @@ struct FoldTile<'a, 's, L: Pipeline, H> {
 }
 
 impl<L: Pipeline, H: How<L>> FoldTile<'_, '_, L, H> {
-    /// Asks for what a tile will read of a slice: under its own rows, shifted by `offset`.
+    /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`, and those that
+    /// gradients look at beyond.
     #[inline(always)]
-    fn prefetch(&self, z: i32, offset: i32) {
-        let Some((z, slice)) = usize::try_from(z).ok().and_then(|z| Some((z, self.slices.get(z)?))) else {
-            return;
-        };
-        let first = (i64::from(self.tile.first) + i64::from(offset)).max(0) as usize;
-        for row in first..(first + self.tile.rows as usize + 1).min(slice.height()) {
-            self.how.prefetch(z, row, slice.row(row));
+    fn prefetch(&self, slice: &Slice<'_>, offset: i32) {
+        let first = (i64::from(self.tile.first) + i64::from(offset)).max(1) as usize;
+        for row in first - 1..(first + self.tile.rows as usize + 2).min(slice.height()) {
+            prefetch(slice.row(row));
         }
     }
 }
@@ -481,7 +470,9 @@ impl<L: Pipeline, H: How<L>> OverLanes for FoldTile<'_, '_, L, H> {
             let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
             if ahead != Some(wanted) {
                 ahead = Some(wanted);
-                self.prefetch(wanted, cell(plane.y).index);
+                if let Some(slice) = slice(wanted) {
+                    self.prefetch(&slice, cell(plane.y).index);
+                }
             }
             if let Some(window) = Window::at(z, slice) {
                 let rows = Rows {

@@ -4,8 +4,6 @@
 //! measured once a volume and axis ([`Occupancy::of`]); each table then turns them into a bit a block
 //! ([`Occupancy::sight`]), which core's plane layer asks before it makes anything.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 use slicecast::classify::Support;
 use slicecast::plan::Plan;
@@ -110,11 +108,6 @@ impl Sight {
         let start = slice.saturating_mul(self.height);
         let rows = start..start.saturating_add(self.height);
         Seen::new(self.rows.get(rows).unwrap_or(&[]), self.grain)
-    }
-
-    /// The columns of a voxel row that visible blocks of its slice look at, in runs; the last may end behind the row.
-    pub fn columns(&self, slice: usize, row: usize) -> impl Iterator<Item = Range<usize>> {
-        self.grain.runs(self.at(slice).row(row))
     }
 }
 

@@ -72,6 +72,11 @@ impl<'a> Oriented<'a> {
         Self { dense: share, ..self }
     }
 
+    /// What the blocks of the volume hold.
+    pub fn occupancy(&self) -> &Occupancy {
+        &self.occupancy
+    }
+
     /// The blocks that can be seen under a table of this support; none where so many can that rows are made faster as a
     /// whole.
     pub fn sight(&self, plan: &Plan, support: Option<Support>) -> Option<Sight> {

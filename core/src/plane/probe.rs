@@ -39,8 +39,8 @@ pub(super) struct Probe<'w, P, V> {
     precision: PhantomData<P>,
 }
 
-/// How the voxels around a place are read: `WHOLE`, the plane lies in a slice, so that nothing is interpolated along z
-/// and voxels stay whole numbers until they meet along y; `INNER`, all of them exist.
+/// How the voxels around a place are read: `INNER`, all of them exist; `WHOLE`, the plane lies in a slice besides, so that
+/// nothing is interpolated along z and voxels stay whole numbers until they meet along y.
 impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     #[inline(always)]
     pub(super) fn new(meeting: &Meeting, window: &'w Window<'w>) -> Self {
@@ -71,11 +71,12 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     /// The samples at a place.
     #[inline(always)]
     pub(super) fn sample(&self, row: i32, from: i32) -> V {
-        match (self.in_slice, self.has([from, from + 1], [row, row + 1])) {
-            (true, true) => self.sample_of::<true, true>(row, from),
-            (true, false) => self.sample_of::<true, false>(row, from),
-            (false, true) => self.sample_of::<false, true>(row, from),
-            (false, false) => self.sample_of::<false, false>(row, from),
+        if !self.has([from, from + 1], [row, row + 1]) {
+            self.sample_of::<false, false>(row, from)
+        } else if self.in_slice {
+            self.sample_of::<true, true>(row, from)
+        } else {
+            self.sample_of::<false, true>(row, from)
         }
     }
 
@@ -91,11 +92,12 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     /// The gradients of the samples at a place, before the spacing factors.
     #[inline(always)]
     pub(super) fn gradient(&self, row: i32, from: i32) -> [V; 3] {
-        match (self.in_slice, self.has([from - 1, from + 2], [row - 1, row + 2])) {
-            (true, true) => self.gradient_of::<true, true>(row, from),
-            (true, false) => self.gradient_of::<true, false>(row, from),
-            (false, true) => self.gradient_of::<false, true>(row, from),
-            (false, false) => self.gradient_of::<false, false>(row, from),
+        if !self.has([from - 1, from + 2], [row - 1, row + 2]) {
+            self.gradient_of::<false, false>(row, from)
+        } else if self.in_slice {
+            self.gradient_of::<true, true>(row, from)
+        } else {
+            self.gradient_of::<false, true>(row, from)
         }
     }
 
@@ -163,26 +165,25 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
         }
         let last = self.height - 1;
         let edge = row.min(last).max(0);
-        let voxels = self.z_with_ends::<WHOLE>(edge as usize, from);
+        let voxels = self.z_with_ends(edge as usize, from);
         if edge == row {
             return voxels;
         }
         // Twice the edge less the row inside it.
         let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
-        voxels + voxels - self.z_with_ends::<WHOLE>(inner as usize, from)
+        voxels + voxels - self.z_with_ends(inner as usize, from)
     }
 
     /// The same inside the rows of a slice; a place to the left of the first column and to the right of the last one is
     /// made up, further ones are 0.
     #[inline(always)]
-    fn z_with_ends<const WHOLE: bool>(&self, row: usize, from: i32) -> V {
+    fn z_with_ends(&self, row: usize, from: i32) -> V {
         let (near, far) = (self.near.row(row), self.far.row(row));
         let start = from.max(0) as usize;
-        let (a, b) = (V::load_voxels(near, start), V::load_voxels(far, start));
-        let mut voxels = if WHOLE { a } else { a.between16(b, self.wz) };
+        let mut voxels = V::load_voxels(near, start).between16(V::load_voxels(far, start), self.wz);
         let one = |column: i32| {
             let [a, b] = [near, far].map(|row| i32::load_voxels(row, column.max(0) as usize));
-            if WHOLE { a } else { a.between16(b, self.wz_bits) }
+            a.between16(b, self.wz_bits)
         };
         let last = self.width - 1;
         let lane = (last + 1).checked_sub(start as i32).unwrap_or(-1);

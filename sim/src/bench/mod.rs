@@ -225,6 +225,14 @@ pub struct Beside {
     pub table_milliseconds: f64,
     /// What the engine makes of a new table.
     pub table_decoded_milliseconds: f64,
+    /// Finding the blocks that can be seen under it; part of every frame's time.
+    pub sight_milliseconds: f64,
+    /// Their share, 0 to 1.
+    pub seen_share: f64,
+    /// Measuring what the blocks hold, once a volume and axis.
+    pub occupancy_milliseconds: f64,
+    /// Bytes that it takes.
+    pub occupancy_bytes: usize,
 }
 
 /// Measures what a frame costs beside its samples, on all threads with the widest vectors.
@@ -234,39 +242,49 @@ pub struct Beside {
 pub fn beside(scene: &Scene, volume: &Volume, frames: usize, threads: &Threads) -> Result<Beside, RenderError> {
     let prepared = Prepared::new(scene, volume)?;
     let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
-    let mut shortest = [Duration::MAX; 4];
+    let mut shortest = [Duration::MAX; 6];
+    let (mut share, mut bytes) = (1.0, 0);
     with_slices(volume, prepared.setup.plan.view(), |slices| {
-        let oriented = Oriented::of(slices);
         for _ in 0..frames {
+            let start = Instant::now();
+            let oriented = threads.pool(true).install(|| Oriented::of(slices));
+            let measured = start.elapsed();
+            bytes = oriented.occupancy().bytes();
             let frame = || prepared.dispatch(FoldAndWarp(&prepared, &oriented));
-            let [fold, warp] = threads.pool(true).install(frame)??;
+            let ([fold, warp, sight], seen) = threads.pool(true).install(frame)??;
+            share = seen;
             let start = Instant::now();
             let table = black_box(compile(scene, &volume.mapping, prepared.setup.step_length));
             let compiled = start.elapsed();
             let start = Instant::now();
             black_box(table.expanded());
             let decoded = start.elapsed();
-            for (shortest, time) in shortest.iter_mut().zip([fold, warp, compiled, decoded]) {
+            let times = [fold, warp, compiled, decoded, sight, measured];
+            for (shortest, time) in shortest.iter_mut().zip(times) {
                 *shortest = (*shortest).min(time);
             }
         }
         Ok::<_, RenderError>(())
     })??;
-    let [fold, warp, compiled, decoded] = shortest.map(milliseconds);
+    let [fold, warp, compiled, decoded, sight, measured] = shortest.map(milliseconds);
     Ok(Beside {
         fold_milliseconds: fold,
         warp_milliseconds: warp,
         warp_share: warp / (fold + warp),
         table_milliseconds: compiled,
         table_decoded_milliseconds: decoded,
+        sight_milliseconds: sight,
+        seen_share: share,
+        occupancy_milliseconds: measured,
+        occupancy_bytes: bytes,
     })
 }
 
-/// Folds a frame and makes its picture; the times that both take.
+/// Folds a frame and makes its picture; the times that both take, and finding the visible blocks; the share of these.
 struct FoldAndWarp<'a>(&'a Prepared<'a>, &'a Oriented<'a>);
 
 impl Job for FoldAndWarp<'_> {
-    type Output = Result<[Duration; 2], RenderError>;
+    type Output = Result<([Duration; 3], f64), RenderError>;
 
     fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
         let Self(prepared, volume) = self;
@@ -277,7 +295,11 @@ impl Job for FoldAndWarp<'_> {
         let fold = start.elapsed();
         let start = Instant::now();
         black_box(picture(prepared, pipeline, &image));
-        Ok([fold, start.elapsed()])
+        let warp = start.elapsed();
+        let start = Instant::now();
+        let sight = (pipeline.support()).map(|support| volume.occupancy().sight(plan, support));
+        let found = start.elapsed();
+        Ok(([fold, warp, found], sight.map_or(1.0, |sight| sight.share)))
     }
 }
 

@@ -202,12 +202,17 @@ impl Bench {
     fn beside(&mut self, scene: &Scene, volume: &Volume) -> Result<(), Failure> {
         let costs = beside(scene, volume, self.frames, &self.threads)?;
         println!(
-            "compact, all threads: final warp {:.2} ms, {:.1} % of {:.2} ms; a new table {:.3} ms, decoded {:.3} ms\n",
+            "compact, all threads: final warp {:.2} ms, {:.1} % of {:.2} ms; a new table {:.3} ms, decoded {:.3} ms\n\
+             blocks: {:.1} % can be seen, found in {:.3} ms; measured once a volume in {:.2} ms, {:.1} MiB\n",
             costs.warp_milliseconds,
             100.0 * costs.warp_share,
             costs.fold_milliseconds + costs.warp_milliseconds,
             costs.table_milliseconds,
-            costs.table_decoded_milliseconds
+            costs.table_decoded_milliseconds,
+            100.0 * costs.seen_share,
+            costs.sight_milliseconds,
+            costs.occupancy_milliseconds,
+            costs.occupancy_bytes as f64 / f64::from(1 << 20)
         );
         if let Some(section) = self.sections.last_mut() {
             section.beside = Some(costs);
