@@ -7,7 +7,8 @@
 //!
 //! Only what the scene needs, and the same bits with all of it or without: a row whose voxels all classify to nothing
 //! is not interpolated, nor is one whose rays are all finished; colours, gradients and shading are computed for spans
-//! of visible samples (opacity above 0 on a ray that is not finished).
+//! of visible samples (opacity above 0 on a ray that is not finished). Who knows the whole volume can leave out blocks of
+//! rows too ([`Pipeline::fold_seen`]).
 
 mod blocks;
 mod composite;
