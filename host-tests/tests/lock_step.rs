@@ -11,8 +11,9 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use slicecast::classify::Support;
 use slicecast::composite::{Channel, Pixel, Unorm16};
+use slicecast::format::Step;
 use slicecast::plane::Pipeline;
-use slicecast::warp::in_front_of;
+use slicecast::warp::{Warp, in_front_of};
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_host_tests::record::recorded;
@@ -235,6 +236,15 @@ fn warped<C: Channel>(prepared: &Prepared<'_>, base: &BaseImage) -> Vec<u8> {
         .collect()
 }
 
+/// The same, in the channel of the image.
+fn by_definition(prepared: &Prepared<'_>, base: &BaseImage) -> Vec<u8> {
+    match base.one {
+        0x8000 => warped::<u16>(prepared, base),
+        0xffff => warped::<Unorm16>(prepared, base),
+        _ => warped::<u32>(prepared, base),
+    }
+}
+
 proptest! {
     #![proptest_config(config(200, 7))]
 
@@ -243,12 +253,72 @@ proptest! {
         for precision in PrecisionName::ALL {
             frame.in_precision(precision).with_prepared(|prepared, _| {
                 let made = prepared.render(Layer::Tiles(5), &|_, _| ()).unwrap();
-                let expected = match made.base.one {
-                    0x8000 => warped::<u16>(prepared, &made.base),
-                    0xffff => warped::<Unorm16>(prepared, &made.base),
-                    _ => warped::<u32>(prepared, &made.base),
-                };
-                prop_assert!(made.picture.bytes == expected, "{}", precision.name());
+                prop_assert!(made.picture.bytes == by_definition(prepared, &made.base), "{}", precision.name());
+                Ok(())
+            })?;
+        }
+    }
+}
+
+/// Bits of a warp's steps: of all lengths, so that the base plane is enlarged, kept or shrunk to nothing, straight or not.
+fn step() -> impl Strategy<Value = i64> {
+    prop_oneof![
+        2 => Just(0i64),
+        6 => (24u32..=32, -300i64..=300).prop_map(|(log2, part)| (part << log2) / 200),
+        2 => (0u32..=62, -300i64..=300).prop_map(|(log2, part)| ((i128::from(part) << log2) / 200) as i64),
+        1 => any::<i64>(),
+    ]
+}
+
+/// Bits of a warp's origin: near the base plane, or anywhere, also where the coordinate wraps.
+fn origin() -> impl Strategy<Value = i64> {
+    prop_oneof![
+        8 => (-20i64..=60, any::<u32>()).prop_map(|(pixel, part)| (pixel << 32) + i64::from(part)),
+        1 => any::<i64>(),
+        1 => (-3i64..=3).prop_map(|near| i64::MAX.wrapping_add(near << 31)),
+    ]
+}
+
+fn warps() -> impl Strategy<Value = Picture> {
+    let pair = || prop::array::uniform2(step());
+    // Tiles are 64 x 32 pixels at most.
+    let size = prop_oneof![
+        1 => [1u32..=3, 1u32..=3],
+        2 => [1u32..=140, 1u32..=70],
+        1 => [63u32..=65, 31u32..=33],
+    ];
+    (size, prop::array::uniform2(origin()), pair(), pair()).prop_map(|(size, origin, right, down)| Picture {
+        size,
+        warp: Warp {
+            origin: origin.map(Step::from_bits),
+            right: right.map(Step::from_bits),
+            down: down.map(Step::from_bits),
+        },
+        affine: [[0.0; 2]; 3],
+    })
+}
+
+proptest! {
+    #![proptest_config(config(400, 13))]
+
+    #[test]
+    fn any_picture_is_the_definition_of_the_warp(
+        frame in frame(),
+        rays_per_voxel in 1u32..=8,
+        picture in warps(),
+        background in prop_oneof![Just([0.0; 3]), Just([1.0; 3]), prop::array::uniform3(0.0..=1.0f64)],
+    ) {
+        for precision in PrecisionName::ALL {
+            let frame = Frame { rays_per_voxel, ..frame.in_precision(precision) };
+            frame.with_prepared(|prepared, _| {
+                let mut scene = prepared.scene.clone();
+                scene.image.background = background;
+                let mut prepared = Prepared { scene: &scene, ..prepared.clone() };
+                prepared.setup.picture = picture;
+                for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+                    let made = prepared.clone().with_simd(simd).render(Layer::Tiles(5), &|_, _| ()).unwrap();
+                    prop_assert!(made.picture.bytes == by_definition(&prepared, &made.base), "{} {}", precision.name(), simd.name());
+                }
                 Ok(())
             })?;
         }
