@@ -329,32 +329,38 @@ fn each_tile<L: Pipeline, R: Send>(
     let tiles_per_phase = (base_height as usize).div_ceil(tile_rows);
     let total = tiles_per_phase * plan.phases() as usize;
     let done = std::sync::atomic::AtomicUsize::new(0);
+    // The same rows of all phases one after the other: they read the same voxels, which are still near.
+    let (phases, tile_len) = (plan.phases() as usize, row_len * tile_rows);
+    let mut rest: Vec<_> = (image.chunks_mut(phase_len::<L>(plan)))
+        .map(|data| data.chunks_mut(tile_len))
+        .collect();
     let mut tiles = Vec::with_capacity(total);
-    for (phase, data) in (0..).zip(image.chunks_mut(phase_len::<L>(plan))) {
-        for (index, data) in data.chunks_mut(row_len * tile_rows).enumerate() {
+    for index in 0..tiles_per_phase {
+        for (phase, data) in (0..)
+            .zip(&mut rest)
+            .filter_map(|(phase, rest)| Some((phase, rest.next()?)))
+        {
             let tile = Tile {
                 phase,
                 first: (index * tile_rows) as u32,
                 rows: (data.len() / row_len) as u32,
             };
-            tiles.push((tiles.len(), tile, data));
+            tiles.push((tile, data));
         }
     }
-    // The same rows of all phases one after the other: they read the same voxels, which are still near.
-    tiles.sort_by_key(|(_, tile, _)| tile.first);
-    let mut results: Vec<(usize, R)> = tiles
+    let mut results: Vec<Option<R>> = tiles
         .into_par_iter()
         .map_init(
             || vec![0; scratch_len::<L>(slice_width)],
-            |scratch, (number, tile, data)| {
+            |scratch, (tile, data)| {
                 let result = work(tile, data, scratch);
                 progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
-                (number, result)
+                Some(result)
             },
         )
         .collect();
-    results.sort_by_key(|(number, _)| *number);
-    results.into_iter().map(|(_, result)| result).collect()
+    let by_phase = (0..total).map(|place| place % tiles_per_phase * phases + place / tiles_per_phase);
+    by_phase.filter_map(|place| results.get_mut(place)?.take()).collect()
 }
 
 /// Folds all planes into the rows of a tile by the scalar definitions, under a tap. `scratch` holds at least
