@@ -57,9 +57,9 @@ pub trait Lanes:
     /// Voxels `at ..` of a row; 0 behind its end.
     fn load_voxels(row: &[u16], at: usize) -> Self;
     /// Elements `at ..` of a row of some other type; 0 behind its end.
-    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self;
+    fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self;
     /// Writes to elements `at ..` of such a row, as far as it goes.
-    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T);
+    fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T);
     /// The table's value at these codes (the low 12 bits of a lane), and the next one.
     fn look_up(self, values: &Neighboured) -> [Self; 2];
 
@@ -213,11 +213,11 @@ impl Lanes for i32 {
         row.get(at).copied().map_or(0, Self::from)
     }
     #[inline(always)]
-    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
+    fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
         row.get(at).copied().map_or(0, |t| bits(t) as Self)
     }
     #[inline(always)]
-    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
+    fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
         if let Some(place) = row.get_mut(at) {
             *place = element(self as u32);
         }

@@ -3,11 +3,12 @@
 #![expect(unsafe_code, reason = "vector instructions; every use says why it is sound")]
 
 use std::arch::x86_64::*;
+use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use slicecast::lanes::{Lanes, Neighboured, Wide};
 
-use super::partial::{CODE_MASK, chunk, chunk_mut, neighbours, rest};
+use super::partial::{CODE_MASK, chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
 /// Sixteen 32-bit lanes. A value exists only where the processor has AVX-512 (F, BW, CD, DQ, VL): nothing but the
@@ -183,26 +184,53 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
+    fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
         match chunk::<_, 16>(row, at) {
             Some(lanes) => Self::of_array(&lanes.map(|t| bits(t) as i32)),
             None => {
-                let mut lanes = [0; 16];
-                for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
-                    *lane = bits(*t) as i32;
-                }
-                Self::of_array(&lanes)
+                let (first, mask) = (row.as_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
+                let lanes = if is_half::<T>() {
+                    let elements = avx512!(_mm256_maskz_loadu_epi16(mask, first.cast()));
+                    // SAFETY: numbers of 16 bits (`is_half`).
+                    unsafe { transmute_copy::<_, [T; 16]>(&elements) }.map(|t| bits(t) as i32)
+                } else if is_word::<T>() {
+                    let elements = avx512!(_mm512_maskz_loadu_epi32(mask, first.cast()));
+                    // SAFETY: numbers of 32 bits (`is_word`).
+                    unsafe { transmute_copy::<_, [T; 16]>(&elements) }.map(|t| bits(t) as i32)
+                } else {
+                    let mut lanes = [0; 16];
+                    for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
+                        *lane = bits(*t) as i32;
+                    }
+                    lanes
+                };
+                Self(avx512!(_mm512_maskz_mov_epi32(mask, Self::of_array(&lanes).0)))
             }
         }
     }
     #[inline(always)]
-    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
+    fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
         let lanes = self.to_array();
         match chunk_mut::<_, 16>(row, at) {
             Some(place) => *place = lanes.map(|bits| element(bits as u32)),
             None => {
-                for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
-                    *t = element(lane as u32);
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
+                if is_half::<T>() {
+                    let elements = lanes.map(|bits| element(bits as u32));
+                    avx512!({
+                        let elements = _mm256_loadu_si256(elements.as_ptr().cast());
+                        _mm256_mask_storeu_epi16(first.cast(), mask, elements);
+                    });
+                } else if is_word::<T>() {
+                    let elements = lanes.map(|bits| element(bits as u32));
+                    avx512!({
+                        let elements = _mm512_loadu_si512(elements.as_ptr().cast());
+                        _mm512_mask_storeu_epi32(first.cast(), mask, elements);
+                    });
+                } else {
+                    for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
+                        *t = element(lane as u32);
+                    }
                 }
             }
         }
