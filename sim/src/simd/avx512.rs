@@ -90,6 +90,14 @@ impl Avx512 {
         avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0));
         lanes
     }
+
+    /// Each two lanes, the even one in the low half.
+    #[inline(always)]
+    fn to_pairs(self) -> [u64; 8] {
+        let mut pairs = [0; 8];
+        avx512!(_mm512_storeu_si512(pairs.as_mut_ptr().cast(), self.0));
+        pairs
+    }
 }
 
 /// As many low bits as there are elements, fewer than 16.
@@ -101,12 +109,13 @@ fn ones(elements: usize) -> u32 {
 /// The values at sixteen codes (their low 12 bits), and the next ones.
 #[inline(always)]
 pub fn look_up(values: &Neighboured, codes: __m512i) -> [__m512i; 2] {
-    let codes = (Avx512(codes) & Avx512::splat(CODE_MASK)).to_array();
+    // Two codes to a register: a move from a vector register is one a cycle.
+    let codes = (Avx512(codes) & Avx512::splat(CODE_MASK)).to_pairs();
     avx512!({
         // Quarters of the first hold pairs 0 1, 4 5, 8 9 and 12 13, those of the second the pairs between, so that
         // picking their even elements, two from each, gives the values in order.
         let pairs = |first: usize| {
-            let quarter = |at: usize| neighbours(values, codes[at], codes[at + 1]);
+            let quarter = |at: usize| neighbours(values, codes[at >> 1] as i32, (codes[at >> 1] >> 32) as i32);
             let low = _mm256_set_m128i(quarter(first + 4), quarter(first));
             let high = _mm256_set_m128i(quarter(first + 12), quarter(first + 8));
             _mm512_castsi512_ps(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
