@@ -479,40 +479,109 @@ impl<'a, C> PixelRow<'a, C> {
     }
 }
 
-/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31; `colour`: `COLOUR_BITS`. All rows equally long.
+/// Where the colours of a row of samples come from, `COLOUR_BITS` each.
+pub trait Colours: Copy {
+    /// The first of them, if there are as many.
+    fn first(self, len: usize) -> Option<Self>;
+    /// Those of the samples at `at ..`.
+    fn colours<V: Lanes>(self, at: usize) -> [V; 3];
+}
+
+/// Red, green and blue of each sample.
+impl Colours for [&[i32]; 3] {
+    #[inline(always)]
+    fn first(self, len: usize) -> Option<Self> {
+        let [red, green, blue] = self;
+        Some([red.get(..len)?, green.get(..len)?, blue.get(..len)?])
+    }
+    #[inline(always)]
+    fn colours<V: Lanes>(self, at: usize) -> [V; 3] {
+        let [red, green, blue] = self;
+        [V::load(red, at), V::load(green, at), V::load(blue, at)]
+    }
+}
+
+/// The same colour for all samples.
+#[derive(Clone, Copy, Debug)]
+pub struct OneColour(pub [u32; 3]);
+
+impl Colours for OneColour {
+    #[inline(always)]
+    fn first(self, _: usize) -> Option<Self> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn colours<V: Lanes>(self, _: usize) -> [V; 3] {
+        let [red, green, blue] = self.0;
+        [V::splat(red as i32), V::splat(green as i32), V::splat(blue as i32)]
+    }
+}
+
+/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31. All rows equally long.
 #[inline(always)]
 pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
     row: &mut PixelRow<'_, R::Channel>,
-    colour: [&[i32]; 3],
+    colour: impl Colours,
+    opacity: &[i32],
+    dither: Dither,
+    floor: R::Channel,
+) {
+    fold_row_of::<R, O, V, _, true>(row, colour, opacity, dither, floor);
+}
+
+/// [`fold_row`] for a row in which not all need be visible: lanes in which nothing is are left out, which changes
+/// nothing.
+#[inline(always)]
+pub fn fold_visible_row<R: Recurrence, O: Order, V: Lanes>(
+    row: &mut PixelRow<'_, R::Channel>,
+    colour: impl Colours,
+    opacity: &[i32],
+    dither: Dither,
+    floor: R::Channel,
+) {
+    fold_row_of::<R, O, V, _, false>(row, colour, opacity, dither, floor);
+}
+
+#[inline(always)]
+fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Colours, const ALL: bool>(
+    row: &mut PixelRow<'_, R::Channel>,
+    colour: K,
     opacity: &[i32],
     dither: Dither,
     floor: R::Channel,
 ) {
     let floor = V::splat(floor.bits() as i32);
     let [red, green, blue] = &mut row.colour;
-    let [cr, cg, cb] = colour;
     let (bits, from_bits) = (R::Channel::bits, R::Channel::from_bits);
     let len = opacity.len();
     let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len)) else {
         return;
     };
-    let (Some(cr), Some(cg), Some(cb)) = (cr.get(..len), cg.get(..len), cb.get(..len)) else {
-        return;
-    };
-    let Some(transparency) = row.transparency.get_mut(..len) else {
+    let (Some(colour), Some(transparency)) = (colour.first(len), row.transparency.get_mut(..len)) else {
         return;
     };
     for at in places::<V>(len) {
+        let opacity = V::load(opacity, at);
+        let before = V::load_as(transparency, at, bits);
+        if !ALL {
+            let seen = if O::BACK_TO_FRONT {
+                opacity
+            } else {
+                opacity.at_most_unsigned(before)
+            };
+            if seen.all_zero() {
+                continue;
+            }
+        }
         let pixel = Pixel {
             colour: [
                 V::load_as(red, at, bits),
                 V::load_as(green, at, bits),
                 V::load_as(blue, at, bits),
             ],
-            transparency: V::load_as(transparency, at, bits),
+            transparency: before,
         };
-        let colour = [V::load(cr, at), V::load(cg, at), V::load(cb, at)];
-        let out = O::fold::<R, V>(pixel, colour, V::load(opacity, at), dither, floor);
+        let out = O::fold::<R, V>(pixel, colour.colours(at), opacity, dither, floor);
         let [r, g, b] = out.colour;
         r.store_as(red, at, from_bits);
         g.store_as(green, at, from_bits);

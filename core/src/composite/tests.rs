@@ -109,7 +109,7 @@ proptest! {
             let (r, g, b) = (column(0), column(1), column(2));
             let a: std::vec::Vec<i32> = samples.iter().map(|s| s.1.to_bits() as i32).collect();
             let mut pixels = PixelRow::of_runs(&mut row, n, 0..n);
-            fold_row::<R, O, i32>(&mut pixels, [&r, &g, &b], &a, dither, R::FLOOR);
+            fold_row::<R, O, i32>(&mut pixels, [&r[..], &g, &b], &a, dither, R::FLOOR);
             for (i, &(c, a)) in samples.iter().enumerate() {
                 let pixel = Pixel {
                     colour: [before[i], before[n + i], before[2 * n + i]], transparency: before[3 * n + i],
@@ -118,6 +118,19 @@ proptest! {
                 prop_assert_eq!([row[i], row[n + i], row[2 * n + i]], out.colour);
                 prop_assert_eq!(row[3 * n + i], out.transparency);
             }
+            // What is left out is what changes nothing, and one colour is a row of it.
+            let mut visible = before.clone();
+            let mut pixels = PixelRow::of_runs(&mut visible, n, 0..n);
+            fold_visible_row::<R, O, i32>(&mut pixels, [&r[..], &g, &b], &a, dither, R::FLOOR);
+            prop_assert_eq!(&visible, &row);
+            let one = samples.first().map_or([0; 3], |s| scaled::<R>(s.0));
+            let rows = one.map(|c| std::vec![c as i32; n]);
+            let (mut by_row, mut at_once) = (before.clone(), before);
+            let mut pixels = PixelRow::of_runs(&mut by_row, n, 0..n);
+            fold_row::<R, O, i32>(&mut pixels, rows.each_ref().map(|row| &row[..]), &a, dither, R::FLOOR);
+            let mut pixels = PixelRow::of_runs(&mut at_once, n, 0..n);
+            fold_visible_row::<R, O, i32>(&mut pixels, OneColour(one), &a, dither, R::FLOOR);
+            prop_assert_eq!(by_row, at_once);
             Ok(())
         }
         same::<Truncating15, FrontToBack>(&samples, k)?;

@@ -8,7 +8,7 @@ use super::sampler::Sampler;
 use super::spans::{all_finished, visible_span};
 use super::{ChannelOf, Pipeline, Rows, scratch_len, take_row};
 use crate::classify::Classifier;
-use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence, fold_row};
+use crate::composite::{Channel, Dither, OneColour, Order, Pixel, PixelRow, Recurrence, fold_row, fold_visible_row};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
 use crate::plan::Plan;
@@ -72,6 +72,12 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         let mut normals = NormalRows::<LIT>::new(&mut scratch, slice_width);
         let dither = Dither::of_plane(plane.index);
         let support = self.classifier.support();
+        // What is neither shaded nor looked at needs no rows of colours, and no spans to make them for. One lane is
+        // faster without a decision at each sample.
+        let one_colour = self
+            .classifier
+            .one_colour()
+            .filter(|_| !LIT && !T::LOOKS && V::COUNT > 1);
 
         for (row, data, voxel_row) in met_rows(&meeting, rows, 4 * base_width) {
             let mut pixels = PixelRow::of_runs(data, base_width, meeting.columns.clone());
@@ -92,6 +98,10 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
             tap.samples(beam(0), samples);
             self.classifier.opacity_row::<V>(samples, opacities);
             tap.opacities(beam(0), opacities);
+            if let Some(colour) = one_colour {
+                fold_visible_row::<P::Pixel, O, V>(&mut pixels, OneColour(colour), opacities, dither, self.floor);
+                continue;
+            }
 
             let mut from = 0;
             while let Some(span) = visible_span::<O, _, V>(opacities, pixels.transparency, from) {
@@ -110,7 +120,13 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
                 }
                 let mut pixels = pixels.span(span.clone());
                 tap.before(at, &pixels);
-                fold_row::<P::Pixel, O, V>(&mut pixels, [cr, cg, cb], part(opacities, span), dither, self.floor);
+                fold_row::<P::Pixel, O, V>(
+                    &mut pixels,
+                    [&*cr, &*cg, &*cb],
+                    part(opacities, span),
+                    dither,
+                    self.floor,
+                );
                 tap.after(at, &pixels);
             }
         }
