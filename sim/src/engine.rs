@@ -299,7 +299,8 @@ fn each_tile<L: Pipeline, R: Send>(
             tiles.map(move |(index, data)| (phase, index, data))
         })
         .map_init(
-            || vec![0; scratch_len::<L>(slice_width)],
+            // Room for rows that begin with a line of the cache.
+            || vec![0; scratch_len::<L>(slice_width + 32)],
             |scratch, (phase, index, data)| {
                 let tile = Tile {
                     phase,

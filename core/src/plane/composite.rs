@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use super::meeting::{Meeting, meets, met_rows};
 use super::normals::NormalRows;
-use super::sampler::Sampler;
+use super::sampler::{Sampler, aligned};
 use super::spans::{all_finished, visible_span};
 use super::{ChannelOf, Pipeline, Rows, scratch_len, take_row};
 use crate::classify::Classifier;
@@ -56,7 +56,7 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         plane: &Plane,
         window: &Window<'_>,
         rows: Rows<'_, ChannelOf<P>>,
-        mut scratch: &mut [i32],
+        scratch: &mut [i32],
         tap: &mut T,
     ) {
         let meeting = Meeting::of(plan, plane);
@@ -66,10 +66,11 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         }
         let [base_width, _] = plan.base().map(|side| side as usize);
         let [slice_width, _, _] = plan.dims();
-        let mut sampler = Sampler::<P, LIT>::new(&mut scratch, slice_width);
-        let opacities = part_mut(take_row(&mut scratch, slice_width), 0..n);
-        let mut colours = [(); 3].map(|()| take_row(&mut scratch, slice_width));
-        let mut normals = NormalRows::<LIT>::new(&mut scratch, slice_width);
+        let (mut scratch, room) = aligned(scratch, Self::SCRATCH_ROWS, slice_width);
+        let mut sampler = Sampler::<P, LIT>::new(&mut scratch, slice_width, room);
+        let opacities = part_mut(take_row(&mut scratch, room), 0..n);
+        let mut colours = [(); 3].map(|()| take_row(&mut scratch, room));
+        let mut normals = NormalRows::<LIT>::new(&mut scratch, room);
         let dither = Dither::of_plane(plane.index);
         let support = self.classifier.support();
         // What is neither shaded nor looked at needs no rows of colours, and no spans to make them for. One lane is
