@@ -100,10 +100,17 @@ impl Avx512 {
     }
 }
 
-/// As many low bits as there are elements, fewer than 16.
+/// As many low bits as there are elements, fewer than a vector has.
 #[inline(always)]
 fn ones(elements: usize) -> u32 {
-    (1 << (elements & 15)) - 1
+    (1 << (elements & 31)) - 1
+}
+
+/// Places of the lower (`UPPER` 0) or upper (1) halves of two vectors' lanes.
+#[inline(always)]
+fn words<const UPPER: u16>() -> __m512i {
+    let places: [u16; 32] = std::array::from_fn(|lane| 2 * lane as u16 + UPPER);
+    avx512!(_mm512_loadu_si512(places.as_ptr().cast()))
 }
 
 /// The values at sixteen codes (their low 12 bits), and the next ones.
@@ -241,6 +248,56 @@ impl Lanes for Avx512 {
                         *t = element(lane as u32);
                     }
                 }
+            }
+        }
+    }
+    #[inline(always)]
+    fn store_two_as<T: Copy + 'static>(
+        [first, second]: [Self; 2],
+        row: &mut [T],
+        at: usize,
+        element: impl Fn(u32) -> T,
+    ) {
+        if !is_half::<T>() {
+            first.store_as(row, at, &element);
+            second.store_as(row, at + 16, element);
+            return;
+        }
+        let halves = avx512!(_mm512_permutex2var_epi16(first.0, words::<0>(), second.0));
+        match chunk_mut::<_, 32>(row, at) {
+            Some(place) => avx512!(_mm512_storeu_si512(place.as_mut_ptr().cast(), halves)),
+            None => {
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)));
+                avx512!(_mm512_mask_storeu_epi16(first.cast(), mask, halves));
+            }
+        }
+    }
+    #[inline(always)]
+    fn add_upper_as<T: Copy + 'static>(
+        [first, second]: [Self; 2],
+        row: &mut [T],
+        at: usize,
+        bits: impl Fn(T) -> u32,
+        element: impl Fn(u32) -> T,
+    ) {
+        if !is_half::<T>() {
+            let sum = Self::load_as(row, at, &bits) + first.shr_unsigned(16);
+            sum.store_as(row, at, &element);
+            (Self::load_as(row, at + 16, bits) + second.shr_unsigned(16)).store_as(row, at + 16, element);
+            return;
+        }
+        let halves = avx512!(_mm512_permutex2var_epi16(first.0, words::<1>(), second.0));
+        match chunk_mut::<_, 32>(row, at) {
+            Some(place) => avx512!({
+                let sum = _mm512_add_epi16(_mm512_loadu_si512(place.as_ptr().cast()), halves);
+                _mm512_storeu_si512(place.as_mut_ptr().cast(), sum);
+            }),
+            None => {
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)));
+                avx512!({
+                    let sum = _mm512_add_epi16(_mm512_maskz_loadu_epi16(mask, first.cast()), halves);
+                    _mm512_mask_storeu_epi16(first.cast(), mask, sum);
+                });
             }
         }
     }

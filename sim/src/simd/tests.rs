@@ -116,6 +116,20 @@ impl OverLanes for &Rows {
             V::load_as(&words[..n], at, |w| w ^ 5).store_as(&mut words[..n], at, |bits| bits + 1);
             V::load_as(&bytes[..n], at, u32::from).store_as(&mut bytes[..n], at, |bits| bits as u8 ^ 5);
         }
+        // Two at a time.
+        let mut two = unorms.clone();
+        let mut sums: Vec<u16> = self.voxels.iter().copied().chain(behind).collect();
+        let mut long: Vec<u32> = sums.iter().copied().map(u32::from).collect();
+        for at in (0..n).step_by(2 * V::COUNT) {
+            let pair = [V::load(&self.weights, at), V::load(&self.weights, at + V::COUNT)];
+            V::store_two_as(pair, &mut two[..n], at, |bits| Unorm16(bits as u16));
+            let pair = [V::load(&self.ones, at), V::load(&self.ones, at + V::COUNT)];
+            V::add_upper_as(pair, &mut sums[..n], at, u32::from, |bits| bits as u16);
+            V::add_upper_as(pair, &mut long[..n], at, |w| w, |bits| bits);
+        }
+        out.push(two.into_iter().map(|u| i32::from(u.0)).collect());
+        out.push(sums.into_iter().map(i32::from).collect());
+        out.push(long.into_iter().map(|w| w as i32).collect());
         out.push(narrow.into_iter().map(i32::from).collect());
         out.push(unorms.into_iter().map(|u| i32::from(u.0)).collect());
         out.push(words.into_iter().map(|w| w as i32).collect());
