@@ -40,6 +40,12 @@ pub trait Classifier<P: Precision>: Sync {
     /// Which voxel ranges can hold a visible sample.
     fn support(&self) -> Support;
 
+    /// The colour of every sample, where all have the same: then it need not be asked for sample by sample.
+    #[inline(always)]
+    fn one_colour(&self) -> Option<[u32; 3]> {
+        None
+    }
+
     /// Opacities of a row, as the bits of 1.31 in an `i32` lane. Both rows equally long.
     #[inline]
     fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {

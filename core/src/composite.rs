@@ -24,7 +24,7 @@ use core::marker::PhantomData;
 use core::ops::Range;
 
 use crate::format::Opacity;
-use crate::lanes::{Lanes, Wide as _, places};
+use crate::lanes::{Lanes, Wide as _};
 use crate::rows::take;
 
 /// An accumulator format: 0 to 1, both included, as whole multiples of 1 / [`Channel::ONE`].
@@ -173,6 +173,20 @@ pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
 
     /// Pixels with one more sample in front of them (back to front). The same picture up to rounding.
     fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V>;
+
+    /// [`Recurrence::over_lanes`] of two vectors of a row's pixels, one behind the other, with the floor applied: for an
+    /// arithmetic that makes them together with less work.
+    #[inline(always)]
+    fn over_two<V: Lanes>(
+        row: &mut PixelRow<'_, Self::Channel>,
+        at: usize,
+        [first, second]: [([V; 3], V); 2],
+        dither: Dither,
+        floor: V,
+    ) {
+        fold_at::<Self, FrontToBack, V>(row, at, first, dither, floor);
+        fold_at::<Self, FrontToBack, V>(row, at + V::COUNT, second, dither, floor);
+    }
 
     /// [`Recurrence::over_lanes`] of one pixel.
     #[inline(always)]
@@ -323,6 +337,31 @@ impl<C: Channel> Recurrence for Dithered<C> {
     }
 
     #[inline(always)]
+    fn over_two<V: Lanes>(
+        row: &mut PixelRow<'_, C>,
+        at: usize,
+        [first, second]: [([V; 3], V); 2],
+        dither: Dither,
+        floor: V,
+    ) {
+        let transparency = &mut *row.transparency;
+        let taken = |at, opacity| {
+            let before = V::load_as(transparency, at, C::bits);
+            (before, Self::taken(before, opacity, dither))
+        };
+        let ((t0, w0), (t1, w1)) = (taken(at, first.1), taken(at + V::COUNT, second.1));
+        let left = [t0 - w0, t1 - w1].map(|t| t.at_least_then(floor, t));
+        V::store_two_as(left, transparency, at, C::from_bits);
+        // Twice the sum that is shifted by 15: its upper half is what is given, and need not be shifted at all.
+        let (offset, [r0, g0, b0], [r1, g1, b1]) = (V::splat(2 * dither.colour as i32), first.0, second.0);
+        let twice = |colour: V, w: V| (colour + colour).wrapping_mul(w).wrapping_add(offset);
+        let [red, green, blue] = &mut row.colour;
+        V::add_upper_as([twice(r0, w0), twice(r1, w1)], red, at, C::bits, C::from_bits);
+        V::add_upper_as([twice(g0, w0), twice(g1, w1)], green, at, C::bits, C::from_bits);
+        V::add_upper_as([twice(b0, w0), twice(b1, w1)], blue, at, C::bits, C::from_bits);
+    }
+
+    #[inline(always)]
     fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V> {
         let w = Self::taken(pixel.transparency, opacity, dither);
         let half = V::Wide::splat(i64::from(2 * dither.colour + 1) << 15);
@@ -408,6 +447,18 @@ pub trait Order: Copy + Send + Sync + 'static {
     /// Folds one sample into each pixel.
     fn fold<R: Recurrence, V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither, floor: V)
     -> Pixel<V>;
+    /// Folds samples, colour and opacity, into two vectors of a row's pixels, one behind the other.
+    #[inline(always)]
+    fn fold_two<R: Recurrence, V: Lanes>(
+        row: &mut PixelRow<'_, R::Channel>,
+        at: usize,
+        [first, second]: [([V; 3], V); 2],
+        dither: Dither,
+        floor: V,
+    ) {
+        fold_at::<R, Self, V>(row, at, first, dither, floor);
+        fold_at::<R, Self, V>(row, at + V::COUNT, second, dither, floor);
+    }
 }
 
 /// Nearest plane first. The default.
@@ -431,6 +482,16 @@ impl Order for FrontToBack {
         let mut out = R::over_lanes(pixel, colour, opacity, dither);
         out.transparency = out.transparency.at_least_then(floor, out.transparency);
         out
+    }
+    #[inline(always)]
+    fn fold_two<R: Recurrence, V: Lanes>(
+        row: &mut PixelRow<'_, R::Channel>,
+        at: usize,
+        samples: [([V; 3], V); 2],
+        dither: Dither,
+        floor: V,
+    ) {
+        R::over_two(row, at, samples, dither, floor);
     }
 }
 
@@ -466,6 +527,36 @@ impl<'a, C> PixelRow<'a, C> {
         }
     }
 
+    /// The bits of the pixels at `at ..`.
+    #[inline(always)]
+    fn lanes<V: Lanes>(&self, at: usize) -> Pixel<V>
+    where
+        C: Channel,
+    {
+        let [red, green, blue] = &self.colour;
+        Pixel {
+            colour: [
+                V::load_as(red, at, C::bits),
+                V::load_as(green, at, C::bits),
+                V::load_as(blue, at, C::bits),
+            ],
+            transparency: V::load_as(self.transparency, at, C::bits),
+        }
+    }
+
+    /// Writes them.
+    #[inline(always)]
+    fn set_lanes<V: Lanes>(&mut self, at: usize, pixel: Pixel<V>)
+    where
+        C: Channel,
+    {
+        let ([red, green, blue], [r, g, b]) = (&mut self.colour, pixel.colour);
+        r.store_as(red, at, C::from_bits);
+        g.store_as(green, at, C::from_bits);
+        b.store_as(blue, at, C::from_bits);
+        pixel.transparency.store_as(self.transparency, at, C::from_bits);
+    }
+
     /// Some of the pixels.
     #[inline]
     pub fn span(&mut self, columns: Range<usize>) -> PixelRow<'_, C> {
@@ -479,46 +570,128 @@ impl<'a, C> PixelRow<'a, C> {
     }
 }
 
-/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31; `colour`: `COLOUR_BITS`. All rows equally long.
+/// Where the colours of a row of samples come from, `COLOUR_BITS` each.
+pub trait Colours: Copy {
+    /// The first of them, if there are as many.
+    fn first(self, len: usize) -> Option<Self>;
+    /// Those of the samples at `at ..`.
+    fn colours<V: Lanes>(self, at: usize) -> [V; 3];
+}
+
+/// Red, green and blue of each sample.
+impl Colours for [&[i32]; 3] {
+    #[inline(always)]
+    fn first(self, len: usize) -> Option<Self> {
+        let [red, green, blue] = self;
+        Some([red.get(..len)?, green.get(..len)?, blue.get(..len)?])
+    }
+    #[inline(always)]
+    fn colours<V: Lanes>(self, at: usize) -> [V; 3] {
+        let [red, green, blue] = self;
+        [V::load(red, at), V::load(green, at), V::load(blue, at)]
+    }
+}
+
+/// The same colour for all samples.
+#[derive(Clone, Copy, Debug)]
+pub struct OneColour(pub [u32; 3]);
+
+impl Colours for OneColour {
+    #[inline(always)]
+    fn first(self, _: usize) -> Option<Self> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn colours<V: Lanes>(self, _: usize) -> [V; 3] {
+        let [red, green, blue] = self.0;
+        [V::splat(red as i32), V::splat(green as i32), V::splat(blue as i32)]
+    }
+}
+
+/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31. All rows equally long.
 #[inline(always)]
 pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
     row: &mut PixelRow<'_, R::Channel>,
-    colour: [&[i32]; 3],
+    colour: impl Colours,
+    opacity: &[i32],
+    dither: Dither,
+    floor: R::Channel,
+) {
+    fold_row_of::<R, O, V, _, true>(row, colour, opacity, dither, floor);
+}
+
+/// [`fold_row`] for a row in which not all need be visible: lanes in which nothing is are left out, which changes
+/// nothing.
+#[inline(always)]
+pub fn fold_visible_row<R: Recurrence, O: Order, V: Lanes>(
+    row: &mut PixelRow<'_, R::Channel>,
+    colour: impl Colours,
+    opacity: &[i32],
+    dither: Dither,
+    floor: R::Channel,
+) {
+    fold_row_of::<R, O, V, _, false>(row, colour, opacity, dither, floor);
+}
+
+#[inline(always)]
+fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Colours, const ALL: bool>(
+    row: &mut PixelRow<'_, R::Channel>,
+    colour: K,
     opacity: &[i32],
     dither: Dither,
     floor: R::Channel,
 ) {
     let floor = V::splat(floor.bits() as i32);
-    let [red, green, blue] = &mut row.colour;
-    let [cr, cg, cb] = colour;
-    let (bits, from_bits) = (R::Channel::bits, R::Channel::from_bits);
     let len = opacity.len();
+    let [red, green, blue] = &mut row.colour;
     let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len)) else {
         return;
     };
-    let (Some(cr), Some(cg), Some(cb)) = (cr.get(..len), cg.get(..len), cb.get(..len)) else {
+    let (Some(colour), Some(transparency)) = (colour.first(len), row.transparency.get_mut(..len)) else {
         return;
     };
-    let Some(transparency) = row.transparency.get_mut(..len) else {
-        return;
+    let mut row = PixelRow {
+        colour: [red, green, blue],
+        transparency,
     };
-    for at in places::<V>(len) {
-        let pixel = Pixel {
-            colour: [
-                V::load_as(red, at, bits),
-                V::load_as(green, at, bits),
-                V::load_as(blue, at, bits),
-            ],
-            transparency: V::load_as(transparency, at, bits),
-        };
-        let colour = [V::load(cr, at), V::load(cg, at), V::load(cb, at)];
-        let out = O::fold::<R, V>(pixel, colour, V::load(opacity, at), dither, floor);
-        let [r, g, b] = out.colour;
-        r.store_as(red, at, from_bits);
-        g.store_as(green, at, from_bits);
-        b.store_as(blue, at, from_bits);
-        out.transparency.store_as(transparency, at, from_bits);
+    let visible = |row: &PixelRow<'_, R::Channel>, at: usize| {
+        let opacity = V::load(opacity, at);
+        if O::BACK_TO_FRONT {
+            opacity
+        } else {
+            opacity.at_most_unsigned(V::load_as(row.transparency, at, R::Channel::bits))
+        }
+    };
+    let sample = |at: usize| (colour.colours(at), V::load(opacity, at));
+    // Two vectors at a time, as far as they go; one lane stays one.
+    let mut at = 0;
+    while V::COUNT > 1 && at + V::COUNT < len {
+        if ALL || !(visible(&row, at) | visible(&row, at + V::COUNT)).all_zero() {
+            O::fold_two::<R, V>(&mut row, at, [sample(at), sample(at + V::COUNT)], dither, floor);
+        }
+        at += 2 * V::COUNT;
     }
+    while at < len {
+        if ALL || !visible(&row, at).all_zero() {
+            let pixel = row.lanes(at);
+            let (colour, opacity) = sample(at);
+            row.set_lanes(at, O::fold::<R, V>(pixel, colour, opacity, dither, floor));
+        }
+        at += V::COUNT;
+    }
+}
+
+/// Folds a sample, colour and opacity, into each pixel of one vector of a row.
+#[inline(always)]
+pub(crate) fn fold_at<R: Recurrence, O: Order, V: Lanes>(
+    row: &mut PixelRow<'_, R::Channel>,
+    at: usize,
+    (colour, opacity): ([V; 3], V),
+    dither: Dither,
+    floor: V,
+) {
+    let pixel = row.lanes(at);
+    row.set_lanes(at, O::fold::<R, V>(pixel, colour, opacity, dither, floor));
 }
 
 /// A channel as an 8-bit value, exactly rounded, halves up: `min(255, floor(255 C / ONE + 1/2))`.

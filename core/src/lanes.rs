@@ -57,9 +57,35 @@ pub trait Lanes:
     /// Voxels `at ..` of a row; 0 behind its end.
     fn load_voxels(row: &[u16], at: usize) -> Self;
     /// Elements `at ..` of a row of some other type; 0 behind its end.
-    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self;
+    fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self;
     /// Writes to elements `at ..` of such a row, as far as it goes.
-    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T);
+    fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T);
+    /// [`Lanes::store_as`] of two, one behind the other, into a row of numbers.
+    #[inline(always)]
+    fn store_two_as<T: Copy + 'static>(
+        [first, second]: [Self; 2],
+        row: &mut [T],
+        at: usize,
+        element: impl Fn(u32) -> T,
+    ) {
+        first.store_as(row, at, &element);
+        second.store_as(row, at + Self::COUNT, element);
+    }
+    /// Adds the upper 16 bits of two, one behind the other, to the elements of a row, which are numbers; the sums fit 16
+    /// bits.
+    #[inline(always)]
+    fn add_upper_as<T: Copy + 'static>(
+        [first, second]: [Self; 2],
+        row: &mut [T],
+        at: usize,
+        bits: impl Fn(T) -> u32,
+        element: impl Fn(u32) -> T,
+    ) {
+        let sum = Self::load_as(row, at, &bits) + first.shr_unsigned(16);
+        sum.store_as(row, at, &element);
+        let at = at + Self::COUNT;
+        (Self::load_as(row, at, bits) + second.shr_unsigned(16)).store_as(row, at, element);
+    }
     /// The table's value at these codes (the low 12 bits of a lane), and the next one.
     fn look_up(self, values: &Neighboured) -> [Self; 2];
 
@@ -219,11 +245,11 @@ impl Lanes for i32 {
         row.get(at).copied().map_or(0, Self::from)
     }
     #[inline(always)]
-    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
+    fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
         row.get(at).copied().map_or(0, |t| bits(t) as Self)
     }
     #[inline(always)]
-    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
+    fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
         if let Some(place) = row.get_mut(at) {
             *place = element(self as u32);
         }

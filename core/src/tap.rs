@@ -19,6 +19,8 @@ pub struct Beam<'a> {
 
 /// An observer of the stage boundaries. Rows hold raw bits of the formats that the stages' pages name.
 pub trait Tap {
+    /// Whether it looks at anything. For one that does not, what only taps see need not be made.
+    const LOOKS: bool = true;
     /// Location: a plane begins.
     fn plane(&mut self, _plane: &Plane) {}
     /// Interpolation: the samples of a row.
@@ -43,4 +45,6 @@ pub trait Tap {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoTap;
 
-impl Tap for NoTap {}
+impl Tap for NoTap {
+    const LOOKS: bool = false;
+}

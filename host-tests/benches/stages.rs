@@ -187,7 +187,13 @@ impl<P: Precision> OverLanes for Call<'_, P> {
                     let [red, green, blue] = &bench.colours;
                     let mut row = PixelRow::of_runs(&mut bench.pixels, WIDTH, 0..WIDTH);
                     let (dither, floor) = (Dither::of_plane(7), P::Pixel::FLOOR);
-                    fold_row::<P::Pixel, FrontToBack, V>(&mut row, [red, green, blue], &bench.opacities, dither, floor);
+                    fold_row::<P::Pixel, FrontToBack, V>(
+                        &mut row,
+                        [&red[..], green, blue],
+                        &bench.opacities,
+                        dither,
+                        floor,
+                    );
                 }
             }
         }

@@ -351,7 +351,8 @@ fn each_tile<L: Pipeline, R: Send>(
     let mut results: Vec<Option<R>> = tiles
         .into_par_iter()
         .map_init(
-            || vec![0; scratch_len::<L>(slice_width)],
+            // Room for rows that begin with a line of the cache.
+            || vec![0; scratch_len::<L>(slice_width + 32)],
             |scratch, (tile, data)| {
                 let result = work(tile, data, scratch);
                 progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);

@@ -21,7 +21,8 @@ pub struct Expanded {
     opacities: Box<Neighboured>,
     /// R, G, B in bytes.
     colours: Box<Neighboured>,
-    one_colour: bool,
+    /// The entry whose colour is every entry's.
+    one_colour: Option<u32>,
     /// The first visible code; behind the last one where none is.
     first_visible: usize,
     support: Support,
@@ -44,7 +45,7 @@ impl Expanded {
         Self {
             first_visible: opacities.iter().position(|a| *a != 0).unwrap_or(opacities.len()),
             opacities,
-            one_colour: colours.iter().all(|c| *c == colours[0]),
+            one_colour: Some(colours[0]).filter(|first| colours.iter().all(|c| c == first)),
             colours,
             support: Classifier::<slicecast::precision::Compact>::support(&PointTable::<A, Linear>::new(
                 entries, plane,
@@ -107,6 +108,12 @@ impl<P: Precision> Classifier<P> for &Expanded {
     }
 
     #[inline(always)]
+    fn one_colour(&self) -> Option<[u32; 3]> {
+        let entry = self.one_colour? as i32;
+        Some([0, 1, 2].map(|channel| colour_of_entry(entry, channel, P::COLOUR_BITS) as u32))
+    }
+
+    #[inline(always)]
     fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
         let rule = self.rule::<P>();
         for (samples, out) in samples.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
@@ -126,11 +133,10 @@ impl<P: Precision> Classifier<P> for &Expanded {
     #[inline(always)]
     fn colour_row<V: Lanes>(&self, samples: &[i32], out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
-        if self.one_colour {
-            let entry = self.colours[0] as i32;
-            red.fill(colour_of_entry(entry, 0, P::COLOUR_BITS));
-            green.fill(colour_of_entry(entry, 1, P::COLOUR_BITS));
-            blue.fill(colour_of_entry(entry, 2, P::COLOUR_BITS));
+        if let Some([r, g, b]) = Classifier::<P>::one_colour(self) {
+            red.fill(r as i32);
+            green.fill(g as i32);
+            blue.fill(b as i32);
             return;
         }
         let rule = self.rule::<P>();
@@ -174,6 +180,11 @@ mod tests {
         Classifier::<P>::opacity_row::<i32>(&expanded, &samples, found_a);
         Classifier::<P>::colour_row::<i32>(&expanded, &samples, [found_r, found_g, found_b]);
         prop_assert!(a == found_a, "opacities");
+        if let Some(colour) = Classifier::<P>::one_colour(&expanded) {
+            for (row, c) in [&*r, &*g, &*b].into_iter().zip(colour) {
+                prop_assert!(row.iter().all(|r| *r as u32 == c), "one colour");
+            }
+        }
         prop_assert!([r, g, b] == [found_r, found_g, found_b], "colours");
         prop_assert_eq!(Classifier::<P>::support(&table), Classifier::<P>::support(&expanded));
         Ok(())

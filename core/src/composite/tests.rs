@@ -93,6 +93,36 @@ proptest! {
     }
 
     #[test]
+    fn two_together_are_the_scalar(samples in any::<[([u32; 3], u16); 2]>(), a in [opacity(), opacity()], t in any::<[u16; 2]>(), k in any::<u32>()) {
+        fn same<R: Recurrence>(
+            samples: [([u32; 3], u16); 2], a: [Opacity; 2], t: [u16; 2], k: u32,
+        ) -> Result<(), TestCaseError> {
+            let one = u64::from(R::Channel::ONE.bits());
+            let channel = |share: u16| R::Channel::from_bits((one * u64::from(share) / 65535) as u32);
+            // Colours and transparencies whose sums fit, as those of a pixel do.
+            let clear = t.map(channel);
+            let old = [0, 1].map(|i| channel((u32::from(65535 - t[i]) * u32::from(samples[i].1) / 65535) as u16));
+            let colours = samples.map(|(c, _)| c.map(|c| c % ((1 << R::COLOUR_BITS) + 1)));
+            let dither = Dither::of_plane(k);
+            let mut row = [old, old, old, clear].concat();
+            let mut pixels = PixelRow::of_runs(&mut row, 2, 0..2);
+            let two = [0, 1].map(|i| (colours[i].map(|c| c as i32), a[i].to_bits() as i32));
+            R::over_two::<i32>(&mut pixels, 0, two, dither, R::FLOOR.bits() as i32);
+            for i in [0, 1] {
+                let pixel = Pixel { colour: [old[i]; 3], transparency: clear[i] };
+                let out = folded::<R, FrontToBack>(pixel, colours[i], a[i], dither);
+                prop_assert_eq!([row[i], row[2 + i], row[4 + i]], out.colour);
+                prop_assert_eq!(row[6 + i], out.transparency);
+            }
+            Ok(())
+        }
+        same::<Truncating15>(samples, a, t, k)?;
+        same::<Dithered<u16>>(samples, a, t, k)?;
+        same::<Dithered<Unorm16>>(samples, a, t, k)?;
+        same::<Telescoping31>(samples, a, t, k)?;
+    }
+
+    #[test]
     fn rows_are_the_scalar(samples in prop::collection::vec((colour(), opacity()), 0..34), k in any::<u32>()) {
         fn same<R: Recurrence, O: Order>(
             samples: &[([u32; 3], Opacity)], k: u32,
@@ -109,7 +139,7 @@ proptest! {
             let (r, g, b) = (column(0), column(1), column(2));
             let a: std::vec::Vec<i32> = samples.iter().map(|s| s.1.to_bits() as i32).collect();
             let mut pixels = PixelRow::of_runs(&mut row, n, 0..n);
-            fold_row::<R, O, i32>(&mut pixels, [&r, &g, &b], &a, dither, R::FLOOR);
+            fold_row::<R, O, i32>(&mut pixels, [&r[..], &g, &b], &a, dither, R::FLOOR);
             for (i, &(c, a)) in samples.iter().enumerate() {
                 let pixel = Pixel {
                     colour: [before[i], before[n + i], before[2 * n + i]], transparency: before[3 * n + i],
@@ -118,6 +148,19 @@ proptest! {
                 prop_assert_eq!([row[i], row[n + i], row[2 * n + i]], out.colour);
                 prop_assert_eq!(row[3 * n + i], out.transparency);
             }
+            // What is left out is what changes nothing, and one colour is a row of it.
+            let mut visible = before.clone();
+            let mut pixels = PixelRow::of_runs(&mut visible, n, 0..n);
+            fold_visible_row::<R, O, i32>(&mut pixels, [&r[..], &g, &b], &a, dither, R::FLOOR);
+            prop_assert_eq!(&visible, &row);
+            let one = samples.first().map_or([0; 3], |s| scaled::<R>(s.0));
+            let rows = one.map(|c| std::vec![c as i32; n]);
+            let (mut by_row, mut at_once) = (before.clone(), before);
+            let mut pixels = PixelRow::of_runs(&mut by_row, n, 0..n);
+            fold_row::<R, O, i32>(&mut pixels, rows.each_ref().map(|row| &row[..]), &a, dither, R::FLOOR);
+            let mut pixels = PixelRow::of_runs(&mut at_once, n, 0..n);
+            fold_visible_row::<R, O, i32>(&mut pixels, OneColour(one), &a, dither, R::FLOOR);
+            prop_assert_eq!(by_row, at_once);
             Ok(())
         }
         same::<Truncating15, FrontToBack>(&samples, k)?;

@@ -10,7 +10,7 @@ use super::meeting::Meeting;
 use super::probe::Probe;
 use super::{ChannelOf, Rows};
 use crate::classify::Classifier;
-use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence};
+use crate::composite::{Channel, Dither, Order, PixelRow, fold_at};
 use crate::gradient::{coarsen_row, space_row};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
@@ -265,35 +265,8 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
                 at += opacity.count();
                 let data = data.get_mut(row * row_len..(row + 1) * row_len).unwrap_or(&mut []);
                 let mut pixels = PixelRow::of_runs(data, base_width, walk.pixels::<V>(column));
-                fold_vector::<P::Pixel, O, V>(&mut pixels, colour, opacity, dither, floor);
+                fold_at::<P::Pixel, O, V>(&mut pixels, 0, (colour, opacity), dither, floor);
             }
         }
     }
-}
-
-/// Folds a vector into the pixels of a row as long as it, or shorter.
-#[inline(always)]
-fn fold_vector<R: Recurrence, O: Order, V: Lanes>(
-    row: &mut PixelRow<'_, R::Channel>,
-    colour: [V; 3],
-    opacity: V,
-    dither: Dither,
-    floor: V,
-) {
-    let (bits, from_bits) = (R::Channel::bits, R::Channel::from_bits);
-    let [red, green, blue] = &mut row.colour;
-    let pixel = Pixel {
-        colour: [
-            V::load_as(red, 0, bits),
-            V::load_as(green, 0, bits),
-            V::load_as(blue, 0, bits),
-        ],
-        transparency: V::load_as(row.transparency, 0, bits),
-    };
-    let out = O::fold::<R, V>(pixel, colour, opacity, dither, floor);
-    let [r, g, b] = out.colour;
-    r.store_as(red, 0, from_bits);
-    g.store_as(green, 0, from_bits);
-    b.store_as(blue, 0, from_bits);
-    out.transparency.store_as(row.transparency, 0, from_bits);
 }

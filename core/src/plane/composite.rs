@@ -4,11 +4,11 @@ use core::marker::PhantomData;
 
 use super::meeting::{Meeting, meets, met_rows};
 use super::normals::NormalRows;
-use super::sampler::Sampler;
+use super::sampler::{Sampler, aligned};
 use super::spans::{all_finished, visible_span};
 use super::{ChannelOf, Pipeline, Rows, blocks, scratch_len, take_row};
 use crate::classify::{Classifier, Support};
-use crate::composite::{Channel, Dither, Order, Pixel, PixelRow, Recurrence, fold_row};
+use crate::composite::{Channel, Dither, OneColour, Order, Pixel, PixelRow, Recurrence, fold_row, fold_visible_row};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
 use crate::plan::Plan;
@@ -57,7 +57,7 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         plane: &Plane,
         window: &Window<'_>,
         rows: Rows<'_, ChannelOf<P>>,
-        mut scratch: &mut [i32],
+        scratch: &mut [i32],
         tap: &mut T,
     ) {
         let meeting = Meeting::of(plan, plane);
@@ -67,12 +67,19 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         }
         let [base_width, _] = plan.base().map(|side| side as usize);
         let [slice_width, _, _] = plan.dims();
-        let mut sampler = Sampler::<P, LIT>::new(&mut scratch, slice_width);
-        let opacities = part_mut(take_row(&mut scratch, slice_width), 0..n);
-        let mut colours = [(); 3].map(|()| take_row(&mut scratch, slice_width));
-        let mut normals = NormalRows::<LIT>::new(&mut scratch, slice_width);
+        let (mut scratch, room) = aligned(scratch, Self::SCRATCH_ROWS, slice_width);
+        let mut sampler = Sampler::<P, LIT>::new(&mut scratch, slice_width, room);
+        let opacities = part_mut(take_row(&mut scratch, room), 0..n);
+        let mut colours = [(); 3].map(|()| take_row(&mut scratch, room));
+        let mut normals = NormalRows::<LIT>::new(&mut scratch, room);
         let dither = Dither::of_plane(plane.index);
         let support = self.classifier.support();
+        // What is neither shaded nor looked at needs no rows of colours, and no spans to make them for. One lane is
+        // faster without a decision at each sample.
+        let one_colour = self
+            .classifier
+            .one_colour()
+            .filter(|_| !LIT && !T::LOOKS && V::COUNT > 1);
 
         for (row, data, voxel_row) in met_rows(&meeting, rows, 4 * base_width) {
             let mut pixels = PixelRow::of_runs(data, base_width, meeting.columns.clone());
@@ -93,6 +100,10 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
             tap.samples(beam(0), samples);
             self.classifier.opacity_row::<V>(samples, opacities);
             tap.opacities(beam(0), opacities);
+            if let Some(colour) = one_colour {
+                fold_visible_row::<P::Pixel, O, V>(&mut pixels, OneColour(colour), opacities, dither, self.floor);
+                continue;
+            }
 
             let mut from = 0;
             while let Some(span) = visible_span::<O, _, V>(opacities, pixels.transparency, from) {
@@ -111,7 +122,13 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
                 }
                 let mut pixels = pixels.span(span.clone());
                 tap.before(at, &pixels);
-                fold_row::<P::Pixel, O, V>(&mut pixels, [cr, cg, cb], part(opacities, span), dither, self.floor);
+                fold_row::<P::Pixel, O, V>(
+                    &mut pixels,
+                    [&*cr, &*cg, &*cb],
+                    part(opacities, span),
+                    dither,
+                    self.floor,
+                );
                 tap.after(at, &pixels);
             }
         }

@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use super::meeting::{Meeting, met_rows};
-use super::sampler::Sampler;
+use super::sampler::{Sampler, aligned};
 use super::{ChannelOf, Pipeline, Rows, scratch_len};
 use crate::classify::Classifier;
 use crate::composite::Pixel;
@@ -52,7 +52,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         plane: &Plane,
         window: &Window<'_>,
         rows: Rows<'_, i32>,
-        mut scratch: &mut [i32],
+        scratch: &mut [i32],
         tap: &mut T,
     ) {
         let [slice_width, _, _] = plan.dims();
@@ -66,7 +66,8 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             return;
         }
         let [base_width, _] = plan.base().map(|side| side as usize);
-        let mut sampler = Sampler::<P, false>::new(&mut scratch, slice_width);
+        let (mut scratch, room) = aligned(scratch, Self::SCRATCH_ROWS, slice_width);
+        let mut sampler = Sampler::<P, false>::new(&mut scratch, slice_width, room);
         for (row, data, voxel_row) in met_rows(&meeting, rows, base_width) {
             sampler.make::<V>(&meeting, window, voxel_row);
             let place = meeting.voxel + 1;

@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use super::meeting::Meeting;
-use super::take_row;
+use super::{row_len, take_row};
 use crate::interpolate::{extend_ends, extend_row, yx_row, z_row};
 use crate::lanes::{Lanes, SMALL};
 use crate::precision::Precision;
@@ -23,6 +23,26 @@ pub(super) struct Sampler<'s, P, const LIT: bool> {
     precision: PhantomData<P>,
 }
 
+/// Words of a line of the cache.
+const LINE: u32 = 16;
+
+/// Scratch memory for some rows of slices of this width, and the room to give to each row: where there is enough, rows
+/// begin with a line of the cache, so that vectors are not stored across two.
+#[inline(always)]
+pub(super) fn aligned(scratch: &mut [i32], rows: usize, width: u32) -> (&mut [i32], u32) {
+    if SMALL {
+        // No such lines, and no memory to spare.
+        return (scratch, width);
+    }
+    let words = (width + 2).next_multiple_of(LINE);
+    let first = scratch.as_ptr().align_offset(4 * LINE as usize);
+    if scratch.len() < first.saturating_add(rows * words as usize) {
+        (scratch, width)
+    } else {
+        (scratch.get_mut(first..).unwrap_or(&mut []), words - 2)
+    }
+}
+
 /// A row number that no row has.
 const NO_ROW: i32 = i32::MIN;
 
@@ -30,14 +50,22 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
     /// Rows of scratch memory.
     pub(super) const ROWS: usize = if LIT { 6 } else { 3 };
 
+    /// Rows for slices of this width, cut from memory with room for `room` voxels a row.
     #[inline(always)]
-    pub(super) fn new(memory: &mut &'s mut [i32], width: u32) -> Self {
-        let z = [take_row(memory, width), take_row(memory, width)];
+    pub(super) fn new(memory: &mut &'s mut [i32], width: u32, room: u32) -> Self {
+        let mut row = || {
+            let row = take_row(memory, room);
+            if room == width {
+                row
+            } else {
+                part_mut(row, 0..row_len(width))
+            }
+        };
+        let z = [row(), row()];
         let (samples, inner) = if LIT {
-            let samples = [(); 3].map(|()| take_row(memory, width));
-            (samples, take_row(memory, width))
+            ([row(), row(), row()], row())
         } else {
-            ([take_row(memory, width), &mut [], &mut []], &mut [][..])
+            ([row(), &mut [], &mut []], &mut [][..])
         };
         Self {
             z,

@@ -171,6 +171,18 @@ pub(super) fn fold_row<F: Floats>([cr, cg, cb]: [&[f32]; 3], opacities: &[f32], 
     }
 }
 
+/// Folds samples of one colour; vectors in which nothing is visible are left out.
+#[inline(always)]
+pub(super) fn fold_one_colour_row<F: Floats>(colour: [f32; 3], opacities: &[f32], pixels: &mut Pixels<'_>, floor: f32) {
+    let colour = [F::splat(colour[0]), F::splat(colour[1]), F::splat(colour[2])];
+    for at in (0..opacities.len()).step_by(F::COUNT) {
+        let opacity = F::load(opacities, at);
+        if (F::load(pixels[3], at) * opacity).any_positive() {
+            over(colour, opacity, pixels, at, floor);
+        }
+    }
+}
+
 /// `w = T a; T -= w; C += c w`; T below the floor becomes 0.
 #[inline(always)]
 fn over<F: Floats>([cr, cg, cb]: [F; 3], opacity: F, pixels: &mut Pixels<'_>, at: usize, floor: f32) {

@@ -258,7 +258,7 @@ impl FoldTile<'_, '_> {
             slopes_made: [(0, 0..0), (0, 0..0)],
         };
         let (opacities, mut colours, mut normals) = (row(), [row(), row(), row()], [row(), row(), row()]);
-        if table.one_colour {
+        if LIT && table.one_colour {
             for (row, colour) in colours.iter_mut().zip(table.first_colour()) {
                 row[..padded].fill(colour);
             }
@@ -282,6 +282,11 @@ impl FoldTile<'_, '_> {
             let samples = &sampler.samples[Sampler::slot(voxel_row)][place..place + padded];
             table.opacity_row::<F>(samples, &mut opacities[..padded]);
             opacities[n..padded].fill(0.0);
+
+            if !LIT && table.one_colour {
+                fold_one_colour_row::<F>(table.first_colour(), &opacities[..padded], &mut pixels, *floor);
+                continue;
+            }
 
             let mut from = 0;
             while let Some(span) = visible_span::<F>(&opacities[..padded], pixels[3], from) {

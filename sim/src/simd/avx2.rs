@@ -3,11 +3,12 @@
 #![expect(unsafe_code, reason = "vector instructions; every use says why it is sound")]
 
 use std::arch::x86_64::*;
+use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use slicecast::lanes::{Lanes, Neighboured, Wide};
 
-use super::partial::{CODE_MASK, chunk, chunk_mut, neighbours, rest};
+use super::partial::{CODE_MASK, chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
 /// Eight 32-bit lanes. Of use only where the processor has AVX2 and FMA; see [`super::with_lanes`].
@@ -142,6 +143,18 @@ fn ones(elements: usize) -> __m256i {
     ))
 }
 
+/// Places of sixteen bytes for a shuffle, between places that give nothing. AVX2 has no masks for 16 bits: what a row has
+/// fewer of than lanes is read and written as the end of its last eight.
+const SLIDING: [u8; 48] = {
+    let mut places = [0x80; 48];
+    let mut byte = 0;
+    while byte < 16 {
+        places[16 + byte] = byte as u8;
+        byte += 1;
+    }
+    places
+};
+
 /// The values at eight codes (their low 12 bits), and the next ones.
 #[inline(always)]
 pub fn look_up(values: &Neighboured, codes: __m256i) -> [__m256i; 2] {
@@ -222,27 +235,57 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
+    fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
         match chunk::<_, 8>(row, at) {
             Some(lanes) => Self::of_array(&lanes.map(|t| bits(t) as i32)),
             None => {
-                let mut lanes = [0; 8];
-                for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
-                    *lane = bits(*t) as i32;
-                }
-                Self::of_array(&lanes)
+                let rest = rest(row, at);
+                let lanes = if let (true, Some(last)) = (is_half::<T>(), row.last_chunk::<8>()) {
+                    let elements = avx2!({
+                        let down = _mm_loadu_si128(SLIDING[32 - 2 * (rest & 7)..][..16].as_ptr().cast());
+                        _mm_shuffle_epi8(_mm_loadu_si128(last.as_ptr().cast()), down)
+                    });
+                    // SAFETY: numbers of 16 bits (`is_half`).
+                    unsafe { transmute_copy::<_, [T; 8]>(&elements) }.map(|t| bits(t) as i32)
+                } else if is_word::<T>() {
+                    let first = row.as_ptr().wrapping_add(at).cast();
+                    let elements = avx2!(_mm256_maskload_epi32(first, ones(rest)));
+                    // SAFETY: numbers of 32 bits (`is_word`).
+                    unsafe { transmute_copy::<_, [T; 8]>(&elements) }.map(|t| bits(t) as i32)
+                } else {
+                    let mut lanes = [0; 8];
+                    for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
+                        *lane = bits(*t) as i32;
+                    }
+                    lanes
+                };
+                Self(avx2!(_mm256_and_si256(ones(rest), Self::of_array(&lanes).0)))
             }
         }
     }
     #[inline(always)]
-    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
-        let lanes = self.to_array();
-        match chunk_mut::<_, 8>(row, at) {
-            Some(place) => *place = lanes.map(|bits| element(bits as u32)),
-            None => {
-                for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
-                    *t = element(lane as u32);
-                }
+    fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
+        let elements = self.to_array().map(|bits| element(bits as u32));
+        if let Some(place) = chunk_mut::<_, 8>(row, at) {
+            *place = elements;
+            return;
+        }
+        let rest = rest(row, at);
+        if let (true, Some(last)) = (is_half::<T>(), row.last_chunk_mut::<8>()) {
+            avx2!({
+                let up = _mm_loadu_si128(SLIDING[2 * (rest & 7)..][..16].as_ptr().cast());
+                let elements = _mm_shuffle_epi8(_mm_loadu_si128(elements.as_ptr().cast()), up);
+                let kept = _mm_loadu_si128(last.as_ptr().cast());
+                _mm_storeu_si128(last.as_mut_ptr().cast(), _mm_blendv_epi8(elements, kept, up));
+            });
+        } else if is_word::<T>() {
+            avx2!({
+                let elements = _mm256_loadu_si256(elements.as_ptr().cast());
+                _mm256_maskstore_epi32(row.as_mut_ptr().wrapping_add(at).cast(), ones(rest), elements);
+            });
+        } else {
+            for (t, element) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(elements) {
+                *t = element;
             }
         }
     }

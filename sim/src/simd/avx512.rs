@@ -3,11 +3,12 @@
 #![expect(unsafe_code, reason = "vector instructions; every use says why it is sound")]
 
 use std::arch::x86_64::*;
+use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use slicecast::lanes::{Lanes, Neighboured, Wide};
 
-use super::partial::{CODE_MASK, chunk, chunk_mut, neighbours, rest};
+use super::partial::{CODE_MASK, chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
 /// Sixteen 32-bit lanes. A value exists only where the processor has AVX-512 (F, BW, CD, DQ, VL): nothing but the
@@ -89,23 +90,39 @@ impl Avx512 {
         avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0));
         lanes
     }
+
+    /// Each two lanes, the even one in the low half.
+    #[inline(always)]
+    fn to_pairs(self) -> [u64; 8] {
+        let mut pairs = [0; 8];
+        avx512!(_mm512_storeu_si512(pairs.as_mut_ptr().cast(), self.0));
+        pairs
+    }
 }
 
-/// As many low bits as there are elements, fewer than 16.
+/// As many low bits as there are elements, fewer than a vector has.
 #[inline(always)]
 fn ones(elements: usize) -> u32 {
-    (1 << (elements & 15)) - 1
+    (1 << (elements & 31)) - 1
+}
+
+/// Places of the lower (`UPPER` 0) or upper (1) halves of two vectors' lanes.
+#[inline(always)]
+fn words<const UPPER: u16>() -> __m512i {
+    let places: [u16; 32] = std::array::from_fn(|lane| 2 * lane as u16 + UPPER);
+    avx512!(_mm512_loadu_si512(places.as_ptr().cast()))
 }
 
 /// The values at sixteen codes (their low 12 bits), and the next ones.
 #[inline(always)]
 pub fn look_up(values: &Neighboured, codes: __m512i) -> [__m512i; 2] {
-    let codes = (Avx512(codes) & Avx512::splat(CODE_MASK)).to_array();
+    // Two codes to a register: a move from a vector register is one a cycle.
+    let codes = (Avx512(codes) & Avx512::splat(CODE_MASK)).to_pairs();
     avx512!({
         // Quarters of the first hold pairs 0 1, 4 5, 8 9 and 12 13, those of the second the pairs between, so that
         // picking their even elements, two from each, gives the values in order.
         let pairs = |first: usize| {
-            let quarter = |at: usize| neighbours(values, codes[at], codes[at + 1]);
+            let quarter = |at: usize| neighbours(values, codes[at >> 1] as i32, (codes[at >> 1] >> 32) as i32);
             let low = _mm256_set_m128i(quarter(first + 4), quarter(first));
             let high = _mm256_set_m128i(quarter(first + 12), quarter(first + 8));
             _mm512_castsi512_ps(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
@@ -183,27 +200,104 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn load_as<T: Copy>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
+    fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
         match chunk::<_, 16>(row, at) {
             Some(lanes) => Self::of_array(&lanes.map(|t| bits(t) as i32)),
             None => {
-                let mut lanes = [0; 16];
-                for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
-                    *lane = bits(*t) as i32;
-                }
-                Self::of_array(&lanes)
+                let (first, mask) = (row.as_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
+                let lanes = if is_half::<T>() {
+                    let elements = avx512!(_mm256_maskz_loadu_epi16(mask, first.cast()));
+                    // SAFETY: numbers of 16 bits (`is_half`).
+                    unsafe { transmute_copy::<_, [T; 16]>(&elements) }.map(|t| bits(t) as i32)
+                } else if is_word::<T>() {
+                    let elements = avx512!(_mm512_maskz_loadu_epi32(mask, first.cast()));
+                    // SAFETY: numbers of 32 bits (`is_word`).
+                    unsafe { transmute_copy::<_, [T; 16]>(&elements) }.map(|t| bits(t) as i32)
+                } else {
+                    let mut lanes = [0; 16];
+                    for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
+                        *lane = bits(*t) as i32;
+                    }
+                    lanes
+                };
+                Self(avx512!(_mm512_maskz_mov_epi32(mask, Self::of_array(&lanes).0)))
             }
         }
     }
     #[inline(always)]
-    fn store_as<T: Copy>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
+    fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
         let lanes = self.to_array();
         match chunk_mut::<_, 16>(row, at) {
             Some(place) => *place = lanes.map(|bits| element(bits as u32)),
             None => {
-                for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
-                    *t = element(lane as u32);
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
+                if is_half::<T>() {
+                    let elements = lanes.map(|bits| element(bits as u32));
+                    avx512!({
+                        let elements = _mm256_loadu_si256(elements.as_ptr().cast());
+                        _mm256_mask_storeu_epi16(first.cast(), mask, elements);
+                    });
+                } else if is_word::<T>() {
+                    let elements = lanes.map(|bits| element(bits as u32));
+                    avx512!({
+                        let elements = _mm512_loadu_si512(elements.as_ptr().cast());
+                        _mm512_mask_storeu_epi32(first.cast(), mask, elements);
+                    });
+                } else {
+                    for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
+                        *t = element(lane as u32);
+                    }
                 }
+            }
+        }
+    }
+    #[inline(always)]
+    fn store_two_as<T: Copy + 'static>(
+        [first, second]: [Self; 2],
+        row: &mut [T],
+        at: usize,
+        element: impl Fn(u32) -> T,
+    ) {
+        if !is_half::<T>() {
+            first.store_as(row, at, &element);
+            second.store_as(row, at + 16, element);
+            return;
+        }
+        let halves = avx512!(_mm512_permutex2var_epi16(first.0, words::<0>(), second.0));
+        match chunk_mut::<_, 32>(row, at) {
+            Some(place) => avx512!(_mm512_storeu_si512(place.as_mut_ptr().cast(), halves)),
+            None => {
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)));
+                avx512!(_mm512_mask_storeu_epi16(first.cast(), mask, halves));
+            }
+        }
+    }
+    #[inline(always)]
+    fn add_upper_as<T: Copy + 'static>(
+        [first, second]: [Self; 2],
+        row: &mut [T],
+        at: usize,
+        bits: impl Fn(T) -> u32,
+        element: impl Fn(u32) -> T,
+    ) {
+        if !is_half::<T>() {
+            let sum = Self::load_as(row, at, &bits) + first.shr_unsigned(16);
+            sum.store_as(row, at, &element);
+            (Self::load_as(row, at + 16, bits) + second.shr_unsigned(16)).store_as(row, at + 16, element);
+            return;
+        }
+        let halves = avx512!(_mm512_permutex2var_epi16(first.0, words::<1>(), second.0));
+        match chunk_mut::<_, 32>(row, at) {
+            Some(place) => avx512!({
+                let sum = _mm512_add_epi16(_mm512_loadu_si512(place.as_ptr().cast()), halves);
+                _mm512_storeu_si512(place.as_mut_ptr().cast(), sum);
+            }),
+            None => {
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)));
+                avx512!({
+                    let sum = _mm512_add_epi16(_mm512_maskz_loadu_epi16(mask, first.cast()), halves);
+                    _mm512_mask_storeu_epi16(first.cast(), mask, sum);
+                });
             }
         }
     }

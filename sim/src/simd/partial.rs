@@ -5,9 +5,11 @@
     reason = "one comparison a piece, where a slice's own checks make two that cannot be hoisted"
 )]
 
+use std::any::TypeId;
 use std::arch::x86_64::{__m128i, _mm_castpd_si128, _mm_castsi128_pd, _mm_loadh_pd, _mm_loadl_epi64};
 
 use slicecast::classify::ENTRIES;
+use slicecast::composite::Unorm16;
 use slicecast::lanes::Neighboured;
 
 /// The bits of a code.
@@ -46,4 +48,18 @@ pub fn chunk_mut<T, const N: usize>(row: &mut [T], at: usize) -> Option<&mut [T;
 #[inline(always)]
 pub fn rest<T>(row: &[T], at: usize) -> usize {
     row.len().saturating_sub(at)
+}
+
+/// Whether an element is a number of 16 bits and nothing else: every pattern is a value, and it may be read and written
+/// as the number.
+#[inline(always)]
+pub fn is_half<T: 'static>() -> bool {
+    // Unorm16 is transparent.
+    [TypeId::of::<u16>(), TypeId::of::<Unorm16>()].contains(&TypeId::of::<T>())
+}
+
+/// Whether an element is a number of 32 bits and nothing else.
+#[inline(always)]
+pub fn is_word<T: 'static>() -> bool {
+    TypeId::of::<u32>() == TypeId::of::<T>()
 }

@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use slicecast::composite::Unorm16;
 use slicecast::lanes::{Lanes, Neighboured, Wide};
 
 use super::{OverLanes, Simd, with_lanes};
@@ -33,7 +34,12 @@ impl OverLanes for &Rows {
         let mut out = vec![vec![0; n]; OPERATIONS];
         let values: Neighboured = std::array::from_fn(|code| (code as u32).wrapping_mul(2_654_435_761));
         let by = self.by;
-        let mut narrow: Vec<u16> = self.voxels.clone();
+        // Rows of other types, of which the last elements are not to be touched.
+        let behind = [1, 2, 3];
+        let mut narrow: Vec<u16> = self.voxels.iter().copied().chain(behind).collect();
+        let mut unorms: Vec<Unorm16> = narrow.iter().copied().map(Unorm16).collect();
+        let mut words: Vec<u32> = narrow.iter().copied().map(u32::from).collect();
+        let mut bytes: Vec<u8> = narrow.iter().map(|v| *v as u8).collect();
         for at in (0..n).step_by(V::COUNT) {
             let (a, b) = (V::load(&self.any, at), V::load(&self.other, at));
             let (shift, square, one) = (
@@ -104,9 +110,30 @@ impl OverLanes for &Rows {
             for (row, lanes) in out.iter_mut().zip(results) {
                 lanes.store(row, at);
             }
-            (voxel + V::splat(1)).store_as(&mut narrow, at, |bits| bits as u16);
+            (voxel + V::splat(1)).store_as(&mut narrow[..n], at, |bits| bits as u16);
+            V::load_as(&unorms[..n], at, |u| u32::from(u.0) + 1)
+                .store_as(&mut unorms[..n], at, |bits| Unorm16(bits as u16));
+            V::load_as(&words[..n], at, |w| w ^ 5).store_as(&mut words[..n], at, |bits| bits + 1);
+            V::load_as(&bytes[..n], at, u32::from).store_as(&mut bytes[..n], at, |bits| bits as u8 ^ 5);
         }
+        // Two at a time.
+        let mut two = unorms.clone();
+        let mut sums: Vec<u16> = self.voxels.iter().copied().chain(behind).collect();
+        let mut long: Vec<u32> = sums.iter().copied().map(u32::from).collect();
+        for at in (0..n).step_by(2 * V::COUNT) {
+            let pair = [V::load(&self.weights, at), V::load(&self.weights, at + V::COUNT)];
+            V::store_two_as(pair, &mut two[..n], at, |bits| Unorm16(bits as u16));
+            let pair = [V::load(&self.ones, at), V::load(&self.ones, at + V::COUNT)];
+            V::add_upper_as(pair, &mut sums[..n], at, u32::from, |bits| bits as u16);
+            V::add_upper_as(pair, &mut long[..n], at, |w| w, |bits| bits);
+        }
+        out.push(two.into_iter().map(|u| i32::from(u.0)).collect());
+        out.push(sums.into_iter().map(i32::from).collect());
+        out.push(long.into_iter().map(|w| w as i32).collect());
         out.push(narrow.into_iter().map(i32::from).collect());
+        out.push(unorms.into_iter().map(|u| i32::from(u.0)).collect());
+        out.push(words.into_iter().map(|w| w as i32).collect());
+        out.push(bytes.into_iter().map(i32::from).collect());
         out
     }
 }
