@@ -8,7 +8,7 @@ use slicecast::locate::{Plane, cell, plane};
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Pipeline, Rows, clear, scratch_len};
 use slicecast::slice::{RowRange, Slice, SliceError, Window};
-use slicecast::stream::{Memory, Needs, Stream, StreamError, base_pixel, phase_len};
+use slicecast::stream::{Memory, Needs, Stream, StreamError, base_pixel};
 use slicecast::tap::{NoTap, Tap};
 
 use crate::camera::{CameraError, Setup, set_up};
@@ -314,6 +314,30 @@ pub fn fold_tiles_tapped<L: Pipeline, T: Tap + Send>(
     })
 }
 
+/// The tiles of an image whose rows have `row_len` elements, and what each holds: the same rows of all phases one after the
+/// other, because they read the same voxels, which are still near.
+pub(crate) fn tiles<'i, E>(
+    plan: &Plan,
+    image: &'i mut [E],
+    row_len: usize,
+    tile_rows: usize,
+) -> Vec<(Tile, &'i mut [E])> {
+    let [_, height] = plan.base();
+    let tile_rows = tile_rows.clamp(1, height as usize);
+    let mut phases: Vec<_> = (image.chunks_mut(row_len * height as usize))
+        .map(|phase| phase.chunks_mut(row_len * tile_rows))
+        .collect();
+    let mut tiles = Vec::new();
+    for first in (0..height).step_by(tile_rows) {
+        for (phase, rest) in (0..).zip(&mut phases) {
+            let data = rest.next().unwrap_or(&mut []);
+            let rows = (data.len() / row_len) as u32;
+            tiles.push((Tile { phase, first, rows }, data));
+        }
+    }
+    tiles
+}
+
 /// Does something with every tile of an image, in parallel; its results phase by phase, row by row.
 fn each_tile<L: Pipeline, R: Send>(
     plan: &Plan,
@@ -322,32 +346,12 @@ fn each_tile<L: Pipeline, R: Send>(
     progress: &(dyn Fn(usize, usize) + Sync),
     work: impl Fn(Tile, &mut [L::Element], &mut Vec<i32>) -> R + Sync,
 ) -> Vec<R> {
-    let [base_width, base_height] = plan.base();
-    let row_len = L::CHANNELS * base_width as usize;
-    let tile_rows = tile_rows.clamp(1, base_height as usize);
+    let [base_width, _] = plan.base();
     let [slice_width, _, _] = plan.dims();
-    let tiles_per_phase = (base_height as usize).div_ceil(tile_rows);
-    let total = tiles_per_phase * plan.phases() as usize;
+    let tiles = tiles(plan, image, L::CHANNELS * base_width as usize, tile_rows);
+    let (total, phases) = (tiles.len(), plan.phases() as usize);
+    let tiles_per_phase = total / phases;
     let done = std::sync::atomic::AtomicUsize::new(0);
-    // The same rows of all phases one after the other: they read the same voxels, which are still near.
-    let (phases, tile_len) = (plan.phases() as usize, row_len * tile_rows);
-    let mut rest: Vec<_> = (image.chunks_mut(phase_len::<L>(plan)))
-        .map(|data| data.chunks_mut(tile_len))
-        .collect();
-    let mut tiles = Vec::with_capacity(total);
-    for index in 0..tiles_per_phase {
-        for (phase, data) in (0..)
-            .zip(&mut rest)
-            .filter_map(|(phase, rest)| Some((phase, rest.next()?)))
-        {
-            let tile = Tile {
-                phase,
-                first: (index * tile_rows) as u32,
-                rows: (data.len() / row_len) as u32,
-            };
-            tiles.push((tile, data));
-        }
-    }
     let mut results: Vec<Option<R>> = tiles
         .into_par_iter()
         .map_init(

@@ -29,7 +29,7 @@ use self::light::FloatPhong;
 use self::rows::{FIRST, row_len};
 use self::table::FloatTable;
 use self::tile::{FoldTile, SCRATCH_ROWS};
-use crate::engine::{Prepared, Tile};
+use crate::engine::{Prepared, tiles};
 use crate::simd::Simd;
 
 /// A scene in floats.
@@ -76,25 +76,14 @@ impl Opponent {
 
     /// Folds all planes into an image, tile by tile on rayon's current threads.
     pub fn fold(&self, plan: &Plan, slices: &[Slice<'_>], image: &mut [f32], tile_rows: usize, simd: Simd) {
-        let [_, height] = plan.base();
         let [width, _, _] = plan.dims();
-        let row = 4 * run_len(plan);
-        let phases: Vec<(u32, &mut [f32])> = (0..).zip(image.chunks_mut(row * height as usize)).collect();
-        let tiles = phases.into_par_iter().flat_map(|(phase, data)| {
-            let tiles = data.par_chunks_mut(row * tile_rows.max(1)).enumerate();
-            tiles.map(move |(index, data)| (phase, index, data))
-        });
         let scratch_len = SCRATCH_ROWS * row_len(width as usize);
-        tiles.for_each_init(
+        let tiles = tiles(plan, image, 4 * run_len(plan), tile_rows);
+        tiles.into_par_iter().for_each_init(
             || vec![0.0; scratch_len + FIRST],
-            |scratch, (phase, index, data)| {
+            |scratch, (tile, data)| {
                 // Rows begin at a cache line.
                 let aligned = scratch.as_ptr().align_offset(64).min(FIRST);
-                let tile = Tile {
-                    phase,
-                    first: (index * tile_rows.max(1)) as u32,
-                    rows: (data.len() / row) as u32,
-                };
                 let fold = FoldTile {
                     opponent: self,
                     plan,
