@@ -352,8 +352,10 @@ fn each_tile<L: Pipeline, R: Send>(
     let (total, phases) = (tiles.len(), plan.phases() as usize);
     let tiles_per_phase = total / phases;
     let done = std::sync::atomic::AtomicUsize::new(0);
+    // Each on its own: how long it takes depends on what it sees.
     let mut results: Vec<Option<R>> = tiles
         .into_par_iter()
+        .with_max_len(1)
         .map_init(
             // Room for rows that begin with a line of the cache.
             || vec![0; scratch_len::<L>(slice_width + 32)],

@@ -79,7 +79,7 @@ impl Opponent {
         let [width, _, _] = plan.dims();
         let scratch_len = SCRATCH_ROWS * row_len(width as usize);
         let tiles = tiles(plan, image, 4 * run_len(plan), tile_rows);
-        tiles.into_par_iter().for_each_init(
+        tiles.into_par_iter().with_max_len(1).for_each_init(
             || vec![0.0; scratch_len + FIRST],
             |scratch, (tile, data)| {
                 // Rows begin at a cache line.
