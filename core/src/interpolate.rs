@@ -224,15 +224,80 @@ pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], whole: bool, weights
     }
 }
 
+/// [`yx_row`] of the voxels themselves: for a plane that lies in a slice, where there is nothing to interpolate along z.
 #[inline(always)]
-fn yx_row_of<P: Precision, V: Lanes, const WHOLE: bool>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2], out: &mut [i32]) {
+pub fn yx_row_in_slice<P: Precision, V: Lanes>(a: &[u16], b: &[u16], weights: [Weight; 2], out: &mut [i32]) {
+    yx_row_of::<P, V, true>(Voxels(a), Voxels(b), weights, out);
+}
+
+/// What y and x interpolation reads: voxels, or what z interpolation has made of them.
+trait Row: Copy {
+    /// The first elements, if there are as many.
+    fn first(self, len: usize) -> Option<Self>;
+    /// The elements from the second vector on.
+    fn behind<V: Lanes>(self) -> Self;
+    /// How many there are.
+    fn len(self) -> usize;
+    /// Elements `at ..`, s15.16; 0 behind the end.
+    fn lanes<V: Lanes>(self, at: usize) -> V;
+}
+
+impl Row for &[i32] {
+    #[inline(always)]
+    fn first(self, len: usize) -> Option<Self> {
+        self.get(..len)
+    }
+    #[inline(always)]
+    fn behind<V: Lanes>(self) -> Self {
+        self.get(V::COUNT..).unwrap_or(&[])
+    }
+    #[inline(always)]
+    fn len(self) -> usize {
+        self.len()
+    }
+    #[inline(always)]
+    fn lanes<V: Lanes>(self, at: usize) -> V {
+        V::load(self, at)
+    }
+}
+
+/// A row of voxels.
+#[derive(Clone, Copy)]
+struct Voxels<'a>(&'a [u16]);
+
+impl Row for Voxels<'_> {
+    #[inline(always)]
+    fn first(self, len: usize) -> Option<Self> {
+        self.0.get(..len).map(Self)
+    }
+    #[inline(always)]
+    fn behind<V: Lanes>(self) -> Self {
+        Self(self.0.get(V::COUNT..).unwrap_or(&[]))
+    }
+    #[inline(always)]
+    fn len(self) -> usize {
+        self.0.len()
+    }
+    #[inline(always)]
+    fn lanes<V: Lanes>(self, at: usize) -> V {
+        V::load_voxels(self.0, at) << 16
+    }
+}
+
+#[inline(always)]
+fn yx_row_of<P: Precision, V: Lanes, const WHOLE: bool>(
+    a: impl Row,
+    b: impl Row,
+    [wx, wy]: [Weight; 2],
+    out: &mut [i32],
+) {
     let (wx, wy) = (V::splat(cut::<P>(wx)), V::splat(cut::<P>(wy)));
-    let mut here = lerp_y::<P, V, WHOLE>(V::load(a, 0), V::load(b, 0), wy);
-    let [a, b] = [a, b].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
+    let mut here = lerp_y::<P, V, WHOLE>(a.lanes(0), b.lanes(0), wy);
+    let (a, b) = (a.behind::<V>(), b.behind::<V>());
     let (len, a, b) = if V::COUNT == 1 {
         // A single lane stops before an element that has no right neighbour.
         let len = out.len().min(a.len()).min(b.len());
-        (len, a.get(..len), b.get(..len))
+        (len, a.first(len), b.first(len))
     } else {
         (out.len(), Some(a), Some(b))
     };
@@ -240,7 +305,7 @@ fn yx_row_of<P: Precision, V: Lanes, const WHOLE: bool>(a: &[i32], b: &[i32], [w
         return;
     };
     for at in places::<V>(len) {
-        let next = lerp_y::<P, V, WHOLE>(V::load(a, at), V::load(b, at), wy);
+        let next = lerp_y::<P, V, WHOLE>(a.lanes(at), b.lanes(at), wy);
         lerp_x::<P, V>(here, here.followed_by(next), wx).store(inner, at);
         here = next;
     }
