@@ -23,6 +23,8 @@ pub(super) struct FoldTile<'a, 's> {
     pub tile: Tile,
     pub data: &'a mut [f32],
     pub scratch: &'a mut [f32],
+    /// A row of scratch memory for codes.
+    pub codes: &'a mut [i32],
 }
 
 /// Rows of scratch memory.
@@ -280,7 +282,7 @@ impl FoldTile<'_, '_> {
             sampler.make::<F, LIT>(meeting, window, voxel_row);
             let place = FIRST + meeting.voxel;
             let samples = &sampler.samples[Sampler::slot(voxel_row)][place..place + padded];
-            table.opacity_row::<F>(samples, &mut opacities[..padded]);
+            table.opacity_row::<F>(samples, self.codes, &mut opacities[..padded]);
             opacities[n..padded].fill(0.0);
 
             if !LIT && table.one_colour {
@@ -295,7 +297,7 @@ impl FoldTile<'_, '_> {
                 let samples = &sampler.samples[Sampler::slot(voxel_row)][place + span.start..place + span.end];
                 let [cr, cg, cb] = colours.each_mut().map(|c| &mut c[..length]);
                 if !table.one_colour {
-                    table.colour_row::<F>(samples, [&mut *cr, &mut *cg, &mut *cb]);
+                    table.colour_row::<F>(samples, self.codes, [&mut *cr, &mut *cg, &mut *cb]);
                 }
                 let colours = [&*cr, &*cg, &*cb];
                 let opacities = &opacities[span.clone()];
