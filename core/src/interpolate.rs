@@ -218,94 +218,96 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
 pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
     // On small machines both take as many instructions.
     if whole && !SMALL {
-        yx_row_of::<P, V, true>(a, b, weights, out);
+        yx_row_of::<P, V>(Along::<true>(a, b), weights, out);
     } else {
-        yx_row_of::<P, V, false>(a, b, weights, out);
+        yx_row_of::<P, V>(Along::<false>(a, b), weights, out);
     }
 }
 
 /// [`yx_row`] of the voxels themselves: for a plane that lies in a slice, where there is nothing to interpolate along z.
 #[inline(always)]
 pub fn yx_row_in_slice<P: Precision, V: Lanes>(a: &[u16], b: &[u16], weights: [Weight; 2], out: &mut [i32]) {
-    yx_row_of::<P, V, true>(Voxels(a), Voxels(b), weights, out);
+    yx_row_of::<P, V>(InSlice(a, b), weights, out);
 }
 
-/// What y and x interpolation reads: voxels, or what z interpolation has made of them.
-trait Row: Copy {
-    /// The first elements, if there are as many.
-    fn first(self, len: usize) -> Option<Self>;
-    /// The elements from the second vector on.
-    fn behind<V: Lanes>(self) -> Self;
-    /// How many there are.
+/// Two rows, what is between which y interpolation finds.
+trait TwoRows: Copy {
+    /// How many elements both have.
     fn len(self) -> usize;
-    /// Elements `at ..`, s15.16; 0 behind the end.
-    fn lanes<V: Lanes>(self, at: usize) -> V;
+    /// The first elements of both, if there are as many.
+    fn first(self, len: usize) -> Option<Self>;
+    /// Their elements from the second vector on.
+    fn behind<V: Lanes>(self) -> Self;
+    /// Between elements `at ..`, s15.16.
+    fn between<P: Precision, V: Lanes>(self, at: usize, w: V) -> V;
 }
 
-impl Row for &[i32] {
-    #[inline(always)]
-    fn first(self, len: usize) -> Option<Self> {
-        self.get(..len)
-    }
-    #[inline(always)]
-    fn behind<V: Lanes>(self) -> Self {
-        self.get(V::COUNT..).unwrap_or(&[])
-    }
-    #[inline(always)]
-    fn len(self) -> usize {
-        self.len()
-    }
-    #[inline(always)]
-    fn lanes<V: Lanes>(self, at: usize) -> V {
-        V::load(self, at)
-    }
-}
-
-/// A row of voxels.
+/// Rows that z interpolation has made; `WHOLE`: whole numbers.
 #[derive(Clone, Copy)]
-struct Voxels<'a>(&'a [u16]);
+struct Along<'a, const WHOLE: bool>(&'a [i32], &'a [i32]);
 
-impl Row for Voxels<'_> {
+impl<const WHOLE: bool> TwoRows for Along<'_, WHOLE> {
+    #[inline(always)]
+    fn len(self) -> usize {
+        self.0.len().min(self.1.len())
+    }
     #[inline(always)]
     fn first(self, len: usize) -> Option<Self> {
-        self.0.get(..len).map(Self)
+        Some(Self(self.0.get(..len)?, self.1.get(..len)?))
     }
     #[inline(always)]
     fn behind<V: Lanes>(self) -> Self {
-        Self(self.0.get(V::COUNT..).unwrap_or(&[]))
+        let [a, b] = [self.0, self.1].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
+        Self(a, b)
     }
+    #[inline(always)]
+    fn between<P: Precision, V: Lanes>(self, at: usize, w: V) -> V {
+        lerp_y::<P, V, WHOLE>(V::load(self.0, at), V::load(self.1, at), w)
+    }
+}
+
+/// Rows of voxels.
+#[derive(Clone, Copy)]
+struct InSlice<'a>(&'a [u16], &'a [u16]);
+
+impl TwoRows for InSlice<'_> {
     #[inline(always)]
     fn len(self) -> usize {
-        self.0.len()
+        self.0.len().min(self.1.len())
     }
     #[inline(always)]
-    fn lanes<V: Lanes>(self, at: usize) -> V {
-        V::load_voxels(self.0, at) << 16
+    fn first(self, len: usize) -> Option<Self> {
+        Some(Self(self.0.get(..len)?, self.1.get(..len)?))
+    }
+    #[inline(always)]
+    fn behind<V: Lanes>(self) -> Self {
+        let [a, b] = [self.0, self.1].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
+        Self(a, b)
+    }
+    #[inline(always)]
+    fn between<P: Precision, V: Lanes>(self, at: usize, w: V) -> V {
+        // What `lerp_y` makes of whole numbers.
+        kept::<P, V>(V::load_voxels(self.0, at).between16(V::load_voxels(self.1, at), w))
     }
 }
 
 #[inline(always)]
-fn yx_row_of<P: Precision, V: Lanes, const WHOLE: bool>(
-    a: impl Row,
-    b: impl Row,
-    [wx, wy]: [Weight; 2],
-    out: &mut [i32],
-) {
+fn yx_row_of<P: Precision, V: Lanes>(rows: impl TwoRows, [wx, wy]: [Weight; 2], out: &mut [i32]) {
     let (wx, wy) = (V::splat(cut::<P>(wx)), V::splat(cut::<P>(wy)));
-    let mut here = lerp_y::<P, V, WHOLE>(a.lanes(0), b.lanes(0), wy);
-    let (a, b) = (a.behind::<V>(), b.behind::<V>());
-    let (len, a, b) = if V::COUNT == 1 {
+    let mut here = rows.between::<P, V>(0, wy);
+    let behind = rows.behind::<V>();
+    let (len, behind) = if V::COUNT == 1 {
         // A single lane stops before an element that has no right neighbour.
-        let len = out.len().min(a.len()).min(b.len());
-        (len, a.first(len), b.first(len))
+        let len = out.len().min(behind.len());
+        (len, behind.first(len))
     } else {
-        (out.len(), Some(a), Some(b))
+        (out.len(), Some(behind))
     };
-    let (Some(a), Some(b), Some((inner, last))) = (a, b, out.split_at_mut_checked(len)) else {
+    let (Some(behind), Some((inner, last))) = (behind, out.split_at_mut_checked(len)) else {
         return;
     };
     for at in places::<V>(len) {
-        let next = lerp_y::<P, V, WHOLE>(a.lanes(at), b.lanes(at), wy);
+        let next = behind.between::<P, V>(at, wy);
         lerp_x::<P, V>(here, here.followed_by(next), wx).store(inner, at);
         here = next;
     }
