@@ -154,7 +154,10 @@ fn blocks_that_are_not_seen_change_nothing() {
     let count = |counter: &Cell<usize>, counted: bool| counter.set(counter.get() + usize::from(counted));
     let tried = TestRunner::new(config(400, 16)).run(&wide_frame(), |frame| {
         let (share, few) = frame.with_prepared(|prepared, slices| {
-            let (plan, support) = (&prepared.setup.plan, prepared.dispatch(SupportOf).expect("a good frame"));
+            let (plan, support) = (
+                &prepared.setup.plan,
+                prepared.dispatch(SupportOf).expect("a good frame"),
+            );
             let volume = Oriented::of(slices);
             let share = support.map(|support| volume.occupancy().share(plan, support));
             (share, volume.sight(plan, support).is_some())

@@ -158,14 +158,19 @@ const SLIDING: [u8; 48] = {
 /// The values at the codes of eight samples, and the next ones.
 #[inline(always)]
 pub fn look_up(values: &Neighboured, samples: &[i32; 8], coding: Coding) -> [__m256i; 2] {
+    let samples = samples.as_ptr();
     avx2!({
         // Halves of the first hold pairs 0 1 and 4 5, those of the second the others, so that picking their even
         // elements, two from each, gives the values in order.
-        let pairs = |first: usize| {
-            let half = |at: usize| neighbours(values, samples.as_ptr().add(at), coding);
-            _mm256_castsi256_ps(_mm256_set_m128i(half(first + 4), half(first)))
-        };
-        let (first, second) = (pairs(0), pairs(2));
+        let first = _mm256_set_m128i(
+            neighbours(values, samples.add(4), coding),
+            neighbours(values, samples, coding),
+        );
+        let second = _mm256_set_m128i(
+            neighbours(values, samples.add(6), coding),
+            neighbours(values, samples.add(2), coding),
+        );
+        let (first, second) = (_mm256_castsi256_ps(first), _mm256_castsi256_ps(second));
         [
             _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(first, second)),
             _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(first, second)),

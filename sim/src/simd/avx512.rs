@@ -105,19 +105,34 @@ fn words<const UPPER: u16>() -> __m512i {
     avx512!(_mm512_loadu_si512(places.as_ptr().cast()))
 }
 
+/// The neighbours of samples 0 and 1, 4 and 5, 8 and 9, 12 and 13 from this one on.
+///
+/// # Safety
+/// The processor has AVX-512, and there are 14 samples. (A function: a closure might not be inlined.)
+#[inline(always)]
+unsafe fn every_second_pair(values: &Neighboured, samples: *const i32, coding: Coding) -> __m512 {
+    // SAFETY: as above.
+    unsafe {
+        let low = _mm256_set_m128i(
+            neighbours(values, samples.add(4), coding),
+            neighbours(values, samples, coding),
+        );
+        let high = _mm256_set_m128i(
+            neighbours(values, samples.add(12), coding),
+            neighbours(values, samples.add(8), coding),
+        );
+        _mm512_castsi512_ps(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
+    }
+}
+
 /// The values at the codes of sixteen samples, and the next ones.
 #[inline(always)]
 pub fn look_up(values: &Neighboured, samples: &[i32; 16], coding: Coding) -> [__m512i; 2] {
+    let samples = samples.as_ptr();
     avx512!({
-        // Quarters of the first hold pairs 0 1, 4 5, 8 9 and 12 13, those of the second the pairs between, so that
-        // picking their even elements, two from each, gives the values in order.
-        let pairs = |first: usize| {
-            let quarter = |at: usize| neighbours(values, samples.as_ptr().add(at), coding);
-            let low = _mm256_set_m128i(quarter(first + 4), quarter(first));
-            let high = _mm256_set_m128i(quarter(first + 12), quarter(first + 8));
-            _mm512_castsi512_ps(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
-        };
-        let (first, second) = (pairs(0), pairs(2));
+        // Their even elements, two from a quarter of each, are the values in order.
+        let first = every_second_pair(values, samples, coding);
+        let second = every_second_pair(values, samples.add(2), coding);
         [
             _mm512_castps_si512(_mm512_shuffle_ps::<0b10_00_10_00>(first, second)),
             _mm512_castps_si512(_mm512_shuffle_ps::<0b11_01_11_01>(first, second)),
