@@ -384,6 +384,11 @@ mod tests {
         z_row::<P, i32>(&n0, &f0, wz, &mut z0);
         z_row::<P, i32>(&n1, &f1, wz, &mut z1);
         yx_row::<P, i32>(&z0, &z1, wz == Weight::ZERO, [wx, wy], &mut s);
+        if wz == Weight::ZERO {
+            let mut of_voxels = vec![0; length];
+            yx_row_in_slice::<P, i32>(&n0, &n1, [wx, wy], &mut of_voxels);
+            prop_assert_eq!(&s, &of_voxels);
+        }
         for i in 0..length {
             let pair = |r: &[u16]| [r[i] as i16, r.get(i + 1).copied().unwrap_or(0) as i16];
             let v = [[pair(&n0), pair(&n1)], [pair(&f0), pair(&f1)]];

@@ -84,15 +84,20 @@ impl Sampler<'_> {
         }
         let beyond = if LIT { meeting.height } else { meeting.height - 1 };
         let next = if row < beyond { row + 1 } else { row };
+        let places = meeting.places();
+        let [wx, wy, wz] = meeting.weights;
+        self.sample_row[slot] = row;
+        if !LIT && wz == 0.0 {
+            let [a, b] = [row, next].map(|row| window.near.row(row as usize));
+            yx_row_in_slice::<F>(a, b, [wx, wy], &mut self.samples[slot][FIRST..]);
+            return;
+        }
         self.make_z::<F, LIT>(meeting, window, row);
         self.make_z::<F, LIT>(meeting, window, next);
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { even } else { odd };
-        let places = meeting.places();
-        let [wx, wy, _] = meeting.weights;
         let (a, b) = (&pick(row)[places.start..], &pick(next)[places.start..]);
         yx_row::<F>(a, b, [wx, wy], &mut self.samples[slot][places]);
-        self.sample_row[slot] = row;
     }
 
     /// Makes the z interpolation of a voxel row.
