@@ -218,81 +218,73 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
 pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
     // On small machines both take as many instructions.
     if whole && !SMALL {
-        yx_row_of::<P, V>(Along::<true>(a, b), weights, out);
+        yx_row_of::<P, V, _, true>(TwoRows(a, b), weights, out);
     } else {
-        yx_row_of::<P, V>(Along::<false>(a, b), weights, out);
+        yx_row_of::<P, V, _, false>(TwoRows(a, b), weights, out);
     }
 }
 
 /// [`yx_row`] of the voxels themselves: for a plane that lies in a slice, where there is nothing to interpolate along z.
 #[inline(always)]
 pub fn yx_row_in_slice<P: Precision, V: Lanes>(a: &[u16], b: &[u16], weights: [Weight; 2], out: &mut [i32]) {
-    yx_row_of::<P, V>(InSlice(a, b), weights, out);
+    yx_row_of::<P, V, _, true>(TwoRows(a, b), weights, out);
 }
 
-/// Two rows, what is between which y interpolation finds.
-trait TwoRows: Copy {
-    /// How many elements both have.
-    fn len(self) -> usize;
-    /// The first elements of both, if there are as many.
-    fn first(self, len: usize) -> Option<Self>;
-    /// Their elements from the second vector on.
-    fn behind<V: Lanes>(self) -> Self;
-    /// Between elements `at ..`, s15.16.
-    fn between<P: Precision, V: Lanes>(self, at: usize, w: V) -> V;
-}
-
-/// Rows that z interpolation has made; `WHOLE`: whole numbers.
+/// Two rows, between which y interpolation takes place; `WHOLE`: of whole numbers.
 #[derive(Clone, Copy)]
-struct Along<'a, const WHOLE: bool>(&'a [i32], &'a [i32]);
+struct TwoRows<'a, T, const WHOLE: bool>(&'a [T], &'a [T]);
 
-impl<const WHOLE: bool> TwoRows for Along<'_, WHOLE> {
+impl<T, const WHOLE: bool> TwoRows<'_, T, WHOLE> {
+    /// How many elements both have.
     #[inline(always)]
-    fn len(self) -> usize {
+    fn len(&self) -> usize {
         self.0.len().min(self.1.len())
     }
+
+    /// The first elements of both, if there are as many.
     #[inline(always)]
-    fn first(self, len: usize) -> Option<Self> {
+    fn first(&self, len: usize) -> Option<Self> {
         Some(Self(self.0.get(..len)?, self.1.get(..len)?))
     }
+
+    /// Their elements from the second vector on.
     #[inline(always)]
-    fn behind<V: Lanes>(self) -> Self {
+    fn behind<V: Lanes>(&self) -> Self {
         let [a, b] = [self.0, self.1].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
         Self(a, b)
     }
+}
+
+/// Interpolation along y.
+trait AlongY {
+    /// Between the elements `at ..` of two rows, s15.16.
+    fn between<P: Precision, V: Lanes>(&self, at: usize, w: V) -> V;
+}
+
+/// Of what z interpolation has made.
+impl<const WHOLE: bool> AlongY for TwoRows<'_, i32, WHOLE> {
     #[inline(always)]
-    fn between<P: Precision, V: Lanes>(self, at: usize, w: V) -> V {
+    fn between<P: Precision, V: Lanes>(&self, at: usize, w: V) -> V {
         lerp_y::<P, V, WHOLE>(V::load(self.0, at), V::load(self.1, at), w)
     }
 }
 
-/// Rows of voxels.
-#[derive(Clone, Copy)]
-struct InSlice<'a>(&'a [u16], &'a [u16]);
-
-impl TwoRows for InSlice<'_> {
+/// Of voxels: what [`lerp_y`] makes of whole numbers.
+impl AlongY for TwoRows<'_, u16, true> {
     #[inline(always)]
-    fn len(self) -> usize {
-        self.0.len().min(self.1.len())
-    }
-    #[inline(always)]
-    fn first(self, len: usize) -> Option<Self> {
-        Some(Self(self.0.get(..len)?, self.1.get(..len)?))
-    }
-    #[inline(always)]
-    fn behind<V: Lanes>(self) -> Self {
-        let [a, b] = [self.0, self.1].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
-        Self(a, b)
-    }
-    #[inline(always)]
-    fn between<P: Precision, V: Lanes>(self, at: usize, w: V) -> V {
-        // What `lerp_y` makes of whole numbers.
+    fn between<P: Precision, V: Lanes>(&self, at: usize, w: V) -> V {
         kept::<P, V>(V::load_voxels(self.0, at).between16(V::load_voxels(self.1, at), w))
     }
 }
 
 #[inline(always)]
-fn yx_row_of<P: Precision, V: Lanes>(rows: impl TwoRows, [wx, wy]: [Weight; 2], out: &mut [i32]) {
+fn yx_row_of<P: Precision, V: Lanes, T, const WHOLE: bool>(
+    rows: TwoRows<'_, T, WHOLE>,
+    [wx, wy]: [Weight; 2],
+    out: &mut [i32],
+) where
+    for<'a> TwoRows<'a, T, WHOLE>: AlongY,
+{
     let (wx, wy) = (V::splat(cut::<P>(wx)), V::splat(cut::<P>(wy)));
     let mut here = rows.between::<P, V>(0, wy);
     let behind = rows.behind::<V>();

@@ -72,7 +72,7 @@ enum Kernel {
 
 impl Kernel {
     /// All of them, in the order of the pipeline.
-    const ALL: [(Self, &'static str); 9] = [
+    const ALL: [(Self, &'static str); 10] = [
         (Self::InterpolateZ, "interpolate-z"),
         (Self::InterpolateYx, "interpolate-yx"),
         (Self::InterpolateInSlice, "interpolate-in-slice"),

@@ -28,8 +28,8 @@ pub unsafe fn neighbours(values: &Neighboured, samples: *const i32, coding: Codi
     // SAFETY: the processor has BMI1.
     let (first, second) = unsafe {
         (
-            _bextr2_u32(pair as u32, coding.bits | CODE_BITS << 8),
-            _bextr2_u64(pair, u64::from(32 + coding.bits | CODE_BITS << 8)),
+            _bextr2_u32(pair as u32, (CODE_BITS << 8) + coding.bits),
+            _bextr2_u64(pair, u64::from((CODE_BITS << 8) + 32 + coding.bits)),
         )
     };
     let first = values.as_ptr().wrapping_add(first as usize);

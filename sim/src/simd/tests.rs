@@ -36,7 +36,7 @@ impl OverLanes for &Rows {
         let by = self.by;
         let samples: Vec<i32> = self.any.iter().map(|bits| bits & 0x0fff_ffff).collect();
         let coding = Coding {
-            offset: (by * 1057 & 0x7fff) as i32,
+            offset: (by * 1057 % 0x8000) as i32,
             bits: by & 15,
         };
         // Rows of other types, of which the last elements are not to be touched.
