@@ -620,7 +620,7 @@ pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
     fold_row_of::<R, O, V, _, true>(row, colour, opacity, dither, floor);
 }
 
-/// [`fold_row`] for a row in which not all need be visible: lanes in which nothing is are left out, which changes
+/// [`fold_row`] for a row in which not all need be visible: lanes whose opacities are all 0 are left out, which changes
 /// nothing.
 #[inline(always)]
 pub fn fold_visible_row<R: Recurrence, O: Order, V: Lanes>(
@@ -654,25 +654,17 @@ fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Colours, const ALL: bool>(
         colour: [red, green, blue],
         transparency,
     };
-    let visible = |row: &PixelRow<'_, R::Channel>, at: usize| {
-        let opacity = V::load(opacity, at);
-        if O::BACK_TO_FRONT {
-            opacity
-        } else {
-            opacity.at_most_unsigned(V::load_as(row.transparency, at, R::Channel::bits))
-        }
-    };
     let sample = |at: usize| (colour.colours(at), V::load(opacity, at));
     // Two vectors at a time, as far as they go; one lane stays one.
     let mut at = 0;
     while V::COUNT > 1 && at + V::COUNT < len {
-        if ALL || !(visible(&row, at) | visible(&row, at + V::COUNT)).all_zero() {
+        if ALL || !(V::load(opacity, at) | V::load(opacity, at + V::COUNT)).all_zero() {
             O::fold_two::<R, V>(&mut row, at, [sample(at), sample(at + V::COUNT)], dither, floor);
         }
         at += 2 * V::COUNT;
     }
     while at < len {
-        if ALL || !visible(&row, at).all_zero() {
+        if ALL || !V::load(opacity, at).all_zero() {
             let pixel = row.lanes(at);
             let (colour, opacity) = sample(at);
             row.set_lanes(at, O::fold::<R, V>(pixel, colour, opacity, dither, floor));

@@ -218,29 +218,88 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
 pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
     // On small machines both take as many instructions.
     if whole && !SMALL {
-        yx_row_of::<P, V, true>(a, b, weights, out);
+        yx_row_of::<P, V, _, true>(TwoRows(a, b), weights, out);
     } else {
-        yx_row_of::<P, V, false>(a, b, weights, out);
+        yx_row_of::<P, V, _, false>(TwoRows(a, b), weights, out);
+    }
+}
+
+/// [`yx_row`] of the voxels themselves: for a plane that lies in a slice, where there is nothing to interpolate along z.
+#[inline(always)]
+pub fn yx_row_in_slice<P: Precision, V: Lanes>(a: &[u16], b: &[u16], weights: [Weight; 2], out: &mut [i32]) {
+    yx_row_of::<P, V, _, true>(TwoRows(a, b), weights, out);
+}
+
+/// Two rows, between which y interpolation takes place; `WHOLE`: of whole numbers.
+#[derive(Clone, Copy)]
+struct TwoRows<'a, T, const WHOLE: bool>(&'a [T], &'a [T]);
+
+impl<T, const WHOLE: bool> TwoRows<'_, T, WHOLE> {
+    /// How many elements both have.
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.0.len().min(self.1.len())
+    }
+
+    /// The first elements of both, if there are as many.
+    #[inline(always)]
+    fn first(&self, len: usize) -> Option<Self> {
+        Some(Self(self.0.get(..len)?, self.1.get(..len)?))
+    }
+
+    /// Their elements from the second vector on.
+    #[inline(always)]
+    fn behind<V: Lanes>(&self) -> Self {
+        let [a, b] = [self.0, self.1].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
+        Self(a, b)
+    }
+}
+
+/// Interpolation along y.
+trait AlongY {
+    /// Between the elements `at ..` of two rows, s15.16.
+    fn between<P: Precision, V: Lanes>(&self, at: usize, w: V) -> V;
+}
+
+/// Of what z interpolation has made.
+impl<const WHOLE: bool> AlongY for TwoRows<'_, i32, WHOLE> {
+    #[inline(always)]
+    fn between<P: Precision, V: Lanes>(&self, at: usize, w: V) -> V {
+        lerp_y::<P, V, WHOLE>(V::load(self.0, at), V::load(self.1, at), w)
+    }
+}
+
+/// Of voxels: what [`lerp_y`] makes of whole numbers.
+impl AlongY for TwoRows<'_, u16, true> {
+    #[inline(always)]
+    fn between<P: Precision, V: Lanes>(&self, at: usize, w: V) -> V {
+        kept::<P, V>(V::load_voxels(self.0, at).between16(V::load_voxels(self.1, at), w))
     }
 }
 
 #[inline(always)]
-fn yx_row_of<P: Precision, V: Lanes, const WHOLE: bool>(a: &[i32], b: &[i32], [wx, wy]: [Weight; 2], out: &mut [i32]) {
+fn yx_row_of<P: Precision, V: Lanes, T, const WHOLE: bool>(
+    rows: TwoRows<'_, T, WHOLE>,
+    [wx, wy]: [Weight; 2],
+    out: &mut [i32],
+) where
+    for<'a> TwoRows<'a, T, WHOLE>: AlongY,
+{
     let (wx, wy) = (V::splat(cut::<P>(wx)), V::splat(cut::<P>(wy)));
-    let mut here = lerp_y::<P, V, WHOLE>(V::load(a, 0), V::load(b, 0), wy);
-    let [a, b] = [a, b].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
-    let (len, a, b) = if V::COUNT == 1 {
+    let mut here = rows.between::<P, V>(0, wy);
+    let behind = rows.behind::<V>();
+    let (len, behind) = if V::COUNT == 1 {
         // A single lane stops before an element that has no right neighbour.
-        let len = out.len().min(a.len()).min(b.len());
-        (len, a.get(..len), b.get(..len))
+        let len = out.len().min(behind.len());
+        (len, behind.first(len))
     } else {
-        (out.len(), Some(a), Some(b))
+        (out.len(), Some(behind))
     };
-    let (Some(a), Some(b), Some((inner, last))) = (a, b, out.split_at_mut_checked(len)) else {
+    let (Some(behind), Some((inner, last))) = (behind, out.split_at_mut_checked(len)) else {
         return;
     };
     for at in places::<V>(len) {
-        let next = lerp_y::<P, V, WHOLE>(V::load(a, at), V::load(b, at), wy);
+        let next = behind.between::<P, V>(at, wy);
         lerp_x::<P, V>(here, here.followed_by(next), wx).store(inner, at);
         here = next;
     }
@@ -317,6 +376,11 @@ mod tests {
         z_row::<P, i32>(&n0, &f0, wz, &mut z0);
         z_row::<P, i32>(&n1, &f1, wz, &mut z1);
         yx_row::<P, i32>(&z0, &z1, wz == Weight::ZERO, [wx, wy], &mut s);
+        if wz == Weight::ZERO {
+            let mut of_voxels = vec![0; length];
+            yx_row_in_slice::<P, i32>(&n0, &n1, [wx, wy], &mut of_voxels);
+            prop_assert_eq!(&s, &of_voxels);
+        }
         for i in 0..length {
             let pair = |r: &[u16]| [r[i] as i16, r.get(i + 1).copied().unwrap_or(0) as i16];
             let v = [[pair(&n0), pair(&n1)], [pair(&f0), pair(&f1)]];

@@ -31,6 +31,16 @@ pub fn places<V: Lanes>(len: usize) -> impl Iterator<Item = usize> {
 /// A value a code, and one more behind the last for its neighbour.
 pub type Neighboured = [u32; ENTRIES + 1];
 
+/// How samples find their codes: `(sample + offset) >> bits`, of which the low 12 bits count. Samples are 0 to 2^28, offsets
+/// below 2^15.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Coding {
+    /// What is added before the fraction is cut off.
+    pub offset: i32,
+    /// Bits of the fraction.
+    pub bits: u32,
+}
+
 /// Some 32-bit lanes.
 pub trait Lanes:
     Copy
@@ -86,8 +96,9 @@ pub trait Lanes:
         let at = at + Self::COUNT;
         (Self::load_as(row, at, bits) + second.shr_unsigned(16)).store_as(row, at, element);
     }
-    /// The table's value at these codes (the low 12 bits of a lane), and the next one.
-    fn look_up(self, values: &Neighboured) -> [Self; 2];
+    /// The table's values at the codes of the samples `at ..` of a row, and the next ones; samples of 0 behind its end. From
+    /// the row in memory, because taking a vector apart costs a host more than loading its parts.
+    fn look_up(values: &Neighboured, samples: &[i32], at: usize, coding: Coding) -> [Self; 2];
 
     /// Lanes 1 .. of this and the first of `next`: each lane's right neighbour.
     fn followed_by(self, next: Self) -> Self;
@@ -255,8 +266,9 @@ impl Lanes for i32 {
         }
     }
     #[inline(always)]
-    fn look_up(self, values: &Neighboured) -> [Self; 2] {
-        let code = self as usize % ENTRIES;
+    fn look_up(values: &Neighboured, samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
+        let sample = Self::load(samples, at).wrapping_add(coding.offset);
+        let code = (sample as u32 >> coding.bits) as usize % ENTRIES;
         let at = |code: usize| values.get(code).map_or(0, |value| *value as Self);
         [at(code), at(code + 1)]
     }

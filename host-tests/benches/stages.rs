@@ -11,7 +11,7 @@ use slicecast::classify::{Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt
 use slicecast::composite::{Channel, Dither, FrontToBack, PixelRow, Recurrence, fold_row};
 use slicecast::format::{Coefficient, Intensity, Vector, Weight};
 use slicecast::gradient::{difference_row, space_row};
-use slicecast::interpolate::{yx_row, z_row};
+use slicecast::interpolate::{yx_row, yx_row_in_slice, z_row};
 use slicecast::lanes::Lanes;
 use slicecast::normalise::normalise_row;
 use slicecast::plan::Plan;
@@ -60,6 +60,7 @@ const CALLS: usize = 16;
 enum Kernel {
     InterpolateZ,
     InterpolateYx,
+    InterpolateInSlice,
     Opacity,
     Colour,
     Difference,
@@ -71,9 +72,10 @@ enum Kernel {
 
 impl Kernel {
     /// All of them, in the order of the pipeline.
-    const ALL: [(Self, &'static str); 9] = [
+    const ALL: [(Self, &'static str); 10] = [
         (Self::InterpolateZ, "interpolate-z"),
         (Self::InterpolateYx, "interpolate-yx"),
+        (Self::InterpolateInSlice, "interpolate-in-slice"),
         (Self::Opacity, "opacity-linear-16"),
         (Self::Colour, "colour-linear-16"),
         (Self::Difference, "gradient-difference"),
@@ -164,6 +166,9 @@ impl<P: Precision> OverLanes for Call<'_, P> {
                 Kernel::InterpolateYx => {
                     let [a, b] = &bench.between;
                     yx_row::<P, V>(a, b, false, [weight, weight], out);
+                }
+                Kernel::InterpolateInSlice => {
+                    yx_row_in_slice::<P, V>(&bench.near, &bench.far, [weight, weight], out);
                 }
                 Kernel::Opacity => Classifier::<P>::opacity_row::<V>(&&bench.table, &bench.samples, out),
                 Kernel::Colour => Classifier::<P>::colour_row::<V>(&&bench.table, &bench.samples, [red, green, blue]),

@@ -153,16 +153,17 @@ fn blocks_that_are_not_seen_change_nothing() {
     let [frames, skipping, chosen] = [(); 3].map(|()| Cell::new(0));
     let count = |counter: &Cell<usize>, counted: bool| counter.set(counter.get() + usize::from(counted));
     let tried = TestRunner::new(config(400, 16)).run(&wide_frame(), |frame| {
-        let share = |dense_from: fn(Oriented<'_>) -> Oriented<'_>| {
-            frame.with_prepared(|prepared, slices| {
-                let support = prepared.dispatch(SupportOf).expect("a good frame");
-                let sight = dense_from(Oriented::of(slices)).sight(&prepared.setup.plan, support);
-                sight.map(|sight| sight.share)
-            })
-        };
+        let (share, few) = frame.with_prepared(|prepared, slices| {
+            let (plan, support) = (
+                &prepared.setup.plan,
+                prepared.dispatch(SupportOf).expect("a good frame"),
+            );
+            let volume = Oriented::of(slices);
+            let share = support.map(|support| volume.occupancy().share(plan, support));
+            (share, volume.sight(plan, support).is_some())
+        });
         count(&frames, true);
-        count(&chosen, share(|volume| volume).is_some());
-        let share = share(|volume| volume.dense_from(2.0));
+        count(&chosen, few);
         count(&skipping, share.is_some_and(|share| share > 0.0 && share < 1.0));
         for precision in PrecisionName::ALL {
             let frame = frame.in_precision(precision);

@@ -6,7 +6,7 @@
 use fixed::traits::Fixed;
 use slicecast::classify::{AlphaCode, Classifier, ENTRIES, Linear, PointTable, Support, colour_of_entry, mix_colour};
 use slicecast::format::Opacity;
-use slicecast::lanes::{Lanes, Neighboured, places};
+use slicecast::lanes::{Coding, Lanes, Neighboured, places};
 use slicecast::precision::Precision;
 
 use crate::scene::LookupName;
@@ -53,15 +53,6 @@ impl Expanded {
             lookup,
         }
     }
-
-    /// What is added to a sample before its fraction is cut off, and the bits of the fraction that weigh neighbours.
-    #[inline(always)]
-    fn rule<P: Precision>(&self) -> (i32, i32) {
-        match self.lookup {
-            LookupName::Nearest => (1 << P::SAMPLE_BITS >> 1, 0),
-            LookupName::Linear => (0, (1 << P::SAMPLE_BITS) - 1),
-        }
-    }
 }
 
 /// Whether no sample lies above a code.
@@ -76,11 +67,20 @@ fn none_above<P: Precision, V: Lanes>(samples: &[i32], code: usize) -> bool {
     above.all_zero()
 }
 
-/// The values of a sample's entry and of the next one, and the weight of the latter.
+/// The values of the entries nearest to a row's samples.
 #[inline(always)]
-fn look_up<P: Precision, V: Lanes>(values: &Neighboured, sample: V, (offset, mask): (i32, i32)) -> ([V; 2], V) {
-    let code = sample.wrapping_add(V::splat(offset)).shr_unsigned(P::SAMPLE_BITS);
-    (code.look_up(values), sample & V::splat(mask))
+fn nearest<P: Precision, V: Lanes>(values: &Neighboured, samples: &[i32], at: usize) -> V {
+    let (offset, bits) = (1 << P::SAMPLE_BITS >> 1, P::SAMPLE_BITS);
+    let [value, _] = V::look_up(values, samples, at, Coding { offset, bits });
+    value
+}
+
+/// The values of the entries on both sides of a row's samples, and the weights of the second ones.
+#[inline(always)]
+fn around<P: Precision, V: Lanes>(values: &Neighboured, samples: &[i32], at: usize) -> ([V; 2], V) {
+    let (offset, bits) = (0, P::SAMPLE_BITS);
+    let fraction = V::load(samples, at) & V::splat((1 << bits) - 1);
+    (V::look_up(values, samples, at, Coding { offset, bits }), fraction)
 }
 
 #[inline(always)]
@@ -115,7 +115,8 @@ impl<P: Precision> Classifier<P> for &Expanded {
 
     #[inline(always)]
     fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
-        let rule = self.rule::<P>();
+        // Its place does not change while rows are written.
+        let opacities = &*self.opacities;
         for (samples, out) in samples.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
             let samples = &samples[..out.len()];
             // Up to the code before the first visible one, neither neighbour is visible.
@@ -123,9 +124,18 @@ impl<P: Precision> Classifier<P> for &Expanded {
                 out.fill(0);
                 continue;
             }
-            for at in places::<V>(samples.len()) {
-                let ([a, b], f) = look_up::<P, V>(&self.opacities, V::load(samples, at), rule);
-                a.mix(b, f, P::SAMPLE_BITS).store(out, at);
+            match self.lookup {
+                LookupName::Nearest => {
+                    for at in places::<V>(samples.len()) {
+                        nearest::<P, V>(opacities, samples, at).store(out, at);
+                    }
+                }
+                LookupName::Linear => {
+                    for at in places::<V>(samples.len()) {
+                        let ([a, b], f) = around::<P, V>(opacities, samples, at);
+                        a.mix(b, f, P::SAMPLE_BITS).store(out, at);
+                    }
+                }
             }
         }
     }
@@ -139,14 +149,25 @@ impl<P: Precision> Classifier<P> for &Expanded {
             blue.fill(b as i32);
             return;
         }
-        let rule = self.rule::<P>();
-        let len = samples.len();
+        let (len, colours) = (samples.len(), &*self.colours);
         let (red, green, blue) = (&mut red[..len], &mut green[..len], &mut blue[..len]);
-        for at in places::<V>(len) {
-            let ([a, b], f) = look_up::<P, V>(&self.colours, V::load(samples, at), rule);
-            mixed_colour::<P, V>(a, b, 0, f).store(red, at);
-            mixed_colour::<P, V>(a, b, 1, f).store(green, at);
-            mixed_colour::<P, V>(a, b, 2, f).store(blue, at);
+        match self.lookup {
+            LookupName::Nearest => {
+                for at in places::<V>(len) {
+                    let entry = nearest::<P, V>(colours, samples, at);
+                    colour_of_entry(entry, 0, P::COLOUR_BITS).store(red, at);
+                    colour_of_entry(entry, 1, P::COLOUR_BITS).store(green, at);
+                    colour_of_entry(entry, 2, P::COLOUR_BITS).store(blue, at);
+                }
+            }
+            LookupName::Linear => {
+                for at in places::<V>(len) {
+                    let ([a, b], f) = around::<P, V>(colours, samples, at);
+                    mixed_colour::<P, V>(a, b, 0, f).store(red, at);
+                    mixed_colour::<P, V>(a, b, 1, f).store(green, at);
+                    mixed_colour::<P, V>(a, b, 2, f).store(blue, at);
+                }
+            }
         }
     }
 }

@@ -1,8 +1,9 @@
 //! What blocks of a volume hold, so that those which a table makes invisible are never interpolated.
 //!
 //! Samples of a block of columns lie between the smallest and the largest of the voxels around them. These ranges are
-//! measured once a volume and axis ([`Occupancy::of`]); each table then turns them into a bit a block
-//! ([`Occupancy::sight`]), which core's plane layer asks before it makes anything.
+//! measured once a volume and axis ([`Occupancy::of`]). For each table their counts say which share of the blocks can be
+//! seen ([`Occupancy::share`]); where it is small the ranges are turned into a bit a block ([`Occupancy::sight`]), which
+//! core's plane layer asks before it makes anything.
 
 use rayon::prelude::*;
 use slicecast::classify::Support;
@@ -16,18 +17,49 @@ const STEP: u32 = 6;
 /// Smallest and largest step of a block's voxels.
 type Steps = [u8; 2];
 
+/// How many steps there are.
+const STEPS: usize = 64;
+
 /// The range of every block of a volume, for views along one axis and direction.
 #[derive(Clone, Debug)]
 pub struct Occupancy {
-    /// Block after block, row after row, slice after slice: of samples that lie in a slice.
-    inside: Vec<Steps>,
+    /// Of samples that lie in a slice.
+    inside: Ranges,
     /// Of samples between a slice and the next.
-    between: Vec<Steps>,
+    between: Ranges,
     grain: Grain,
     /// Blocks of a row.
     blocks: usize,
     /// Rows of a slice.
     height: usize,
+}
+
+/// Ranges of all blocks.
+#[derive(Clone, Debug)]
+struct Ranges {
+    /// Block after block, row after row, slice after slice.
+    steps: Vec<Steps>,
+    /// How many blocks have each range: the smallest step times [`STEPS`], and the largest.
+    counts: Vec<usize>,
+}
+
+impl Ranges {
+    fn of(steps: Vec<Steps>) -> Self {
+        let none = || vec![0; STEPS * STEPS];
+        let place = |[low, high]: Steps| STEPS * usize::from(low) + usize::from(high);
+        let count = |mut counts: Vec<usize>, steps: &[Steps]| {
+            for steps in steps {
+                counts[place(*steps)] += 1;
+            }
+            counts
+        };
+        let sum = |mut counts: Vec<usize>, others: Vec<usize>| {
+            counts.iter_mut().zip(others).for_each(|(count, other)| *count += other);
+            counts
+        };
+        let counts = steps.par_chunks(1 << 16).fold(none, count).reduce(none, sum);
+        Self { steps, counts }
+    }
 }
 
 /// Which blocks of a volume can show something under a table.
@@ -36,12 +68,10 @@ pub struct Sight {
     rows: Vec<u64>,
     grain: Grain,
     height: usize,
-    /// Share of the blocks, 0 to 1.
-    pub share: f64,
 }
 
 impl Occupancy {
-    /// Measures slices, in parallel. Memory: 4 bytes for 16 voxels.
+    /// Measures slices, in parallel. Memory: 4 bytes for 16 voxels, and 64 KiB.
     pub fn of(slices: &[Slice<'_>]) -> Self {
         let [width, height] = slices.first().map_or([0; 2], |slice| [slice.width(), slice.height()]);
         let grain = Grain::of(width);
@@ -64,32 +94,45 @@ impl Occupancy {
             .zip(&inside[slice_len.min(inside.len())..])
             .for_each(|(near, far)| *near = union(*near, *far));
         Self {
-            inside,
-            between,
+            inside: Ranges::of(inside),
+            between: Ranges::of(between),
             grain,
             blocks,
             height,
         }
     }
 
+    /// The ranges that the planes of a view look at.
+    fn ranges(&self, plan: &Plan) -> &Ranges {
+        let [_, _, step] = plan.step();
+        let all_in_slices = step.frac() == 0;
+        if all_in_slices { &self.inside } else { &self.between }
+    }
+
+    /// The share of blocks that can show something under a table, 0 to 1, for the planes of a view.
+    pub fn share(&self, plan: &Plan, support: Support) -> f64 {
+        let ranges = self.ranges(plan);
+        let next = next_visible(support);
+        let by_low = next.iter().zip(ranges.counts.chunks_exact(STEPS));
+        let seen: usize = by_low
+            .flat_map(|(next, counts)| counts.iter().skip(usize::from(*next)))
+            .sum();
+        seen as f64 / ranges.steps.len().max(1) as f64
+    }
+
     /// The blocks that can show something under a table, for the planes of a view; in parallel.
     pub fn sight(&self, plan: &Plan, support: Support) -> Sight {
         let next = next_visible(support);
-        let [_, _, step] = plan.step();
-        let all_in_slices = step.frac() == 0;
-        let steps = if all_in_slices { &self.inside } else { &self.between };
+        let steps = &self.ranges(plan).steps;
         let mut rows = vec![0; steps.len() / self.blocks.max(1)];
-        let seen: u32 = (rows.par_iter_mut().with_min_len(1024))
+        (rows.par_iter_mut().with_min_len(1024))
             .zip(steps.par_chunks(self.blocks.max(1)))
-            .map(|(row, steps)| {
+            .for_each(|(row, steps)| {
                 for (block, [low, high]) in steps.iter().enumerate() {
                     *row |= u64::from(next[usize::from(*low)] <= *high) << block;
                 }
-                row.count_ones()
-            })
-            .sum();
+            });
         Sight {
-            share: f64::from(seen) / steps.len().max(1) as f64,
             rows,
             grain: self.grain,
             height: self.height,
@@ -98,7 +141,8 @@ impl Occupancy {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.inside[..]) + size_of_val(&self.between[..])
+        let bytes = |ranges: &Ranges| size_of_val(&ranges.steps[..]) + size_of_val(&ranges.counts[..]);
+        bytes(&self.inside) + bytes(&self.between)
     }
 }
 
@@ -112,10 +156,10 @@ impl Sight {
 }
 
 /// For each step the first that is visible, from it on; 255 where none is.
-fn next_visible(support: Support) -> [u8; 64] {
-    let mut next = [u8::MAX; 64];
+fn next_visible(support: Support) -> [u8; STEPS] {
+    let mut next = [u8::MAX; STEPS];
     let mut found = u8::MAX;
-    for step in (0..64u8).rev() {
+    for step in (0..STEPS as u8).rev() {
         let code = u16::from(step) << STEP;
         if support.meets(RowRange { low: code, high: code }) {
             found = step;
@@ -186,7 +230,9 @@ mod tests {
             let slices: Vec<_> = (voxels.chunks(nx * ny).zip(ranges.chunks_mut(ny)))
                 .map(|(voxels, ranges)| Slice::measure(voxels, nx, ny, nx, ranges).unwrap())
                 .collect();
-            let sight = Occupancy::of(&slices).sight(&plan(dims, if between { 3 } else { 1 }), support);
+            let occupancy = Occupancy::of(&slices);
+            let plan = plan(dims, if between { 3 } else { 1 });
+            let sight = occupancy.sight(&plan, support);
             let mut seen = 0;
             for (z, y) in (0..nz).flat_map(|z| (0..ny).map(move |y| (z, y))) {
                 let mut expected = 0;
@@ -205,7 +251,7 @@ mod tests {
                 prop_assert_eq!(sight.at(z).row(y), expected, "slice {}, row {}", z, y);
                 seen += expected.count_ones() as usize;
             }
-            prop_assert!((sight.share - seen as f64 / (nx.div_ceil(16) * ny * nz) as f64).abs() < 1e-12);
+            prop_assert!((occupancy.share(&plan, support) - seen as f64 / (nx.div_ceil(16) * ny * nz) as f64).abs() < 1e-12);
         }
     }
 }

@@ -80,8 +80,9 @@ impl<'a> Oriented<'a> {
     /// The blocks that can be seen under a table of this support; none where so many can that rows are made faster as a
     /// whole.
     pub fn sight(&self, plan: &Plan, support: Option<Support>) -> Option<Sight> {
-        let sight = self.occupancy.sight(plan, support?);
-        (sight.share < self.dense).then_some(sight)
+        let support = support?;
+        let few = self.occupancy.share(plan, support) < self.dense;
+        few.then(|| self.occupancy.sight(plan, support))
     }
 }
 

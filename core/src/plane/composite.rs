@@ -95,7 +95,7 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
                 column: (meeting.columns.start + offset) as u32,
             };
             sampler.make::<V>(&meeting, window, voxel_row);
-            let place = meeting.voxel + 1;
+            let place = meeting.voxel + Sampler::<P, LIT>::FIRST;
             let samples = part(sampler.row(voxel_row), place..place + n);
             tap.samples(beam(0), samples);
             self.classifier.opacity_row::<V>(samples, opacities);

@@ -70,7 +70,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         let mut sampler = Sampler::<P, false>::new(&mut scratch, slice_width, room);
         for (row, data, voxel_row) in met_rows(&meeting, rows, base_width) {
             sampler.make::<V>(&meeting, window, voxel_row);
-            let place = meeting.voxel + 1;
+            let place = meeting.voxel + Sampler::<P, false>::FIRST;
             let samples = part(sampler.row(voxel_row), place..place + n);
             let at = Beam {
                 plane,

@@ -3,8 +3,8 @@
 use core::marker::PhantomData;
 
 use super::meeting::Meeting;
-use super::{row_len, take_row};
-use crate::interpolate::{extend_ends, extend_row, yx_row, z_row};
+use super::take_row;
+use crate::interpolate::{extend_ends, extend_row, yx_row, yx_row_in_slice, z_row};
 use crate::lanes::{Lanes, SMALL};
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
@@ -12,8 +12,8 @@ use crate::slice::Window;
 
 /// Rows of samples of one plane, made when asked for and kept while their neighbours may need them.
 ///
-/// Every buffer has a place for the voxel before the first and one for the voxel behind the last; `LIT` fills them
-/// (the volume continued linearly), because gradients look one sample beyond the row.
+/// With `LIT` every buffer has a place for the voxel before the first and one for the voxel behind the last (the volume
+/// continued linearly), because gradients look one sample beyond the row.
 pub(super) struct Sampler<'s, P, const LIT: bool> {
     z: [&'s mut [i32]; 2],
     z_row: [i32; 2],
@@ -47,20 +47,16 @@ pub(super) fn aligned(scratch: &mut [i32], rows: usize, width: u32) -> (&mut [i3
 const NO_ROW: i32 = i32::MIN;
 
 impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
+    /// Place of the first voxel, and of the sample behind it, in a row.
+    pub(super) const FIRST: usize = LIT as usize;
     /// Rows of scratch memory.
     pub(super) const ROWS: usize = if LIT { 6 } else { 3 };
 
     /// Rows for slices of this width, cut from memory with room for `room` voxels a row.
     #[inline(always)]
     pub(super) fn new(memory: &mut &'s mut [i32], width: u32, room: u32) -> Self {
-        let mut row = || {
-            let row = take_row(memory, room);
-            if room == width {
-                row
-            } else {
-                part_mut(row, 0..row_len(width))
-            }
-        };
+        let len = width as usize + 2 * Self::FIRST;
+        let mut row = || part_mut(take_row(memory, room), 0..len);
         let z = [row(), row()];
         let (samples, inner) = if LIT {
             ([row(), row(), row()], row())
@@ -83,7 +79,7 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
         if LIT { (row + 1).rem_euclid(3) as usize } else { 0 }
     }
 
-    /// The samples of a row, one place beyond each end included. Empty unless [`Sampler::make`] made it.
+    /// The samples of a row, from [`Sampler::FIRST`] on. Empty unless [`Sampler::make`] made it.
     #[inline(always)]
     pub(super) fn row(&self, row: i32) -> &[i32] {
         self.samples.get(Self::slot(row)).map_or(&[], |s| s)
@@ -114,6 +110,14 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
         let beyond = if LIT { meeting.height } else { meeting.height - 1 };
         // Behind the last row there is none; its weight is zero.
         let next = if row < beyond { row + 1 } else { row };
+        if !LIT && !SMALL && meeting.in_slice() {
+            let voxels = |row: i32| window.near.row(row.max(0) as usize);
+            if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
+                yx_row_in_slice::<P, V>(voxels(row), voxels(next), meeting.weights(), out);
+                *key = row;
+            }
+            return;
+        }
         self.make_z::<V>(meeting, window, row);
         self.make_z::<V>(meeting, window, next);
         let [even, odd] = &self.z;
@@ -134,7 +138,7 @@ impl<'s, P: Precision, const LIT: bool> Sampler<'s, P, LIT> {
             return;
         }
         *key = row;
-        let voxels = 1..out.len().saturating_sub(1);
+        let voxels = Self::FIRST..out.len().saturating_sub(Self::FIRST);
         let far = window.far_or_near();
         let last = meeting.height - 1;
         let edge = row.min(last).max(0);

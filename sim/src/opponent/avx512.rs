@@ -7,7 +7,7 @@ use std::ops::{Add, Mul, Sub};
 
 use slicecast::lanes::Neighboured;
 
-use super::floats::Floats;
+use super::floats::{AS_IT_IS, Floats};
 use crate::simd::avx512::look_up;
 use crate::simd::partial::{chunk, chunk_mut, rest};
 
@@ -100,22 +100,36 @@ impl Floats for Avx512 {
         }
     }
     #[inline(always)]
-    fn look_up(self, values: &Neighboured) -> ([Self; 2], Self) {
-        avx512!({
-            let code = _mm512_cvttps_epi32(self.0);
-            let [value, next] = look_up(values, code);
-            let pair = [Self(_mm512_castsi512_ps(value)), Self(_mm512_castsi512_ps(next))];
-            (pair, Self(_mm512_sub_ps(self.0, _mm512_cvtepi32_ps(code))))
-        })
+    fn store_whole(self, row: &mut [i32], at: usize) {
+        if let Some(codes) = chunk_mut::<_, 16>(row, at) {
+            avx512!(_mm512_storeu_si512(
+                codes.as_mut_ptr().cast(),
+                _mm512_cvttps_epi32(self.0)
+            ));
+        }
     }
     #[inline(always)]
-    fn look_up_colours(self, entries: &Neighboured) -> ([[Self; 3]; 2], Self) {
-        avx512!({
-            let code = _mm512_cvttps_epi32(self.0);
-            let [entry, next] = look_up(entries, code);
-            let fraction = Self(_mm512_sub_ps(self.0, _mm512_cvtepi32_ps(code)));
-            ([colours(entry), colours(next)], fraction)
-        })
+    fn load_whole(row: &[i32], at: usize) -> Self {
+        let Some(codes) = chunk::<_, 16>(row, at) else {
+            return Self::splat(0.0);
+        };
+        Self(avx512!(_mm512_cvtepi32_ps(_mm512_loadu_si512(codes.as_ptr().cast()))))
+    }
+    #[inline(always)]
+    fn look_up(values: &Neighboured, codes: &[i32], at: usize) -> [Self; 2] {
+        let Some(codes) = chunk::<_, 16>(codes, at) else {
+            return [Self::splat(0.0); 2];
+        };
+        let [value, next] = look_up(values, codes, AS_IT_IS);
+        avx512!([Self(_mm512_castsi512_ps(value)), Self(_mm512_castsi512_ps(next)),])
+    }
+    #[inline(always)]
+    fn look_up_colours(entries: &Neighboured, codes: &[i32], at: usize) -> [[Self; 3]; 2] {
+        let Some(codes) = chunk::<_, 16>(codes, at) else {
+            return [[Self::splat(0.0); 3]; 2];
+        };
+        let [entry, next] = look_up(entries, codes, AS_IT_IS);
+        [colours(entry), colours(next)]
     }
     #[inline(always)]
     fn followed_by(self, next: Self) -> Self {

@@ -2,9 +2,12 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use slicecast::lanes::{Lanes, Neighboured};
+use slicecast::lanes::{Coding, Lanes, Neighboured};
 
 use crate::simd::Simd;
+
+/// How whole parts are looked up: they are codes.
+pub const AS_IT_IS: Coding = Coding { offset: 0, bits: 0 };
 
 /// Some lanes of 32-bit floats.
 pub trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
@@ -19,11 +22,15 @@ pub trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn store(self, row: &mut [f32], at: usize);
     /// Voxels `at ..` of a row; 0 behind its end.
     fn load_voxels(row: &[u16], at: usize) -> Self;
-    /// The table's values, which are the bits of floats, at the whole parts of these codes, the next ones, and the
-    /// fractions. Codes are not negative; what lies above the last has its low 12 bits.
-    fn look_up(self, values: &Neighboured) -> ([Self; 2], Self);
-    /// Red, green and blue, 0 to 255, of a table's entries there and the next ones, and the fractions.
-    fn look_up_colours(self, entries: &Neighboured) -> ([[Self; 3]; 2], Self);
+    /// Writes whole parts to elements `at ..` of a row that goes as far.
+    fn store_whole(self, row: &mut [i32], at: usize);
+    /// Whole parts `at ..` of such a row.
+    fn load_whole(row: &[i32], at: usize) -> Self;
+    /// The table's values, which are the bits of floats, at the codes `at ..` of a row, and the next ones. Codes are not
+    /// negative; what lies above the last has its low 12 bits.
+    fn look_up(values: &Neighboured, codes: &[i32], at: usize) -> [Self; 2];
+    /// Red, green and blue, 0 to 255, of a table's entries there and the next ones.
+    fn look_up_colours(entries: &Neighboured, codes: &[i32], at: usize) -> [[Self; 3]; 2];
 
     /// Lanes 1 .. of this and the first of `next`: each lane's right neighbour.
     fn followed_by(self, next: Self) -> Self;
@@ -71,16 +78,23 @@ impl Floats for f32 {
         row.get(at).copied().map_or(0.0, Self::from)
     }
     #[inline(always)]
-    fn look_up(self, values: &Neighboured) -> ([Self; 2], Self) {
-        let code = self as i32;
-        let pair = code.look_up(values).map(|bits| Self::from_bits(bits as u32));
-        (pair, self - code as Self)
+    fn store_whole(self, row: &mut [i32], at: usize) {
+        if let Some(place) = row.get_mut(at) {
+            *place = self as i32;
+        }
     }
     #[inline(always)]
-    fn look_up_colours(self, entries: &Neighboured) -> ([[Self; 3]; 2], Self) {
-        let code = self as i32;
+    fn load_whole(row: &[i32], at: usize) -> Self {
+        row.get(at).map_or(0.0, |whole| *whole as Self)
+    }
+    #[inline(always)]
+    fn look_up(values: &Neighboured, codes: &[i32], at: usize) -> [Self; 2] {
+        i32::look_up(values, codes, at, AS_IT_IS).map(|bits| Self::from_bits(bits as u32))
+    }
+    #[inline(always)]
+    fn look_up_colours(entries: &Neighboured, codes: &[i32], at: usize) -> [[Self; 3]; 2] {
         let channels = |entry: i32| [0, 8, 16].map(|channel| Self::from((entry >> channel) as u8));
-        (code.look_up(entries).map(channels), self - code as Self)
+        i32::look_up(entries, codes, at, AS_IT_IS).map(channels)
     }
     #[inline(always)]
     fn followed_by(self, next: Self) -> Self {
@@ -130,7 +144,7 @@ pub fn with_floats<W: OverFloats>(simd: Simd, work: W) -> W::Output {
     match simd {
         #[cfg(target_arch = "x86_64")]
         Simd::Avx512 if simd.available() => {
-            #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,fma")]
+            #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi1,bmi2,fma")]
             fn entry<W: OverFloats>(work: W) -> W::Output {
                 work.run::<super::avx512::Avx512>()
             }
@@ -142,7 +156,7 @@ pub fn with_floats<W: OverFloats>(simd: Simd, work: W) -> W::Output {
         }
         #[cfg(target_arch = "x86_64")]
         Simd::Avx2 if simd.available() => {
-            #[target_feature(enable = "avx2,fma")]
+            #[target_feature(enable = "avx2,bmi1,bmi2,fma")]
             fn entry<W: OverFloats>(work: W) -> W::Output {
                 work.run::<super::avx2::Avx2>()
             }

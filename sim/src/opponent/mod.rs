@@ -80,8 +80,8 @@ impl Opponent {
         let scratch_len = SCRATCH_ROWS * row_len(width as usize);
         let tiles = tiles(plan, image, 4 * run_len(plan), tile_rows);
         tiles.into_par_iter().with_max_len(1).for_each_init(
-            || vec![0.0; scratch_len + FIRST],
-            |scratch, (tile, data)| {
+            || (vec![0.0; scratch_len + FIRST], vec![0; row_len(width as usize)]),
+            |(scratch, codes), (tile, data)| {
                 // Rows begin at a cache line.
                 let aligned = scratch.as_ptr().align_offset(64).min(FIRST);
                 let fold = FoldTile {
@@ -91,6 +91,7 @@ impl Opponent {
                     tile,
                     data,
                     scratch: &mut scratch[aligned..aligned + scratch_len],
+                    codes,
                 };
                 with_floats(simd, fold);
             },

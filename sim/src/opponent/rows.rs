@@ -96,6 +96,19 @@ pub(super) fn yx_row<F: Floats>(a: &[f32], b: &[f32], [wx, wy]: [f32; 2], out: &
     }
 }
 
+/// [`yx_row`] of the voxels themselves, for a plane that lies in a slice; `out` begins at the first voxel.
+#[inline(always)]
+pub(super) fn yx_row_in_slice<F: Floats>(a: &[u16], b: &[u16], [wx, wy]: [f32; 2], out: &mut [f32]) {
+    let (wx, wy) = (F::splat(wx), F::splat(wy));
+    let mut here = F::load_voxels(a, 0).towards(F::load_voxels(b, 0), wy);
+    for at in (0..a.len()).step_by(F::COUNT) {
+        let behind = at + F::COUNT;
+        let next = F::load_voxels(a, behind).towards(F::load_voxels(b, behind), wy);
+        here.towards(here.followed_by(next), wx).store(out, at);
+        here = next;
+    }
+}
+
 /// What a row of gradients is made of. All rows begin at the first sample, `left` and `right` one beside it.
 pub(super) struct Around<'a> {
     pub left: &'a [f32],
@@ -177,7 +190,7 @@ pub(super) fn fold_one_colour_row<F: Floats>(colour: [f32; 3], opacities: &[f32]
     let colour = [F::splat(colour[0]), F::splat(colour[1]), F::splat(colour[2])];
     for at in (0..opacities.len()).step_by(F::COUNT) {
         let opacity = F::load(opacities, at);
-        if (F::load(pixels[3], at) * opacity).any_positive() {
+        if opacity.any_positive() {
             over(colour, opacity, pixels, at, floor);
         }
     }

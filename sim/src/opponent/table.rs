@@ -43,26 +43,40 @@ impl FloatTable {
         [0, 8, 16].map(|shift| f32::from((self.colours[0] >> shift) as u8) / 255.0)
     }
 
-    /// Opacities of a row, linear between entries. `out` has room for whole vectors; what the last one holds
-    /// behind the samples is finite.
+    /// Opacities of a row, linear between entries. All have room for whole vectors; what the last one holds behind the
+    /// samples is finite.
     #[inline(always)]
-    pub(super) fn opacity_row<F: Floats>(&self, samples: &[f32], out: &mut [f32]) {
+    pub(super) fn opacity_row<F: Floats>(&self, samples: &[f32], codes: &mut [i32], out: &mut [f32]) {
+        let opacities = &*self.opacities;
+        code_row::<F>(samples, codes);
         for at in (0..samples.len()).step_by(F::COUNT) {
-            let ([a, b], f) = F::load(samples, at).look_up(&self.opacities);
-            a.towards(b, f).store(out, at);
+            let [a, b] = F::look_up(opacities, codes, at);
+            a.towards(b, F::load(samples, at) - F::load_whole(codes, at))
+                .store(out, at);
         }
     }
 
     /// Colours of a row, 0 to 1, linear between entries.
     #[inline(always)]
-    pub(super) fn colour_row<F: Floats>(&self, samples: &[f32], out: [&mut [f32]; 3]) {
+    pub(super) fn colour_row<F: Floats>(&self, samples: &[f32], codes: &mut [i32], out: [&mut [f32]; 3]) {
+        let colours = &*self.colours;
+        code_row::<F>(samples, codes);
         let scale = F::splat(1.0 / 255.0);
         let [red, green, blue] = out;
         for at in (0..samples.len()).step_by(F::COUNT) {
-            let ([[ar, ag, ab], [br, bg, bb]], f) = F::load(samples, at).look_up_colours(&self.colours);
+            let [[ar, ag, ab], [br, bg, bb]] = F::look_up_colours(colours, codes, at);
+            let f = F::load(samples, at) - F::load_whole(codes, at);
             (ar.towards(br, f) * scale).store(red, at);
             (ag.towards(bg, f) * scale).store(green, at);
             (ab.towards(bb, f) * scale).store(blue, at);
         }
+    }
+}
+
+/// The codes of a row of samples, in memory, from where they are looked up.
+#[inline(always)]
+fn code_row<F: Floats>(samples: &[f32], codes: &mut [i32]) {
+    for at in (0..samples.len()).step_by(F::COUNT) {
+        F::load(samples, at).store_whole(codes, at);
     }
 }

@@ -23,6 +23,8 @@ pub(super) struct FoldTile<'a, 's> {
     pub tile: Tile,
     pub data: &'a mut [f32],
     pub scratch: &'a mut [f32],
+    /// A row of scratch memory for codes.
+    pub codes: &'a mut [i32],
 }
 
 /// Rows of scratch memory.
@@ -82,15 +84,20 @@ impl Sampler<'_> {
         }
         let beyond = if LIT { meeting.height } else { meeting.height - 1 };
         let next = if row < beyond { row + 1 } else { row };
+        let places = meeting.places();
+        let [wx, wy, wz] = meeting.weights;
+        self.sample_row[slot] = row;
+        if !LIT && wz == 0.0 {
+            let [a, b] = [row, next].map(|row| window.near.row(row as usize));
+            yx_row_in_slice::<F>(a, b, [wx, wy], &mut self.samples[slot][FIRST..]);
+            return;
+        }
         self.make_z::<F, LIT>(meeting, window, row);
         self.make_z::<F, LIT>(meeting, window, next);
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { even } else { odd };
-        let places = meeting.places();
-        let [wx, wy, _] = meeting.weights;
         let (a, b) = (&pick(row)[places.start..], &pick(next)[places.start..]);
         yx_row::<F>(a, b, [wx, wy], &mut self.samples[slot][places]);
-        self.sample_row[slot] = row;
     }
 
     /// Makes the z interpolation of a voxel row.
@@ -280,7 +287,7 @@ impl FoldTile<'_, '_> {
             sampler.make::<F, LIT>(meeting, window, voxel_row);
             let place = FIRST + meeting.voxel;
             let samples = &sampler.samples[Sampler::slot(voxel_row)][place..place + padded];
-            table.opacity_row::<F>(samples, &mut opacities[..padded]);
+            table.opacity_row::<F>(samples, self.codes, &mut opacities[..padded]);
             opacities[n..padded].fill(0.0);
 
             if !LIT && table.one_colour {
@@ -295,7 +302,7 @@ impl FoldTile<'_, '_> {
                 let samples = &sampler.samples[Sampler::slot(voxel_row)][place + span.start..place + span.end];
                 let [cr, cg, cb] = colours.each_mut().map(|c| &mut c[..length]);
                 if !table.one_colour {
-                    table.colour_row::<F>(samples, [&mut *cr, &mut *cg, &mut *cb]);
+                    table.colour_row::<F>(samples, self.codes, [&mut *cr, &mut *cg, &mut *cb]);
                 }
                 let colours = [&*cr, &*cg, &*cb];
                 let opacities = &opacities[span.clone()];

@@ -6,9 +6,9 @@ use std::arch::x86_64::*;
 use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
-use slicecast::lanes::{Lanes, Neighboured, Wide};
+use slicecast::lanes::{Coding, Lanes, Neighboured, Wide};
 
-use super::partial::{CODE_MASK, chunk, chunk_mut, is_half, is_word, neighbours, rest};
+use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
 /// Eight 32-bit lanes. Of use only where the processor has AVX2 and FMA; see [`super::with_lanes`].
@@ -155,18 +155,22 @@ const SLIDING: [u8; 48] = {
     places
 };
 
-/// The values at eight codes (their low 12 bits), and the next ones.
+/// The values at the codes of eight samples, and the next ones.
 #[inline(always)]
-pub fn look_up(values: &Neighboured, codes: __m256i) -> [__m256i; 2] {
-    let codes = (Avx2(codes) & Avx2::splat(CODE_MASK)).to_array();
+pub fn look_up(values: &Neighboured, samples: &[i32; 8], coding: Coding) -> [__m256i; 2] {
+    let samples = samples.as_ptr();
     avx2!({
         // Halves of the first hold pairs 0 1 and 4 5, those of the second the others, so that picking their even
         // elements, two from each, gives the values in order.
-        let pairs = |first: usize| {
-            let half = |at: usize| neighbours(values, codes[at], codes[at + 1]);
-            _mm256_castsi256_ps(_mm256_set_m128i(half(first + 4), half(first)))
-        };
-        let (first, second) = (pairs(0), pairs(2));
+        let first = _mm256_set_m128i(
+            neighbours(values, samples.add(4), coding),
+            neighbours(values, samples, coding),
+        );
+        let second = _mm256_set_m128i(
+            neighbours(values, samples.add(6), coding),
+            neighbours(values, samples.add(2), coding),
+        );
+        let (first, second) = (_mm256_castsi256_ps(first), _mm256_castsi256_ps(second));
         [
             _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(first, second)),
             _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(first, second)),
@@ -290,8 +294,16 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn look_up(self, values: &Neighboured) -> [Self; 2] {
-        let [value, next] = look_up(values, self.0);
+    fn look_up(values: &Neighboured, samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
+        let last;
+        let samples = match chunk::<_, 8>(samples, at) {
+            Some(samples) => samples,
+            None => {
+                last = Self::load(samples, at).to_array();
+                &last
+            }
+        };
+        let [value, next] = look_up(values, samples, coding);
         [Self(value), Self(next)]
     }
     #[inline(always)]

@@ -6,9 +6,9 @@ use std::arch::x86_64::*;
 use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
-use slicecast::lanes::{Lanes, Neighboured, Wide};
+use slicecast::lanes::{Coding, Lanes, Neighboured, Wide};
 
-use super::partial::{CODE_MASK, chunk, chunk_mut, is_half, is_word, neighbours, rest};
+use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
 /// Sixteen 32-bit lanes. A value exists only where the processor has AVX-512 (F, BW, CD, DQ, VL): nothing but the
@@ -90,14 +90,6 @@ impl Avx512 {
         avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0));
         lanes
     }
-
-    /// Each two lanes, the even one in the low half.
-    #[inline(always)]
-    fn to_pairs(self) -> [u64; 8] {
-        let mut pairs = [0; 8];
-        avx512!(_mm512_storeu_si512(pairs.as_mut_ptr().cast(), self.0));
-        pairs
-    }
 }
 
 /// As many low bits as there are elements, fewer than a vector has.
@@ -113,21 +105,34 @@ fn words<const UPPER: u16>() -> __m512i {
     avx512!(_mm512_loadu_si512(places.as_ptr().cast()))
 }
 
-/// The values at sixteen codes (their low 12 bits), and the next ones.
+/// The neighbours of samples 0 and 1, 4 and 5, 8 and 9, 12 and 13 from this one on.
+///
+/// # Safety
+/// The processor has AVX-512, and there are 14 samples. (A function: a closure might not be inlined.)
 #[inline(always)]
-pub fn look_up(values: &Neighboured, codes: __m512i) -> [__m512i; 2] {
-    // Two codes to a register: a move from a vector register is one a cycle.
-    let codes = (Avx512(codes) & Avx512::splat(CODE_MASK)).to_pairs();
+unsafe fn every_second_pair(values: &Neighboured, samples: *const i32, coding: Coding) -> __m512 {
+    // SAFETY: as above.
+    unsafe {
+        let low = _mm256_set_m128i(
+            neighbours(values, samples.add(4), coding),
+            neighbours(values, samples, coding),
+        );
+        let high = _mm256_set_m128i(
+            neighbours(values, samples.add(12), coding),
+            neighbours(values, samples.add(8), coding),
+        );
+        _mm512_castsi512_ps(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
+    }
+}
+
+/// The values at the codes of sixteen samples, and the next ones.
+#[inline(always)]
+pub fn look_up(values: &Neighboured, samples: &[i32; 16], coding: Coding) -> [__m512i; 2] {
+    let samples = samples.as_ptr();
     avx512!({
-        // Quarters of the first hold pairs 0 1, 4 5, 8 9 and 12 13, those of the second the pairs between, so that
-        // picking their even elements, two from each, gives the values in order.
-        let pairs = |first: usize| {
-            let quarter = |at: usize| neighbours(values, codes[at >> 1] as i32, (codes[at >> 1] >> 32) as i32);
-            let low = _mm256_set_m128i(quarter(first + 4), quarter(first));
-            let high = _mm256_set_m128i(quarter(first + 12), quarter(first + 8));
-            _mm512_castsi512_ps(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
-        };
-        let (first, second) = (pairs(0), pairs(2));
+        // Their even elements, two from a quarter of each, are the values in order.
+        let first = every_second_pair(values, samples, coding);
+        let second = every_second_pair(values, samples.add(2), coding);
         [
             _mm512_castps_si512(_mm512_shuffle_ps::<0b10_00_10_00>(first, second)),
             _mm512_castps_si512(_mm512_shuffle_ps::<0b11_01_11_01>(first, second)),
@@ -302,8 +307,16 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn look_up(self, values: &Neighboured) -> [Self; 2] {
-        let [value, next] = look_up(values, self.0);
+    fn look_up(values: &Neighboured, samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
+        let last;
+        let samples = match chunk::<_, 16>(samples, at) {
+            Some(samples) => samples,
+            None => {
+                last = Self::load(samples, at).to_array();
+                &last
+            }
+        };
+        let [value, next] = look_up(values, samples, coding);
         [Self(value), Self(next)]
     }
     #[inline(always)]

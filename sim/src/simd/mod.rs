@@ -42,7 +42,12 @@ impl Simd {
         match self {
             Self::Scalar => true,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            Self::Avx2 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("fma")
+                    && is_x86_feature_detected!("bmi1")
+                    && is_x86_feature_detected!("bmi2")
+            }
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
                 is_x86_feature_detected!("avx512f")
@@ -78,7 +83,7 @@ pub fn with_lanes<W: OverLanes>(simd: Simd, work: W) -> W::Output {
     match simd {
         #[cfg(target_arch = "x86_64")]
         Simd::Avx512 if simd.available() => {
-            #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,fma")]
+            #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi1,bmi2,fma")]
             fn entry<W: OverLanes>(work: W) -> W::Output {
                 work.run::<avx512::Avx512>()
             }
@@ -90,7 +95,7 @@ pub fn with_lanes<W: OverLanes>(simd: Simd, work: W) -> W::Output {
         }
         #[cfg(target_arch = "x86_64")]
         Simd::Avx2 if simd.available() => {
-            #[target_feature(enable = "avx2,fma")]
+            #[target_feature(enable = "avx2,bmi1,bmi2,fma")]
             fn entry<W: OverLanes>(work: W) -> W::Output {
                 work.run::<avx2::Avx2>()
             }

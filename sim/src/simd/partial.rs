@@ -6,26 +6,38 @@
 )]
 
 use std::any::TypeId;
-use std::arch::x86_64::{__m128i, _mm_castpd_si128, _mm_castsi128_pd, _mm_loadh_pd, _mm_loadl_epi64};
+use std::arch::x86_64::{
+    __m128i, _bextr2_u32, _bextr2_u64, _mm_castpd_si128, _mm_castsi128_pd, _mm_loadh_pd, _mm_loadl_epi64,
+};
 
 use slicecast::classify::ENTRIES;
 use slicecast::composite::Unorm16;
-use slicecast::lanes::Neighboured;
+use slicecast::lanes::{Coding, Neighboured};
 
-/// The bits of a code.
-pub const CODE_MASK: i32 = ENTRIES as i32 - 1;
-
-/// The values at two codes, each with the next one behind it. Loads, not a gather, which takes longer.
+/// The values at the codes of two neighbouring samples, each with the next one behind it. Loads, not a gather, which takes
+/// longer; the samples are loaded together.
 ///
 /// # Safety
-/// The codes are 0 to [`CODE_MASK`].
+/// The processor has BMI1 and SSE2, and there are two samples.
 #[inline(always)]
-pub unsafe fn neighbours(values: &Neighboured, first: i32, second: i32) -> __m128i {
-    let at = |code: i32| values.as_ptr().wrapping_add(code as usize);
-    // SAFETY: SSE2 is part of x86-64, and behind the value of every code there is one more.
+pub unsafe fn neighbours(values: &Neighboured, samples: *const i32, coding: Coding) -> __m128i {
+    const CODE_BITS: u32 = ENTRIES.ilog2();
+    // SAFETY: there are two samples, in the order of x86-64.
+    let pair = unsafe { samples.cast::<u64>().read_unaligned() };
+    let pair = pair.wrapping_add(coding.offset as u64 * ((1 << 32) + 1));
+    // SAFETY: the processor has BMI1.
+    let (first, second) = unsafe {
+        (
+            _bextr2_u32(pair as u32, (CODE_BITS << 8) + coding.bits),
+            _bextr2_u64(pair, u64::from((CODE_BITS << 8) + 32 + coding.bits)),
+        )
+    };
+    let first = values.as_ptr().wrapping_add(first as usize);
+    let second = values.as_ptr().wrapping_add(second as usize);
+    // SAFETY: the processor has SSE2; behind the value of every code of 12 bits there is one more.
     unsafe {
-        let low = _mm_castsi128_pd(_mm_loadl_epi64(at(first).cast()));
-        _mm_castpd_si128(_mm_loadh_pd(low, at(second).cast()))
+        let low = _mm_castsi128_pd(_mm_loadl_epi64(first.cast()));
+        _mm_castpd_si128(_mm_loadh_pd(low, second.cast()))
     }
 }
 

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use slicecast::composite::Unorm16;
-use slicecast::lanes::{Lanes, Neighboured, Wide};
+use slicecast::lanes::{Coding, Lanes, Neighboured, Wide};
 
 use super::{OverLanes, Simd, with_lanes};
 
@@ -34,6 +34,11 @@ impl OverLanes for &Rows {
         let mut out = vec![vec![0; n]; OPERATIONS];
         let values: Neighboured = std::array::from_fn(|code| (code as u32).wrapping_mul(2_654_435_761));
         let by = self.by;
+        let samples: Vec<i32> = self.any.iter().map(|bits| bits & 0x0fff_ffff).collect();
+        let coding = Coding {
+            offset: (by * 1057 % 0x8000) as i32,
+            bits: by & 15,
+        };
         // Rows of other types, of which the last elements are not to be touched.
         let behind = [1, 2, 3];
         let mut narrow: Vec<u16> = self.voxels.iter().copied().chain(behind).collect();
@@ -52,7 +57,7 @@ impl OverLanes for &Rows {
             // Small enough for every product and sum.
             let (x, y) = (a >> 16, b >> 16);
             let (w, v) = (a.product(b), one.product(one));
-            let [value, next] = a.look_up(&values);
+            let [value, next] = V::look_up(&values, &samples, at, coding);
             // Whether any lane is that large says nothing of one lane, so all are alike.
             let alike = V::Wide::of(V::splat(self.ones.first().copied().unwrap_or(0)));
             let flag = |condition: bool| V::splat(i32::from(condition));
