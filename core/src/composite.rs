@@ -300,6 +300,12 @@ impl<C: Channel> Dithered<C> {
         colour.wrapping_mul(taken).wrapping_add(offset).shr_unsigned(15)
     }
 
+    /// The same in the upper 16 bits, for twice the offset: twice the sum that is shifted by 15 need not be shifted at all.
+    #[inline(always)]
+    fn given_above<V: Lanes>(colour: V, taken: V, twice_offset: V) -> V {
+        (colour + colour).wrapping_mul(taken).wrapping_add(twice_offset)
+    }
+
     /// `C + ((c - C) a + half) >> 31`, with C inside the shift so that nothing is negative.
     #[inline(always)]
     fn mixed<V: Lanes>(old: V, colour: V, opacity: V, half: V::Wide) -> V {
@@ -344,21 +350,22 @@ impl<C: Channel> Recurrence for Dithered<C> {
         dither: Dither,
         floor: V,
     ) {
+        // No closure and no array's `map`, which may become calls: a call keeps no vector in a register.
         let transparency = &mut *row.transparency;
-        let taken = |at, opacity| {
-            let before = V::load_as(transparency, at, C::bits);
-            (before, Self::taken(before, opacity, dither))
-        };
-        let ((t0, w0), (t1, w1)) = (taken(at, first.1), taken(at + V::COUNT, second.1));
-        let left = [t0 - w0, t1 - w1].map(|t| t.at_least_then(floor, t));
+        let t0: V = V::load_as(transparency, at, C::bits);
+        let t1: V = V::load_as(transparency, at + V::COUNT, C::bits);
+        let (w0, w1) = (Self::taken(t0, first.1, dither), Self::taken(t1, second.1, dither));
+        let (t0, t1) = (t0 - w0, t1 - w1);
+        let left = [t0.at_least_then(floor, t0), t1.at_least_then(floor, t1)];
         V::store_two_as(left, transparency, at, C::from_bits);
-        // Twice the sum that is shifted by 15: its upper half is what is given, and need not be shifted at all.
         let (offset, [r0, g0, b0], [r1, g1, b1]) = (V::splat(2 * dither.colour as i32), first.0, second.0);
-        let twice = |colour: V, w: V| (colour + colour).wrapping_mul(w).wrapping_add(offset);
         let [red, green, blue] = &mut row.colour;
-        V::add_upper_as([twice(r0, w0), twice(r1, w1)], red, at, C::bits, C::from_bits);
-        V::add_upper_as([twice(g0, w0), twice(g1, w1)], green, at, C::bits, C::from_bits);
-        V::add_upper_as([twice(b0, w0), twice(b1, w1)], blue, at, C::bits, C::from_bits);
+        let given = [Self::given_above(r0, w0, offset), Self::given_above(r1, w1, offset)];
+        V::add_upper_as(given, red, at, C::bits, C::from_bits);
+        let given = [Self::given_above(g0, w0, offset), Self::given_above(g1, w1, offset)];
+        V::add_upper_as(given, green, at, C::bits, C::from_bits);
+        let given = [Self::given_above(b0, w0, offset), Self::given_above(b1, w1, offset)];
+        V::add_upper_as(given, blue, at, C::bits, C::from_bits);
     }
 
     #[inline(always)]
@@ -654,20 +661,24 @@ fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Colours, const ALL: bool>(
         colour: [red, green, blue],
         transparency,
     };
-    let sample = |at: usize| (colour.colours(at), V::load(opacity, at));
     // Two vectors at a time, as far as they go; one lane stays one.
     let mut at = 0;
     while V::COUNT > 1 && at + V::COUNT < len {
         if ALL || !(V::load(opacity, at) | V::load(opacity, at + V::COUNT)).all_zero() {
-            O::fold_two::<R, V>(&mut row, at, [sample(at), sample(at + V::COUNT)], dither, floor);
+            let second = at + V::COUNT;
+            let samples = [
+                (colour.colours(at), V::load(opacity, at)),
+                (colour.colours(second), V::load(opacity, second)),
+            ];
+            O::fold_two::<R, V>(&mut row, at, samples, dither, floor);
         }
         at += 2 * V::COUNT;
     }
     while at < len {
         if ALL || !V::load(opacity, at).all_zero() {
             let pixel = row.lanes(at);
-            let (colour, opacity) = sample(at);
-            row.set_lanes(at, O::fold::<R, V>(pixel, colour, opacity, dither, floor));
+            let folded = O::fold::<R, V>(pixel, colour.colours(at), V::load(opacity, at), dither, floor);
+            row.set_lanes(at, folded);
         }
         at += V::COUNT;
     }

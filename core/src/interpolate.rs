@@ -250,8 +250,10 @@ impl<T, const WHOLE: bool> TwoRows<'_, T, WHOLE> {
     /// Their elements from the second vector on.
     #[inline(always)]
     fn behind<V: Lanes>(&self) -> Self {
-        let [a, b] = [self.0, self.1].map(|row| row.get(V::COUNT..).unwrap_or(&[]));
-        Self(a, b)
+        Self(
+            self.0.get(V::COUNT..).unwrap_or(&[]),
+            self.1.get(V::COUNT..).unwrap_or(&[]),
+        )
     }
 }
 

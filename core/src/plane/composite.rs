@@ -207,10 +207,16 @@ where
 
     #[inline(always)]
     fn finished<V: Lanes>(&self, plan: &Plan, data: &[ChannelOf<P>]) -> bool {
+        if O::BACK_TO_FRONT {
+            return false;
+        }
         let [width, _] = plan.base().map(|side| side as usize);
-        let rows = data.chunks_exact((4 * width).max(1));
-        let mut transparencies = rows.map(|row| row.get(3 * width..).unwrap_or(&[]));
-        !O::BACK_TO_FRONT && transparencies.all(all_finished::<_, V>)
+        for row in data.chunks_exact((4 * width).max(1)) {
+            if !all_finished::<_, V>(row.get(3 * width..).unwrap_or(&[])) {
+                return false;
+            }
+        }
+        true
     }
 
     fn pixel(&self, row: &[ChannelOf<P>], column: usize) -> Pixel<ChannelOf<P>> {
