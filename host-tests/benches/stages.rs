@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use slicecast::classify::{Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
-use slicecast::composite::{Channel, Dither, FrontToBack, PixelRow, Recurrence, fold_row};
+use slicecast::classify::{Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt8, Sqrt16, colour_of_byte};
+use slicecast::composite::{Channel, Dither, FrontToBack, OneColour, PixelRow, Recurrence, fold_row, fold_visible_row};
 use slicecast::format::{Coefficient, Intensity, Vector, Weight};
 use slicecast::gradient::{difference_row, space_row};
 use slicecast::interpolate::{yx_row, yx_row_in_slice, z_row};
@@ -68,11 +68,12 @@ enum Kernel {
     Normalise,
     Shade,
     Composite,
+    CompositeOneColour,
 }
 
 impl Kernel {
     /// All of them, in the order of the pipeline.
-    const ALL: [(Self, &'static str); 10] = [
+    const ALL: [(Self, &'static str); 11] = [
         (Self::InterpolateZ, "interpolate-z"),
         (Self::InterpolateYx, "interpolate-yx"),
         (Self::InterpolateInSlice, "interpolate-in-slice"),
@@ -83,6 +84,7 @@ impl Kernel {
         (Self::Normalise, "normalise"),
         (Self::Shade, "shade"),
         (Self::Composite, "composite"),
+        (Self::CompositeOneColour, "composite-one-colour"),
     ];
 }
 
@@ -199,6 +201,12 @@ impl<P: Precision> OverLanes for Call<'_, P> {
                         dither,
                         floor,
                     );
+                }
+                Kernel::CompositeOneColour => {
+                    let mut row = PixelRow::of_runs(&mut bench.pixels, WIDTH, 0..WIDTH);
+                    let (dither, floor) = (Dither::of_plane(7), P::Pixel::FLOOR);
+                    let colour = OneColour([242, 232, 208].map(|byte| colour_of_byte(byte, P::COLOUR_BITS)));
+                    fold_visible_row::<P::Pixel, FrontToBack, V>(&mut row, colour, &bench.opacities, dither, floor);
                 }
             }
         }

@@ -11,15 +11,18 @@ a highlight. Normalisation includes the copying of its input. Needs gdb and nm; 
 """
 import argparse, collections, re, subprocess, sys
 
+# How often a frame of one colour calls each, one plane a voxel: lit, unlit.
 KERNELS = {
-    "interpolate-yx": 2,  # samples, and derivatives along z
-    "interpolate-z": 2,  # likewise
-    "gradient-difference": 2,  # along x and along y
-    "normalise": 1,
-    "shade": 1,
-    "opacity-linear-16": 1,
-    "colour-linear-16": 0,  # left out by a table of one colour
-    "composite": 1,
+    "interpolate-yx": (2, 0),  # samples, and derivatives along z
+    "interpolate-z": (2, 0),  # likewise
+    "interpolate-in-slice": (0, 1),
+    "gradient-difference": (2, 0),  # along x and along y
+    "normalise": (1, 0),
+    "shade": (1, 0),
+    "opacity-linear-16": (1, 1),
+    "colour-linear-16": (0, 0),
+    "composite": (1, 0),
+    "composite-one-colour": (0, 1),
 }
 # Calls of a kernel before the width's code is left, and runs of 16 in its row of 256: `stages.rs`.
 SIXTEENS = 16 * (256 // 16)
@@ -66,7 +69,7 @@ def main():
         print(f"{options.precision}, {width}: for 16 samples")
         print(f"  {'kernel':22}{'vector':>8}{'all':>8}{'cycles at least':>18}")
         lit = unlit = 0.0
-        for kernel, times in KERNELS.items():
+        for kernel, (when_lit, when_unlit) in KERNELS.items():
             name = f"row-256/{kernel}/{options.precision}/{width}"
             command = ["gdb", "-q", "-batch", "-x", __file__, "--args", options.bench, "--bench", "--profile-time", "1", name]
             out = subprocess.run(command, capture_output=True, text=True).stdout
@@ -76,9 +79,8 @@ def main():
             vector, every = (int(n) / SIXTEENS for n in found.groups())
             cycles = max(vector / per_cycle, every / 6)
             print(f"  {kernel:22}{vector:8.1f}{every:8.1f}{cycles:18.1f}")
-            lit += times * cycles
-            if kernel in ("interpolate-yx", "interpolate-z", "opacity-linear-16", "composite"):
-                unlit += cycles
+            lit += when_lit * cycles
+            unlit += when_unlit * cycles
         print(f"  a frame of one colour: lit {lit:.0f} cycles at least, unlit {unlit:.0f}\n")
 
 
