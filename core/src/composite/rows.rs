@@ -1,0 +1,194 @@
+//! Rows of pixels, and how a row of samples is folded into them.
+
+use core::ops::Range;
+
+use super::{Channel, Dither, Order, Pixel, Recurrence};
+use crate::lanes::Lanes;
+use crate::rows::take;
+
+/// The four planes of a row of pixels, or of a part of it.
+#[derive(Debug)]
+pub struct PixelRow<'a, C> {
+    /// Red, green, blue.
+    pub colour: [&'a mut [C]; 3],
+    /// Transparency.
+    pub transparency: &'a mut [C],
+}
+
+impl<'a, C> PixelRow<'a, C> {
+    /// Some columns of the four runs that a row of the image consists of (`width` pixels each).
+    #[inline]
+    pub fn of_runs(row: &'a mut [C], width: usize, columns: Range<usize>) -> Self {
+        let mut rest = row;
+        let mut run = || {
+            let run = take(&mut rest, width);
+            run.get_mut(columns.clone()).unwrap_or(&mut [])
+        };
+        Self {
+            colour: [run(), run(), run()],
+            transparency: run(),
+        }
+    }
+
+    /// The bits of the pixels at `at ..`.
+    #[inline(always)]
+    fn lanes<V: Lanes>(&self, at: usize) -> Pixel<V>
+    where
+        C: Channel,
+    {
+        let [red, green, blue] = &self.colour;
+        Pixel {
+            colour: [
+                V::load_as(red, at, C::bits),
+                V::load_as(green, at, C::bits),
+                V::load_as(blue, at, C::bits),
+            ],
+            transparency: V::load_as(self.transparency, at, C::bits),
+        }
+    }
+
+    /// Writes them.
+    #[inline(always)]
+    fn set_lanes<V: Lanes>(&mut self, at: usize, pixel: Pixel<V>)
+    where
+        C: Channel,
+    {
+        let ([red, green, blue], [r, g, b]) = (&mut self.colour, pixel.colour);
+        r.store_as(red, at, C::from_bits);
+        g.store_as(green, at, C::from_bits);
+        b.store_as(blue, at, C::from_bits);
+        pixel.transparency.store_as(self.transparency, at, C::from_bits);
+    }
+
+    /// Some of the pixels.
+    #[inline]
+    pub fn span(&mut self, columns: Range<usize>) -> PixelRow<'_, C> {
+        PixelRow {
+            colour: self
+                .colour
+                .each_mut()
+                .map(|c| c.get_mut(columns.clone()).unwrap_or(&mut [])),
+            transparency: self.transparency.get_mut(columns).unwrap_or(&mut []),
+        }
+    }
+}
+
+/// Where the colours of a row of samples come from, `COLOUR_BITS` each.
+pub trait Colours: Copy {
+    /// The first of them, if there are as many.
+    fn first(self, len: usize) -> Option<Self>;
+    /// Those of the samples at `at ..`.
+    fn colours<V: Lanes>(self, at: usize) -> [V; 3];
+}
+
+/// Red, green and blue of each sample.
+impl Colours for [&[i32]; 3] {
+    #[inline(always)]
+    fn first(self, len: usize) -> Option<Self> {
+        let [red, green, blue] = self;
+        Some([red.get(..len)?, green.get(..len)?, blue.get(..len)?])
+    }
+    #[inline(always)]
+    fn colours<V: Lanes>(self, at: usize) -> [V; 3] {
+        let [red, green, blue] = self;
+        [V::load(red, at), V::load(green, at), V::load(blue, at)]
+    }
+}
+
+/// The same colour for all samples.
+#[derive(Clone, Copy, Debug)]
+pub struct OneColour(pub [u32; 3]);
+
+impl Colours for OneColour {
+    #[inline(always)]
+    fn first(self, _: usize) -> Option<Self> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn colours<V: Lanes>(self, _: usize) -> [V; 3] {
+        let [red, green, blue] = self.0;
+        [V::splat(red as i32), V::splat(green as i32), V::splat(blue as i32)]
+    }
+}
+
+/// Folds one sample into each pixel of a row. `opacity`: bits of 1.31. All rows equally long.
+#[inline(always)]
+pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
+    row: &mut PixelRow<'_, R::Channel>,
+    colour: impl Colours,
+    opacity: &[i32],
+    dither: Dither,
+    floor: R::Channel,
+) {
+    fold_row_of::<R, O, V, _, true>(row, colour, opacity, dither, floor);
+}
+
+/// [`fold_row`] for a row in which not all need be visible: lanes whose opacities are all 0 are left out, which changes
+/// nothing.
+#[inline(always)]
+pub fn fold_visible_row<R: Recurrence, O: Order, V: Lanes>(
+    row: &mut PixelRow<'_, R::Channel>,
+    colour: impl Colours,
+    opacity: &[i32],
+    dither: Dither,
+    floor: R::Channel,
+) {
+    fold_row_of::<R, O, V, _, false>(row, colour, opacity, dither, floor);
+}
+
+#[inline(always)]
+fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Colours, const ALL: bool>(
+    row: &mut PixelRow<'_, R::Channel>,
+    colour: K,
+    opacity: &[i32],
+    dither: Dither,
+    floor: R::Channel,
+) {
+    let floor = V::splat(floor.bits() as i32);
+    let len = opacity.len();
+    let [red, green, blue] = &mut row.colour;
+    let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len)) else {
+        return;
+    };
+    let (Some(colour), Some(transparency)) = (colour.first(len), row.transparency.get_mut(..len)) else {
+        return;
+    };
+    let mut row = PixelRow {
+        colour: [red, green, blue],
+        transparency,
+    };
+    // Two vectors at a time, as far as they go; one lane stays one.
+    let mut at = 0;
+    while V::COUNT > 1 && at + V::COUNT < len {
+        if ALL || !(V::load(opacity, at) | V::load(opacity, at + V::COUNT)).all_zero() {
+            let second = at + V::COUNT;
+            let samples = [
+                (colour.colours(at), V::load(opacity, at)),
+                (colour.colours(second), V::load(opacity, second)),
+            ];
+            O::fold_two::<R, V>(&mut row, at, samples, dither, floor);
+        }
+        at += 2 * V::COUNT;
+    }
+    while at < len {
+        if ALL || !V::load(opacity, at).all_zero() {
+            let pixel = row.lanes(at);
+            let folded = O::fold::<R, V>(pixel, colour.colours(at), V::load(opacity, at), dither, floor);
+            row.set_lanes(at, folded);
+        }
+        at += V::COUNT;
+    }
+}
+
+/// Folds a sample, colour and opacity, into each pixel of one vector of a row.
+#[inline(always)]
+pub(crate) fn fold_at<R: Recurrence, O: Order, V: Lanes>(
+    row: &mut PixelRow<'_, R::Channel>,
+    at: usize,
+    (colour, opacity): ([V; 3], V),
+    dither: Dither,
+    floor: V,
+) {
+    let pixel = row.lanes(at);
+    row.set_lanes(at, O::fold::<R, V>(pixel, colour, opacity, dither, floor));
+}
