@@ -251,7 +251,8 @@ mod tests {
                 prop_assert_eq!(sight.at(z).row(y), expected, "slice {}, row {}", z, y);
                 seen += expected.count_ones() as usize;
             }
-            prop_assert!((occupancy.share(&plan, support) - seen as f64 / (nx.div_ceil(16) * ny * nz) as f64).abs() < 1e-12);
+            let share = seen as f64 / (nx.div_ceil(16) * ny * nz) as f64;
+            prop_assert!((occupancy.share(&plan, support) - share).abs() < 1e-12);
         }
     }
 }

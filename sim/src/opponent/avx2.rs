@@ -11,14 +11,14 @@ use super::floats::{AS_IT_IS, Floats};
 use crate::simd::avx2::look_up;
 use crate::simd::partial::{chunk, chunk_mut, rest};
 
-/// Eight floats. Of use only where the processor has AVX2 and FMA; see [`super::floats::with_floats`].
+/// Eight floats. Of use only where the processor has AVX2, FMA and BMI1; see [`super::floats::with_floats`].
 #[derive(Clone, Copy)]
 pub struct Avx2(__m256);
 
 /// Calls an intrinsic of AVX2 or FMA.
 macro_rules! avx2 {
     ($call:expr) => {
-        // SAFETY: `with_floats` runs this code only on processors that have AVX2 and FMA; pointers come from slices
+        // SAFETY: `with_floats` runs this code only on processors that have AVX2, FMA and BMI1; pointers come from slices
         // that are long enough (`chunk`), or a mask leaves out what the slice does not have.
         unsafe { $call }
     };

@@ -83,27 +83,39 @@ pub(super) fn z_slope_row<F: Floats>(near: Slope<'_>, far: Slope<'_>, weight: f3
     }
 }
 
-/// y interpolation between two rows and x interpolation along the result, as far as `out` goes.
-#[inline(always)]
-pub(super) fn yx_row<F: Floats>(a: &[f32], b: &[f32], [wx, wy]: [f32; 2], out: &mut [f32]) {
-    let (wx, wy) = (F::splat(wx), F::splat(wy));
-    let mut here = F::load(a, 0).towards(F::load(b, 0), wy);
-    for at in (0..out.len()).step_by(F::COUNT) {
-        let behind = at + F::COUNT;
-        let next = F::load(a, behind).towards(F::load(b, behind), wy);
-        here.towards(here.followed_by(next), wx).store(out, at);
-        here = next;
+/// What y and x interpolation reads: voxels, where a plane lies in a slice, or what z interpolation has made of them.
+pub(super) trait Elements {
+    /// Elements `at ..`.
+    fn lanes<F: Floats>(&self, at: usize) -> F;
+}
+
+impl Elements for [u16] {
+    #[inline(always)]
+    fn lanes<F: Floats>(&self, at: usize) -> F {
+        F::load_voxels(self, at)
     }
 }
 
-/// [`yx_row`] of the voxels themselves, for a plane that lies in a slice; `out` begins at the first voxel.
+impl Elements for [f32] {
+    #[inline(always)]
+    fn lanes<F: Floats>(&self, at: usize) -> F {
+        F::load(self, at)
+    }
+}
+
+/// y interpolation between two rows and x interpolation along the result, as far as `out` goes.
 #[inline(always)]
-pub(super) fn yx_row_in_slice<F: Floats>(a: &[u16], b: &[u16], [wx, wy]: [f32; 2], out: &mut [f32]) {
+pub(super) fn yx_row<F: Floats>(
+    a: &(impl Elements + ?Sized),
+    b: &(impl Elements + ?Sized),
+    [wx, wy]: [f32; 2],
+    out: &mut [f32],
+) {
     let (wx, wy) = (F::splat(wx), F::splat(wy));
-    let mut here = F::load_voxels(a, 0).towards(F::load_voxels(b, 0), wy);
-    for at in (0..a.len()).step_by(F::COUNT) {
+    let mut here = a.lanes::<F>(0).towards(b.lanes(0), wy);
+    for at in (0..out.len()).step_by(F::COUNT) {
         let behind = at + F::COUNT;
-        let next = F::load_voxels(a, behind).towards(F::load_voxels(b, behind), wy);
+        let next = a.lanes::<F>(behind).towards(b.lanes(behind), wy);
         here.towards(here.followed_by(next), wx).store(out, at);
         here = next;
     }

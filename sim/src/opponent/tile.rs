@@ -89,7 +89,8 @@ impl Sampler<'_> {
         self.sample_row[slot] = row;
         if !LIT && wz == 0.0 {
             let [a, b] = [row, next].map(|row| window.near.row(row as usize));
-            yx_row_in_slice::<F>(a, b, [wx, wy], &mut self.samples[slot][FIRST..]);
+            let voxels = FIRST..FIRST + meeting.width.next_multiple_of(F::COUNT);
+            yx_row::<F>(a, b, [wx, wy], &mut self.samples[slot][voxels]);
             return;
         }
         self.make_z::<F, LIT>(meeting, window, row);

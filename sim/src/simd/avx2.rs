@@ -11,7 +11,7 @@ use slicecast::lanes::{Coding, Lanes, Neighboured, Wide};
 use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
-/// Eight 32-bit lanes. Of use only where the processor has AVX2 and FMA; see [`super::with_lanes`].
+/// Eight 32-bit lanes. Of use only where the processor has AVX2, FMA and BMI1; see [`super::with_lanes`].
 #[derive(Clone, Copy)]
 pub struct Avx2(__m256i);
 
@@ -22,7 +22,7 @@ pub struct Products(__m256i, __m256i);
 /// Calls an intrinsic of AVX2 or FMA.
 macro_rules! avx2 {
     ($call:expr) => {
-        // SAFETY: `super::with_lanes` runs this code only on processors that have AVX2 and FMA; pointers come from
+        // SAFETY: `super::with_lanes` runs this code only on processors that have AVX2, FMA and BMI1; pointers come from
         // slices that are long enough (`chunk`), or a mask leaves out what the slice does not have.
         unsafe { $call }
     };

@@ -23,8 +23,8 @@ pub struct Products(__m512i, __m512i);
 /// Calls an intrinsic of AVX-512.
 macro_rules! avx512 {
     ($call:expr) => {
-        // SAFETY: `super::with_lanes` runs this code only on processors that have AVX-512 (F, BW, CD, DQ, VL); pointers
-        // come from slices that are long enough (`chunk`), or a mask leaves out what the slice does not have.
+        // SAFETY: `super::with_lanes` runs this code only on processors that have AVX-512 (F, BW, CD, DQ, VL) and BMI1;
+        // pointers come from slices that are long enough (`chunk`), or a mask leaves out what the slice does not have.
         unsafe { $call }
     };
 }

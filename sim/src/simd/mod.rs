@@ -18,9 +18,9 @@ use slicecast::lanes::Lanes;
 pub enum Simd {
     /// One lane: the scalar definition.
     Scalar,
-    /// Eight lanes of AVX2.
+    /// Eight lanes of AVX2 (and FMA, BMI1, BMI2).
     Avx2,
-    /// Sixteen lanes of AVX-512 (F, BW, CD, DQ, VL).
+    /// Sixteen lanes of AVX-512 (F, BW, CD, DQ, VL), on processors that have the former too.
     Avx512,
 }
 
