@@ -9,7 +9,7 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 use slicecast::lanes::{Coding, Lanes, Neighboured, Wide};
 
 use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
-use super::root::{ROOT_LIMIT, ROOT_SCALE};
+use super::root::ROOT_SCALE;
 
 /// Sixteen 32-bit lanes. A value exists only where the processor has AVX-512 (F, BW, CD, DQ, VL): nothing but the
 /// entry point [`super::with_lanes`], which asks for it, can make the first one useful.
@@ -140,24 +140,13 @@ pub fn look_up(values: &Neighboured, samples: &[i32; 16], coding: Coding) -> [__
     })
 }
 
-/// The lanes, which stand in the low halves of 64 bits, as floating-point numbers.
+/// Where r^2 s > 2^70, of the lanes in the low halves of 64 bits, with nothing above them in `r`. Less than 2^63 away from
+/// 2^70, so the low 64 bits of the product tell.
 #[inline(always)]
-fn of_low_halves(v: __m512i) -> __m512d {
-    avx512!(_mm512_cvtepu64_pd(_mm512_maskz_mov_epi32(0x5555, v)))
-}
-
-/// Those in the high halves.
-#[inline(always)]
-fn of_high_halves(v: __m512i) -> __m512d {
-    avx512!(_mm512_cvtepu64_pd(_mm512_srli_epi64::<32>(v)))
-}
-
-/// Where r^2 s > 2^70: the square is exact, and a fused operation keeps the difference's sign.
-#[inline(always)]
-fn too_large(r: __m512d, s: __m512d) -> __mmask8 {
+fn too_large(r: __m512i, s: __m512i) -> __mmask8 {
     avx512!({
-        let rest = _mm512_fnmadd_pd(_mm512_mul_pd(r, r), s, _mm512_set1_pd(ROOT_LIMIT));
-        _mm512_cmp_pd_mask::<_CMP_LT_OQ>(rest, _mm512_setzero_pd())
+        let product = _mm512_mullo_epi64(_mm512_mul_epu32(r, s), r);
+        _mm512_cmpgt_epi64_mask(product, _mm512_setzero_si512())
     })
 }
 
@@ -427,17 +416,17 @@ impl Lanes for Avx512 {
         avx512!({
             let s = _mm512_cvtepu32_ps(self.0);
             // Within 2^-14, whatever the processor's table; with e = 1 - s y^2, 1 / sqrt(s) = y (1 + e/2 + 3 e^2/8 ...).
-            let y = _mm512_rsqrt14_ps(s);
+            // 0 stays 0.
+            let y = _mm512_maskz_rsqrt14_ps(_mm512_test_epi32_mask(self.0, self.0), s);
             let e = _mm512_fnmadd_ps(_mm512_mul_ps(s, y), y, _mm512_set1_ps(1.0));
             let half = _mm512_mul_ps(y, _mm512_set1_ps(ROOT_SCALE / 2.0));
             let scaled = _mm512_mul_ps(y, _mm512_set1_ps(ROOT_SCALE));
             // Wrong by 0.2 at most: to nearest it is the floor that is asked for, or one more.
             let r = _mm512_cvtps_epi32(_mm512_fmadd_ps(half, e, scaled));
-            let even = too_large(of_low_halves(r), of_low_halves(self.0));
-            let odd = too_large(of_high_halves(r), of_high_halves(self.0));
+            let even = too_large(_mm512_maskz_mov_epi32(0x5555, r), self.0);
+            let odd = too_large(_mm512_srli_epi64::<32>(r), self.odd());
             let r = _mm512_mask_sub_epi64(r, even, r, _mm512_set1_epi64(1));
-            let r = _mm512_mask_sub_epi64(r, odd, r, _mm512_set1_epi64(1 << 32));
-            self.nonzero_then(Self(r))
+            Self(_mm512_mask_sub_epi64(r, odd, r, _mm512_set1_epi64(1 << 32)))
         })
     }
     #[inline(always)]
@@ -536,11 +525,7 @@ impl Wide for Products {
     fn any_at_least(self, least: u32) -> bool {
         avx512!({
             let least = _mm512_set1_epi64(i64::from(least));
-            let (even, odd) = (
-                _mm512_cmpge_epu64_mask(self.0, least),
-                _mm512_cmpge_epu64_mask(self.1, least),
-            );
-            even | odd != 0
+            _mm512_cmpge_epu64_mask(_mm512_max_epu32(self.0, self.1), least) != 0
         })
     }
     #[inline(always)]
