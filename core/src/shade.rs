@@ -34,12 +34,11 @@ use core::marker::PhantomData;
 use heapless::Vec;
 
 use crate::format::{Coefficient, Vector};
-use crate::lanes::{Lanes, Wide as _, places};
+use crate::lanes::{Lanes, Wide as _};
 use crate::normalise::Normal;
 use crate::precision::Precision;
-use crate::rows::{part, part_mut};
 
-use arithmetic::{along, ambient, for_products, lit, reflected_lanes, weighted};
+use arithmetic::{along, ambient, brighter, for_products, lit, opposite, reflected_lanes, weighted};
 pub use arithmetic::{dot, dot_lanes, formed, formed_nearest, power, power_lanes, reflected};
 
 /// The largest number of lights.
@@ -53,8 +52,9 @@ pub trait Shader<P: Precision>: Sync {
     const LIT: bool;
 
     /// Shades the colours of a row in place. Seven rows of equal length: components of
-    /// g, r, and colours (`P::COLOUR_BITS`).
-    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]);
+    /// g, r, and colours (`P::COLOUR_BITS`). `classified` is the colour that all samples have, if there is one; then the
+    /// rows need not hold it.
+    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], classified: Option<[u32; 3]>, colour: [&mut [i32]; 3]);
 }
 
 /// No lights: the classified colour is the colour.
@@ -65,7 +65,19 @@ impl<P: Precision> Shader<P> for Unlit {
     const LIT: bool = false;
 
     #[inline(always)]
-    fn shade_row<V: Lanes>(&self, _: [&[i32]; 3], _: &[i32], _: [&mut [i32]; 3]) {}
+    fn shade_row<V: Lanes>(
+        &self,
+        _: [&[i32]; 3],
+        _: &[i32],
+        classified: Option<[u32; 3]>,
+        [red, green, blue]: [&mut [i32]; 3],
+    ) {
+        if let Some([r, g, b]) = classified {
+            red.fill(r as i32);
+            green.fill(g as i32);
+            blue.fill(b as i32);
+        }
+    }
 }
 
 /// Which dot product the highlight is a power of.
@@ -96,7 +108,8 @@ pub struct Phong<P> {
     /// Vectors and coefficients hold as many fraction bits as the precision keeps.
     ambient: [u32; 3],
     lights: Vec<Source, LIGHTS_MAX>,
-    viewer: [i32; 3],
+    /// -V.
+    away_from_viewer: [i32; 3],
     highlight: Highlight,
     exponent_log2: u32,
     /// Whether no coefficient differs between the channels: then one sum serves all three.
@@ -109,8 +122,10 @@ pub struct Phong<P> {
 /// A light with the bits that a precision keeps.
 #[derive(Clone, Copy, Debug)]
 struct Source {
-    direction: [i32; 3],
-    half: [i32; 3],
+    /// -L.
+    away: [i32; 3],
+    /// -H.
+    away_from_half: [i32; 3],
     /// V.L.
     along: i64,
     diffuse: [u32; 3],
@@ -234,9 +249,9 @@ impl<P: Precision> Phong<P> {
         for light in lights {
             let direction = keep_vector::<P>(light.direction);
             let source = Source {
-                direction,
+                away: opposite(direction),
+                away_from_half: opposite(keep_vector::<P>(light.half)),
                 along: along(keep_vector::<P>(viewer), direction),
-                half: keep_vector::<P>(light.half),
                 diffuse: light.diffuse.map(keep::<P>),
                 specular: light.specular.map(keep::<P>),
             };
@@ -252,7 +267,7 @@ impl<P: Precision> Phong<P> {
             grey,
             least_bright: least_bright::<P>(exponent_log2),
             lights: sources,
-            viewer: keep_vector::<P>(viewer),
+            away_from_viewer: opposite(keep_vector::<P>(viewer)),
             highlight,
             exponent_log2,
             precision: PhantomData,
@@ -268,6 +283,7 @@ impl<P: Precision> Phong<P> {
             self,
             [&x, &y, &z],
             &[normal.r as i32],
+            None,
             [&mut red, &mut green, &mut blue],
         );
         [red, green, blue].map(|[c]| c as u32)
@@ -279,6 +295,7 @@ impl<P: Precision> Phong<P> {
     fn shade_row_by<V: Lanes, const B: usize, const N: usize>(
         &self,
         normals: Normals<'_>,
+        classified: Option<[u32; 3]>,
         [red, green, blue]: [&mut [i32]; 3],
     ) {
         let len = normals.r.len();
@@ -293,24 +310,24 @@ impl<P: Precision> Phong<P> {
                     *sum = [ambient::<P, V>(k), zero];
                 }
                 if reflection {
-                    *facing = normals.dot::<P, V>(at, self.viewer);
+                    *facing = normals.dot::<P, V>(at, self.away_from_viewer);
                 }
             }
             for light in &self.lights {
                 let mut bases = [dark; B];
                 for (((sums, base), nv), at) in sums.iter_mut().zip(&mut bases).zip(&facing).zip(places.clone()) {
-                    let nl = normals.dot::<P, V>(at, light.direction);
+                    let nl = normals.dot::<P, V>(at, light.away);
                     if !nl.any_at_least(1) {
                         continue;
                     }
                     *base = if reflection {
                         reflected_lanes::<P, V>(*nv, nl, light.along)
                     } else {
-                        nl.nonzero_then(normals.dot::<P, V>(at, light.half))
+                        nl.nonzero_then(normals.dot::<P, V>(at, light.away_from_half))
                     };
                     let x = for_products::<P, V>(nl.narrow());
                     for ([d, _], k) in sums.iter_mut().zip(light.diffuse) {
-                        *d = d.saturating_add(weighted::<P, V>(k, x));
+                        *d = brighter::<P, V>(*d, weighted::<P, V>(k, x));
                     }
                 }
                 for (sums, base) in sums.iter_mut().zip(&bases) {
@@ -320,15 +337,21 @@ impl<P: Precision> Phong<P> {
                     }
                     let y = for_products::<P, V>(power_lanes::<P, V>(*base, self.exponent_log2));
                     for ([_, s], k) in sums.iter_mut().zip(light.specular) {
-                        *s = s.saturating_add(weighted::<P, V>(k, y));
+                        *s = brighter::<P, V>(*s, weighted::<P, V>(k, y));
                     }
                 }
             }
             for (sums, at) in sums.iter().zip(places) {
-                let sum = |channel: usize| sums.get(channel).copied().unwrap_or([zero; 2]);
-                lit::<P, V>(V::load(red, at), sum(0)).store(red, at);
-                lit::<P, V>(V::load(green, at), sum(N >> 1)).store(green, at);
-                lit::<P, V>(V::load(blue, at), sum(N - 1)).store(blue, at);
+                let [r, g, b] = match classified {
+                    Some([r, g, b]) => [V::splat(r as i32), V::splat(g as i32), V::splat(b as i32)],
+                    None => [V::load(red, at), V::load(green, at), V::load(blue, at)],
+                };
+                let unlit = [zero; 2];
+                let [first, middle, last] =
+                    [sums.first(), sums.get(N >> 1), sums.last()].map(|sum| sum.unwrap_or(&unlit));
+                lit::<P, V>(r, *first).store(red, at);
+                lit::<P, V>(g, *middle).store(green, at);
+                lit::<P, V>(b, *last).store(blue, at);
             }
         }
     }
@@ -344,12 +367,12 @@ struct Normals<'a> {
 impl Normals<'_> {
     /// [`dot_lanes`] of the normals at a place.
     #[inline(always)]
-    fn dot<P: Precision, V: Lanes>(&self, at: usize, vector: [i32; 3]) -> V::Wide {
+    fn dot<P: Precision, V: Lanes>(&self, at: usize, away: [i32; 3]) -> V::Wide {
         let [x, y, z] = self.g;
         dot_lanes::<P, V>(
             [V::load(x, at), V::load(y, at), V::load(z, at)],
             V::load(self.r, at),
-            vector,
+            away,
         )
     }
 }
@@ -373,7 +396,7 @@ impl<P: Precision> Shader<P> for Phong<P> {
     const LIT: bool = true;
 
     #[inline(always)]
-    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colour: [&mut [i32]; 3]) {
+    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], classified: Option<[u32; 3]>, colour: [&mut [i32]; 3]) {
         let ([gx, gy, gz], [red, green, blue], len) = (g, colour, r.len());
         let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
             return;
@@ -382,28 +405,12 @@ impl<P: Precision> Shader<P> for Phong<P> {
         else {
             return;
         };
-        if V::COUNT > 1 {
-            let normals = Normals { g: [gx, gy, gz], r };
-            // As many vectors at a time as the registers hold; where they are few, memory is cheaper the more there are.
-            return match (V::COUNT > 8, self.grey) {
-                (true, true) => self.shade_row_by::<V, 2, 1>(normals, [red, green, blue]),
-                (true, false) => self.shade_row_by::<V, 2, 3>(normals, [red, green, blue]),
-                (false, true) => self.shade_row_by::<V, 8, 1>(normals, [red, green, blue]),
-                (false, false) => self.shade_row_by::<V, 8, 3>(normals, [red, green, blue]),
-            };
-        }
-        for at in places::<V>(len) {
-            let one = at..at + 1;
-            let normals = Normals {
-                g: [gx, gy, gz].map(|row| part(row, one.clone())),
-                r: part(r, one.clone()),
-            };
-            let colour = [&mut *red, &mut *green, &mut *blue].map(|row| part_mut(row, one.clone()));
-            if self.grey {
-                self.shade_row_by::<V, 1, 1>(normals, colour);
-            } else {
-                self.shade_row_by::<V, 1, 3>(normals, colour);
-            }
+        let (normals, colour) = (Normals { g: [gx, gy, gz], r }, [red, green, blue]);
+        match (V::COUNT > 1, self.grey) {
+            (true, true) => self.shade_row_by::<V, 2, 1>(normals, classified, colour),
+            (true, false) => self.shade_row_by::<V, 2, 3>(normals, classified, colour),
+            (false, true) => self.shade_row_by::<V, 1, 1>(normals, classified, colour),
+            (false, false) => self.shade_row_by::<V, 1, 3>(normals, classified, colour),
         }
     }
 }

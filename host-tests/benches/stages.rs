@@ -188,7 +188,7 @@ impl<P: Precision> OverLanes for Call<'_, P> {
                 }
                 Kernel::Shade => {
                     let [x, y, z] = &bench.normals;
-                    Shader::<P>::shade_row::<V>(&bench.phong, [x, y, z], &bench.lengths, [red, green, blue]);
+                    Shader::<P>::shade_row::<V>(&bench.phong, [x, y, z], &bench.lengths, None, [red, green, blue]);
                 }
                 Kernel::Composite => {
                     let [red, green, blue] = &bench.colours;

@@ -228,8 +228,12 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
             }
 
             let [cr, cg, cb] = [&mut *red, &mut *green, &mut *blue].map(|c| part_mut(c, 0..packed));
-            self.classifier
-                .colour_row::<V>(part(samples, 0..packed), [&mut *cr, &mut *cg, &mut *cb]);
+            // One colour needs no rows to be shaded.
+            let one_colour = self.classifier.one_colour().filter(|_| LIT);
+            if one_colour.is_none() {
+                self.classifier
+                    .colour_row::<V>(part(samples, 0..packed), [&mut *cr, &mut *cg, &mut *cb]);
+            }
             if LIT {
                 let mut at = 0;
                 for number in 0..kept {
@@ -250,7 +254,7 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
                     coarsen_row::<V>([&mut *gx, &mut *gy, &mut *gz], P::GRADIENT_BITS);
                 }
                 normalise_row::<V>([&mut *gx, &mut *gy, &mut *gz], r);
-                self.shader.shade_row::<V>([gx, gy, gz], r, [cr, cg, cb]);
+                self.shader.shade_row::<V>([gx, gy, gz], r, one_colour, [cr, cg, cb]);
             }
 
             let mut at = 0;

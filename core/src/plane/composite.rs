@@ -74,12 +74,8 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         let mut normals = NormalRows::<LIT>::new(&mut scratch, room);
         let dither = Dither::of_plane(plane.index);
         let support = self.classifier.support();
-        // What is neither shaded nor looked at needs no rows of colours, and no spans to make them for. One lane is
-        // faster without a decision at each sample.
-        let one_colour = self
-            .classifier
-            .one_colour()
-            .filter(|_| !LIT && !T::LOOKS && V::COUNT > 1);
+        // One colour needs no rows to be shaded, or looked at; one lane is faster without a decision at each sample.
+        let one_colour = self.classifier.one_colour().filter(|_| !T::LOOKS && V::COUNT > 1);
 
         for (row, data, voxel_row) in met_rows(&meeting, rows, 4 * base_width) {
             let mut pixels = PixelRow::of_runs(data, base_width, meeting.columns.clone());
@@ -100,7 +96,8 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
             tap.samples(beam(0), samples);
             self.classifier.opacity_row::<V>(samples, opacities);
             tap.opacities(beam(0), opacities);
-            if let Some(colour) = one_colour {
+            // Unlit, it needs no spans either.
+            if let Some(colour) = one_colour.filter(|_| !LIT) {
                 fold_visible_row::<P::Pixel, O, V>(&mut pixels, OneColour(colour), opacities, dither, self.floor);
                 continue;
             }
@@ -111,14 +108,16 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
                 let at = beam(span.start);
                 let places = place + span.start..place + span.end;
                 let [cr, cg, cb] = colours.each_mut().map(|c| part_mut(c, 0..span.len()));
-                let samples = part(sampler.row(voxel_row), places.clone());
-                self.classifier.colour_row::<V>(samples, [&mut *cr, &mut *cg, &mut *cb]);
-                tap.colours(at, [cr, cg, cb]);
+                if one_colour.is_none() {
+                    let samples = part(sampler.row(voxel_row), places.clone());
+                    self.classifier.colour_row::<V>(samples, [&mut *cr, &mut *cg, &mut *cb]);
+                    tap.colours(at, [cr, cg, cb]);
+                }
                 if LIT {
                     sampler.make::<V>(&meeting, window, voxel_row - 1);
                     sampler.make::<V>(&meeting, window, voxel_row + 1);
                     normals.make::<P, V>(plan, &meeting, window, &sampler, voxel_row, places);
-                    normals.shade::<P, S, V, T>(&self.shader, at, [&mut *cr, &mut *cg, &mut *cb], tap);
+                    normals.shade::<P, S, V, T>(&self.shader, at, one_colour, [&mut *cr, &mut *cg, &mut *cb], tap);
                 }
                 let mut pixels = pixels.span(span.clone());
                 tap.before(at, &pixels);

@@ -104,12 +104,13 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
         space_row::<V>(gz, fz);
     }
 
-    /// Normalises the gradients and shades the colours of the span.
+    /// Normalises the gradients and shades the colours of the span, or the one colour that all its samples have.
     #[inline(always)]
     pub(super) fn shade<P: Precision, S: Shader<P>, V: Lanes, T: Tap>(
         &mut self,
         shader: &S,
         at: Beam<'_>,
+        classified: Option<[u32; 3]>,
         colours: [&mut [i32]; 3],
         tap: &mut T,
     ) {
@@ -122,7 +123,7 @@ impl<'s, const LIT: bool> NormalRows<'s, LIT> {
         normalise_row::<V>([&mut *gx, &mut *gy, &mut *gz], r);
         tap.normals(at, [gx, gy, gz], r);
         let [cr, cg, cb] = colours;
-        shader.shade_row::<V>([gx, gy, gz], r, [&mut *cr, &mut *cg, &mut *cb]);
+        shader.shade_row::<V>([gx, gy, gz], r, classified, [&mut *cr, &mut *cg, &mut *cb]);
         tap.shaded(at, [cr, cg, cb]);
     }
 }

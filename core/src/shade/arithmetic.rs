@@ -24,10 +24,15 @@ fn formed_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
     magnitude.with_sign_of(V::splat(0) - g)
 }
 
-/// [`dot_lanes`] of one sample.
+/// [`dot_lanes`] of one sample and L.
 #[inline]
 pub fn dot<P: Precision>(normal: Normal, vector: [i32; 3]) -> Cosine {
-    Cosine::from_bits(dot_lanes::<P, i32>(normal.g, normal.r as i32, vector) as u32)
+    Cosine::from_bits(dot_lanes::<P, i32>(normal.g, normal.r as i32, opposite(vector)) as u32)
+}
+
+/// A vector that points the other way.
+pub(super) fn opposite(vector: [i32; 3]) -> [i32; 3] {
+    vector.map(|c| -c)
 }
 
 /// The normal N = -g r / 2^35 with each component to the nearest of so many fraction bits (1 to 15), at most 1; opposite
@@ -50,39 +55,39 @@ fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
 }
 
 /// `max(0, N . L)` with N = -g r / 2^35, 1.31 in the low half of 64 bits, where further products want it. `Formed`
-/// normals are truncated first, and so are their products, at 16 fraction bits; `Nearest` ones are rounded first. The
-/// vector has the precision's bits ([`keep_vector`](super::keep_vector)).
+/// normals are truncated first, and so are their products, at 16 fraction bits; `Nearest` ones are rounded first. `away`
+/// is -L, with the precision's bits ([`keep_vector`](super::keep_vector)): g points away from the normal.
 #[inline(always)]
-pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, vector: [i32; 3]) -> V::Wide {
+pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, away: [i32; 3]) -> V::Wide {
     let zero = V::splat(0);
     let [x, y, z] = g;
-    let [lx, ly, lz] = vector;
+    let [ax, ay, az] = away;
     match P::NORMAL {
         NormalForm::Deferred if P::SHADING.vector_bits() == 15 => {
-            let (lx, ly, lz) = (V::splat(-lx), V::splat(-ly), V::splat(-lz));
+            let (ax, ay, az) = (V::splat(ax), V::splat(ay), V::splat(az));
             // |sum| <= sqrt(3) * 32767 * 32768 < 2^31 for unit vectors; wrapping keeps others from a panic.
-            let sum = x.wrapping_mul(lx).wrapping_add(y.wrapping_mul(ly));
-            let sum = sum.wrapping_add(z.wrapping_mul(lz));
+            let sum = x.wrapping_mul(ax).wrapping_add(y.wrapping_mul(ay));
+            let sum = sum.wrapping_add(z.wrapping_mul(az));
             // d has the 15 fraction bits of the vector and r has 35; the product is brought to 31.
             let product = sum.at_least(zero).product(r) + V::Wide::splat(1 << 18);
             product.shr_to_one(19)
         }
         NormalForm::Deferred => {
-            let (lx, ly, lz) = (V::splat(lx), V::splat(ly), V::splat(lz));
-            let sum = V::Wide::splat(1 << 8) - x.product_signed(lx) - y.product_signed(ly) - z.product_signed(lz);
+            let (ax, ay, az) = (V::splat(ax), V::splat(ay), V::splat(az));
+            let sum = V::Wide::splat(1 << 8) + x.product_signed(ax) + y.product_signed(ay) + z.product_signed(az);
             // Nine bits make room for r: 37 and 21 bits fit 64.
             let product = sum.at_least_zero().shr(9).times(r) + V::Wide::splat(1 << 24);
             product.shr_to_one(25)
         }
         NormalForm::Formed(bits) => {
-            let (lx, ly, lz) = (V::splat(lx), V::splat(ly), V::splat(lz));
+            let (lx, ly, lz) = (V::splat(-ax), V::splat(-ay), V::splat(-az));
             // bits + 15 fraction bits, truncated to 16.
             let [x, y, z] = formed(g, r, bits);
             let sum = ((x * lx) >> (bits - 1)) + ((y * ly) >> (bits - 1)) + ((z * lz) >> (bits - 1));
             V::Wide::of(sum.at_least(zero).at_most(V::splat(1 << 16)) << 15)
         }
         NormalForm::Nearest(bits) => {
-            let (lx, ly, lz) = (V::splat(lx), V::splat(ly), V::splat(lz));
+            let (lx, ly, lz) = (V::splat(-ax), V::splat(-ay), V::splat(-az));
             // |sum| < 2^30 + 2^16 for unit vectors; wrapping keeps others from a panic.
             let [x, y, z] = formed_nearest(g, r, bits);
             let sum = x
@@ -117,22 +122,19 @@ pub(super) fn along(viewer: [i32; 3], light: [i32; 3]) -> i64 {
 pub(super) fn reflected_lanes<P: Precision, V: Lanes>(nv: V::Wide, nl: V::Wide, vl: i64) -> V::Wide {
     // 62 fraction bits, of which one less is kept: that doubles it. V.L is taken off before the shift, with no more bits
     // than it would have behind it.
-    let product = nv.low_product(nl);
-    let less = |vl: i64, shift: u32| product + V::Wide::splat(-(vl << shift));
-    let rl = match P::SHADING {
-        Shading::Rounded31 => (less(vl >> 29, 30) + V::Wide::splat(1 << 29))
-            .at_least_zero()
-            .shr_to_one(30),
-        Shading::Rounded16 => (less(vl << 1, 30) + V::Wide::splat(1 << 29))
-            .at_least_zero()
-            .shr_to_one(30),
-        Shading::Truncated16 => {
-            let rl = less(vl >> 14, 45).at_least_zero().shr(45).shl(15);
-            rl.at_most(V::Wide::splat(1 << 31))
-        }
+    let (less, half, shift) = match P::SHADING {
+        Shading::Rounded31 => (vl >> 29 << 30, 1 << 29, 30),
+        Shading::Rounded16 => (vl << 31, 1 << 29, 30),
+        Shading::Truncated16 => (vl >> 14 << 45, 0, 45),
     };
-    // Neither cosine has more than 31 bits: their product is 0 only if one of them is.
-    product.nonzero_then(rl)
+    let product = nv.low_product(nl);
+    let rl = (product + V::Wide::splat(half - less)).at_least_zero();
+    let rl = match P::SHADING {
+        Shading::Truncated16 => rl.shr(shift).shl(15).at_most(V::Wide::splat(1 << 31)),
+        _ => rl.shr_to_one(shift),
+    };
+    // Neither cosine has more than 31 bits: their product is 0 only if one of them is. With V.L from 0 on, rl is 0 then.
+    if vl < 0 { product.nonzero_then(rl) } else { rl }
 }
 
 /// [`power_lanes`] of one cosine.
@@ -172,7 +174,7 @@ pub fn power_lanes<P: Precision, V: Lanes>(x: V::Wide, n: u32) -> V {
 pub(super) fn ambient<P: Precision, V: Lanes>(k: u32) -> V {
     V::splat(match P::SHADING {
         Shading::Truncated16 => k << 1,
-        Shading::Rounded16 => k << 16,
+        Shading::Rounded16 => (k << 16).min(i32::MAX as u32),
         Shading::Rounded31 => k,
     } as i32)
 }
@@ -198,7 +200,17 @@ pub(super) fn weighted<P: Precision, V: Lanes>(k: u32, x: V) -> V {
     }
 }
 
-/// The colour under this sum of light.
+/// A sum of light and one more product. It saturates where 1 is reached, or one unit below where that is the same 1.15.
+#[inline(always)]
+pub(super) fn brighter<P: Precision, V: Lanes>(sum: V, product: V) -> V {
+    match P::SHADING {
+        Shading::Truncated16 => sum + product,
+        Shading::Rounded16 => sum.wrapping_add(product).at_most_unsigned(V::splat(i32::MAX)),
+        Shading::Rounded31 => sum.saturating_add(product),
+    }
+}
+
+/// The colour under these sums of light.
 #[inline(always)]
 pub(super) fn lit<P: Precision, V: Lanes>(colour: V, [diffuse, specular]: [V; 2]) -> V {
     let (one15, one16, one31) = (V::splat(1 << 15), V::splat(1 << 16), V::splat(i32::MIN));
@@ -208,14 +220,11 @@ pub(super) fn lit<P: Precision, V: Lanes>(colour: V, [diffuse, specular]: [V; 2]
             (sum >> 1).at_most(one15)
         }
         Shading::Rounded16 => {
-            let m = diffuse
-                .at_most_unsigned(one31)
-                .wrapping_add(V::splat(1 << 14))
-                .shr_unsigned(15);
-            // O m is at most 1. So is the highlight; one unit less of it is the same 1.15, and keeps the sum from 2^32.
-            let highlight = specular.at_most_unsigned(V::splat(i32::MAX));
-            let sum = colour.wrapping_mul(m).wrapping_add(highlight);
-            sum.at_most_unsigned(one31).wrapping_add(one15).shr_unsigned(16)
+            let m = diffuse.wrapping_add(V::splat(1 << 14)).shr_unsigned(15);
+            // O m is at most 1, and what the highlight leaves of 1.
+            let room = one31.wrapping_sub(specular);
+            let sum = colour.wrapping_mul(m).at_most_unsigned(room);
+            sum.wrapping_add(specular.wrapping_add(one15)).shr_unsigned(16)
         }
         Shading::Rounded31 => {
             let product = colour.product(diffuse.at_most_unsigned(one31)) + V::Wide::splat(1 << 30);

@@ -27,17 +27,17 @@ fn dot64(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Equation 10 in f64, on the pipeline's own inputs.
 fn model<P: Precision>(phong: &Phong<P>, normal: Normal, colour: [u32; 3]) -> [f64; 3] {
     let n = normal.g.map(|c| -f64::from(c) * f64::from(normal.r) / 2f64.powi(35));
-    let viewer = kept::<P>(phong.viewer);
+    let viewer = kept::<P>(opposite(phong.away_from_viewer));
     let mut out = [0.0; 3];
     for (c, o) in out.iter_mut().enumerate() {
         let one = 2f64.powi(P::SHADING.coefficient_bits() as i32);
         let k = |v: [u32; 3]| f64::from(v[c]) / one;
         let (mut diffuse, mut specular) = (k(phong.ambient), 0.0);
         for light in &phong.lights {
-            let l = kept::<P>(light.direction);
+            let l = kept::<P>(opposite(light.away));
             let nl = dot64(n, l).clamp(0.0, 1.0);
             let base = match phong.highlight {
-                Highlight::HalfVector => dot64(n, kept::<P>(light.half)),
+                Highlight::HalfVector => dot64(n, kept::<P>(opposite(light.away_from_half))),
                 Highlight::Reflection => {
                     let nv = dot64(n, viewer).clamp(0.0, 1.0);
                     if nv > 0.0 {
@@ -55,6 +55,11 @@ fn model<P: Precision>(phong: &Phong<P>, normal: Normal, colour: [u32; 3]) -> [f
         *o = (f64::from(colour[c]) / f64::from(P::COLOUR_BITS).exp2() * diffuse.min(1.0) + specular).min(1.0);
     }
     out
+}
+
+/// Whole ones as well.
+fn coefficient() -> impl Strategy<Value = u32> {
+    prop_oneof![0u32..=1 << 31, Just(1 << 31)]
 }
 
 fn vector() -> impl Strategy<Value = [f64; 3]> {
@@ -146,22 +151,46 @@ proptest! {
         prop_assert_eq!(i64::from(dot::<Wide>(normal, v.map(|c| c << 15)).to_bits()), exact.min(1 << 31));
     }
 
+    /// 2 (N.V)(N.L) - V.L, V.L with as many bits as there are of it.
+    #[test]
+    fn reflections_are_rounded_and_clamped(
+        [nv, nl] in [0u32..=1 << 31, 0u32..=1 << 31], viewer in vector(), light in vector(),
+    ) {
+        let product = i128::from(nv) * i128::from(nl);
+        let cosines = [nv, nl].map(Cosine::from_bits);
+        let expected = |rounded: i128| if product == 0 { 0 } else { rounded.clamp(0, 1 << 31) };
+        // Beyond 2 there are no unit vectors, and no bits.
+        prop_assume!(product >> 30 < 1 << 32);
+        let along = |v: [i32; 3], l: [i32; 3]| v.iter().zip(l).map(|(v, l)| i128::from(*v) * i128::from(l)).sum::<i128>();
+        let [v, l] = [viewer, light].map(|v| keep_vector::<Compact>(unit(v)));
+        let rounded = (product - (along(v, l) << 31) + (1 << 29)) >> 30;
+        prop_assume!(rounded < 1 << 32);
+        let [a, b] = cosines;
+        prop_assert_eq!(i128::from(reflected::<Compact>(a, b, v, l).to_bits()), expected(rounded));
+        let [v, l] = [viewer, light].map(|v| keep_vector::<Wide>(unit(v)));
+        let rounded = (product - (along(v, l) >> 29 << 30) + (1 << 29)) >> 30;
+        prop_assume!(rounded < 1 << 32);
+        let [a, b] = cosines;
+        prop_assert_eq!(i128::from(reflected::<Wide>(a, b, v, l).to_bits()), expected(rounded));
+    }
+
     #[test]
     fn sums_of_lights_are_clamped(
-        c in 0u32..=1 << 15, ambient in 0u32..=1 << 31, lights in 0usize..=8, k in 0u32..=1 << 31, out in any::<bool>(),
+        c in prop_oneof![0u32..=1 << 15, Just(1 << 15)], ambient in coefficient(), lights in prop_oneof![0usize..=8, Just(1)],
+        k in [coefficient(), coefficient()], out in any::<bool>(),
     ) {
         // The light and the eye straight ahead of the surface, or behind it: x and y are 1 or 0.
         let ahead = unit([0.0, 0.0, -1.0]);
-        let k = Coefficient::from_bits(k);
-        let light = Light { direction: ahead, half: ahead, diffuse: [k; 3], specular: [k; 3] };
+        let [kd, ks] = k.map(Coefficient::from_bits);
+        let light = Light { direction: ahead, half: ahead, diffuse: [kd; 3], specular: [ks; 3] };
         let ambient = Coefficient::from_bits(ambient);
         let phong =
             Phong::<Compact>::new([ambient; 3], &std::vec![light; lights], ahead, Highlight::HalfVector, 0).unwrap();
         let normal = Normal { g: [0, 0, if out { -1 } else { 1 } << 14], r: 1 << 21 };
         let x = if out { 0 } else { 1u64 << 16 };
-        let sum = lights as u64 * u64::from(keep::<Compact>(k)) * x;
-        let m = (((u64::from(keep::<Compact>(ambient)) << 16) + sum + (1 << 14)) >> 15).min(1 << 16);
-        let expected = ((u64::from(c) * m + sum + (1 << 15)) >> 16).min(1 << 15);
+        let [diffuse, specular] = [kd, ks].map(|k| lights as u64 * u64::from(keep::<Compact>(k)) * x);
+        let m = (((u64::from(keep::<Compact>(ambient)) << 16) + diffuse + (1 << 14)) >> 15).min(1 << 16);
+        let expected = ((u64::from(c) * m + specular + (1 << 15)) >> 16).min(1 << 15);
         prop_assert_eq!(phong.shade(normal, [c; 3]).map(u64::from), [expected; 3]);
     }
 
@@ -173,18 +202,39 @@ proptest! {
         let r = column(&|s| s.0.r as i32);
         let mut c = [0, 1, 2].map(|a| column(&|s| s.1[a] as i32));
         let [cr, cg, cb] = &mut c;
-        Shader::<Paper>::shade_row::<i32>(&phong, [&g[0], &g[1], &g[2]], &r, [cr, cg, cb]);
+        Shader::<Paper>::shade_row::<i32>(&phong, [&g[0], &g[1], &g[2]], &r, None, [cr, cg, cb]);
         for (i, (normal, colour)) in samples.iter().enumerate() {
             let out = phong.shade(*normal, *colour).map(|c| c as i32);
             prop_assert_eq!([c[0][i], c[1][i], c[2][i]], out);
         }
     }
+
+    #[test]
+    fn one_colour_needs_no_rows(scene in scene(2), samples in prop::collection::vec(sample(), 1..20)) {
+        let phong = make::<Compact>(&scene);
+        let g = [0, 1, 2].map(|a| samples.iter().map(|s| s.0.g[a]).collect::<StdVec<_>>());
+        let r = samples.iter().map(|s| s.0.r as i32).collect::<StdVec<_>>();
+        let one = samples[0].1;
+        let mut found = [0; 3].map(|c| std::vec![c; r.len()]);
+        let [red, green, blue] = &mut found;
+        Shader::<Compact>::shade_row::<i32>(&phong, [&g[0], &g[1], &g[2]], &r, Some(one), [red, green, blue]);
+        for (i, (normal, _)) in samples.iter().enumerate() {
+            let expected = phong.shade(*normal, one).map(|c| c as i32);
+            prop_assert_eq!([found[0][i], found[1][i], found[2][i]], expected);
+        }
+        let [red, green, blue] = &mut found;
+        Shader::<Compact>::shade_row::<i32>(&Unlit, [&[], &[], &[]], &[], Some(one), [red, green, blue]);
+        prop_assert!(found.iter().zip(one).all(|(row, c)| row.iter().all(|found| *found == c as i32)));
+    }
 }
 
 fn within<P: Precision>(phong: &Phong<P>, normal: Normal, colour: [u32; 3], bound: f64) -> Result<(), TestCaseError> {
     // A dot product that rounds to 0 takes its highlight with it; the model's threshold is exact.
-    let grazing = phong.lights.iter().any(|l| dot::<P>(normal, l.direction).to_bits() < 4)
-        || dot::<P>(normal, phong.viewer).to_bits() < 4;
+    let grazing = phong
+        .lights
+        .iter()
+        .any(|l| dot::<P>(normal, opposite(l.away)).to_bits() < 4)
+        || dot::<P>(normal, opposite(phong.away_from_viewer)).to_bits() < 4;
     if grazing && phong.exponent_log2 < 6 {
         return Ok(());
     }
@@ -266,7 +316,7 @@ proptest! {
         let r = column(&|s| s.0.r as i32);
         let mut c = [0, 1, 2].map(|a| column(&|s| s.1[a] as i32));
         let [cr, cg, cb] = &mut c;
-        Shader::<Study<6>>::shade_row::<i32>(&phong, [&g[0], &g[1], &g[2]], &r, [cr, cg, cb]);
+        Shader::<Study<6>>::shade_row::<i32>(&phong, [&g[0], &g[1], &g[2]], &r, None, [cr, cg, cb]);
         for (i, (normal, colour)) in samples.iter().enumerate() {
             let out = phong.shade(*normal, *colour).map(|c| c as i32);
             prop_assert_eq!([c[0][i], c[1][i], c[2][i]], out);
