@@ -46,7 +46,8 @@ fn square_of<V: Lanes>([x, y, z]: [V; 3]) -> V {
 #[inline(always)]
 pub fn block<V: Lanes>(gradient: [V; 3]) -> [V; 3] {
     let [x, y, z] = gradient;
-    let room = (x.abs() | y.abs() | z.abs()).leading_zeros() - V::splat(1);
+    // -2^31 has no room, and counts as 2^31 - 1.
+    let room = ((x.abs() | y.abs() | z.abs()).leading_zeros() - V::splat(1)).at_least(V::splat(0));
     [raised(x, room), raised(y, room), raised(z, room)]
 }
 
@@ -209,6 +210,12 @@ mod tests {
         for s in ends.into_iter().chain((1 << 28..=3_221_028_867).step_by(977)) {
             assert!(is_root(s, reciprocal_root(s)), "{s}");
         }
+    }
+
+    #[test]
+    fn the_lowest_number_is_a_gradient_too() {
+        assert_eq!(block([i32::MIN, 1 << 30, -(1 << 15)]), [-32767, 1 << 14, -1]);
+        assert_eq!(block([-i32::MAX, 1 << 30, -(1 << 15)]), [-32767, 1 << 14, -1]);
     }
 
     proptest! {
