@@ -245,7 +245,7 @@ pub fn fold_oriented<L: Pipeline>(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) {
     let slices = volume.slices;
-    let Some(sight) = volume.sight(plan, pipeline.support()) else {
+    let Some(sight) = volume.sight(plan, pipeline, simd) else {
         return fold_tiles(plan, pipeline, slices, image, tile_rows, simd, progress);
     };
     each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {

@@ -5,12 +5,13 @@
 //! along the same axis ([`Prepared::render_oriented`](crate::engine::Prepared::render_oriented)).
 
 use rayon::prelude::*;
-use slicecast::classify::Support;
 use slicecast::plan::Plan;
+use slicecast::plane::Pipeline;
 use slicecast::slice::{RowRange, Slice, SliceError};
 use slicecast::view::{Axis, View};
 
 use crate::occupancy::{Occupancy, Sight};
+use crate::simd::Simd;
 use crate::volume::Volume;
 
 /// Calls `run` with the slices of a volume in the order in which the view meets them.
@@ -48,12 +49,19 @@ pub struct Oriented<'a> {
     /// Its slices, nearest to the eye first.
     pub slices: &'a [Slice<'a>],
     occupancy: Occupancy,
-    /// Share of blocks that can be seen from which on rows are made as a whole.
-    dense: f64,
+    /// Share of blocks that can be seen from which on rows are made as a whole, where it is not the usual one.
+    dense: Option<f64>,
 }
 
-/// Blocks take 2.0 (lit) to 2.8 times (unlit) as long as whole rows where all can be seen, and less where 0.44 can.
-const DENSE: f64 = 0.5;
+/// Share of blocks that can be seen from which on these vectors make whole rows faster (docs/speed.md): one lane gains
+/// nothing by short ways through many samples, and from back to front no ray is finished that blocks could leave out.
+fn dense<L: Pipeline>(simd: Simd) -> f64 {
+    match (simd, L::BACK_TO_FRONT) {
+        (Simd::Scalar, _) => 0.125,
+        (Simd::Avx2 | Simd::Avx512, true) => 0.4,
+        (Simd::Avx2 | Simd::Avx512, false) => 0.5,
+    }
+}
 
 impl<'a> Oriented<'a> {
     /// Measures the blocks of slices that [`with_slices`] has made.
@@ -61,7 +69,7 @@ impl<'a> Oriented<'a> {
         Self {
             slices,
             occupancy: Occupancy::of(slices),
-            dense: DENSE,
+            dense: None,
         }
     }
 
@@ -69,7 +77,10 @@ impl<'a> Oriented<'a> {
     /// never. Nothing but time depends on it.
     #[must_use]
     pub fn dense_from(self, share: f64) -> Self {
-        Self { dense: share, ..self }
+        Self {
+            dense: Some(share),
+            ..self
+        }
     }
 
     /// What the blocks of the volume hold.
@@ -77,11 +88,10 @@ impl<'a> Oriented<'a> {
         &self.occupancy
     }
 
-    /// The blocks that can be seen under a table of this support; none where so many can that rows are made faster as a
-    /// whole.
-    pub fn sight(&self, plan: &Plan, support: Option<Support>) -> Option<Sight> {
-        let support = support?;
-        let few = self.occupancy.share(plan, support) < self.dense;
+    /// The blocks that a pipeline can show; none where they are so many that these vectors make rows faster as a whole.
+    pub fn sight<L: Pipeline>(&self, plan: &Plan, pipeline: &L, simd: Simd) -> Option<Sight> {
+        let support = pipeline.support()?;
+        let few = self.occupancy.share(plan, support) < self.dense.unwrap_or(dense::<L>(simd));
         few.then(|| self.occupancy.sight(plan, support))
     }
 }

@@ -297,7 +297,7 @@ impl Job for FoldAndWarp<'_> {
         black_box(picture(prepared, pipeline, &image));
         let warp = start.elapsed();
         let start = Instant::now();
-        black_box(volume.sight(plan, pipeline.support()));
+        black_box(volume.sight(plan, pipeline, prepared.simd));
         let found = start.elapsed();
         let share = (pipeline.support()).map_or(1.0, |support| volume.occupancy().share(plan, support));
         Ok(([fold, warp, found], share))
