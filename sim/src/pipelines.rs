@@ -8,7 +8,7 @@ use slicecast::shade::{PhongError, Shader, Unlit};
 
 use crate::camera::Material;
 use crate::expanded::Expanded;
-use crate::scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
+use crate::scene::{Blend, PrecisionName, Scene};
 use crate::table::{Correction, Table};
 use crate::volume::Mapping;
 
@@ -18,36 +18,6 @@ pub trait Job {
     type Output;
     /// Does it.
     fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output;
-}
-
-impl PrecisionName {
-    /// The name that scenes and reports use.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Paper => Paper::NAME,
-            Self::Compact => Compact::NAME,
-            Self::Wide => Wide::NAME,
-        }
-    }
-
-    /// All of them, in the order of reports.
-    pub const ALL: [Self; 3] = [Self::Paper, Self::Compact, Self::Wide];
-
-    /// The table code that belongs to the precision.
-    pub const fn table(self) -> AlphaCodeName {
-        match self {
-            Self::Paper => AlphaCodeName::Sqrt8,
-            Self::Compact | Self::Wide => AlphaCodeName::Sqrt16,
-        }
-    }
-
-    /// The table look-up that belongs to the precision.
-    pub const fn lookup(self) -> LookupName {
-        match self {
-            Self::Paper => LookupName::Nearest,
-            Self::Compact | Self::Wide => LookupName::Linear,
-        }
-    }
 }
 
 /// The table of a scene: opacities corrected for the step, or as written where rays are not composited.
@@ -108,5 +78,18 @@ fn early<'t, P: Precision, S: Shader<P>>(
     match scene.early_termination {
         Some(bits) => pipeline.with_early_termination(bits),
         None => pipeline,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_name_precisions_as_core_does() {
+        assert_eq!(
+            PrecisionName::ALL.map(PrecisionName::name),
+            [Paper::NAME, Compact::NAME, Wide::NAME]
+        );
     }
 }

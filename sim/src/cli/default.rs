@@ -54,7 +54,7 @@ impl Args {
         let loaded = load(None, Window::Auto)?;
         let [nx, ny, nz] = loaded.volume.dims;
         println!("CT head, {nx} x {ny} x {nz} voxels; {}", loaded.report);
-        println!("scene: sim/scenes/headsq.toml\n");
+        println!("scene: sim/scene/scenes/headsq.toml\n");
         let base = scene::file::built_in(scene::file::DEFAULT).map_err(Failure::input)?;
         let mut summary = Vec::new();
         let mut written = Vec::new();

@@ -1,0 +1,258 @@
+//! One sample, one ray, all rays.
+
+use super::classify::{Classified, Classifier};
+use super::composite::Pixel;
+use super::gradient::{difference_at, normalise, spacing_factors};
+use super::grid::Grid;
+use super::interpolate::value_at;
+use super::rays::{Geometry, Lattice};
+use super::shade::Lights;
+use super::warp::ModelImage;
+use slicecast_scene::{Blend, Scene};
+use slicecast_volume::Volume;
+
+/// Where the model takes its samples.
+pub enum Positions<'a> {
+    /// At the real positions ([`Geometry::position`]); 2^-17 voxel outside a face still counts as on it.
+    Exact,
+    /// At given positions, for instance a pipeline's 16.16 numbers: a function of (plane, u, v), voxels in the frame
+    /// (i, j, k). A sample exists if its position lies in the volume, faces included, without tolerance.
+    Given(Box<dyn Fn(usize, usize, usize) -> [f64; 3] + Send + Sync + 'a>),
+}
+
+/// The f64 model of one scene on one volume.
+pub struct Model<'a> {
+    geometry: Geometry,
+    lattice: Lattice,
+    positions: Positions<'a>,
+    grid: Grid<'a>,
+    spacing_factors: [f64; 3],
+    classifier: Classifier<'a>,
+    lights: Option<Lights>,
+    blend: Blend,
+}
+
+/// Everything about one sample, stage by stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelSample {
+    /// Where it was taken, voxels along i, j, k.
+    pub position: [f64; 3],
+    /// Interpolated value, 12-bit code units.
+    pub value: f64,
+    /// Gradient in world directions along i, j, k: differences times spacing factors, code units per two voxels of
+    /// the finest axis ([`Model::gradient_at`]).
+    pub gradient: [f64; 3],
+    /// `-G / |G|`, or zero.
+    pub normal: [f64; 3],
+    /// Colour by the transfer function, 0 to 1.
+    pub colour: [f64; 3],
+    /// Opacity over one step of the ray, 0 to 1.
+    pub opacity: f64,
+    /// Colour after shading, 0 to 1, not multiplied by opacity; `colour` itself if the scene is unlit.
+    pub shaded: [f64; 3],
+}
+
+impl<'a> Model<'a> {
+    /// A model of `scene` on `volume` for the rays of `lattice` (see [`Geometry::natural_lattice`]).
+    ///
+    /// # Panics
+    /// If the volume is empty or not as long as its dimensions say, the transfer function is empty or its unit
+    /// distance is not positive, or a sampling rate is zero. Readers and scene files refuse all of these.
+    pub fn new(scene: &'a Scene, volume: &'a Volume, lattice: Lattice, positions: Positions<'a>) -> Self {
+        let camera = scene.view.axes();
+        let geometry = Self::geometry_of(scene, volume);
+        Self {
+            lattice,
+            positions,
+            grid: Grid::new(volume, &geometry),
+            spacing_factors: spacing_factors(geometry.spacing),
+            classifier: Classifier::new(&scene.transfer, volume.mapping, geometry.step_length()),
+            lights: scene.lighting.as_ref().map(|l| Lights::new(l, &camera, &geometry)),
+            blend: scene.blend,
+            geometry,
+        }
+    }
+
+    /// A model with exact positions on the natural lattice of the view.
+    ///
+    /// # Panics
+    /// As [`Model::new`].
+    pub fn natural(scene: &'a Scene, volume: &'a Volume) -> Self {
+        let lattice = Self::geometry_of(scene, volume).natural_lattice();
+        Self::new(scene, volume, lattice, Positions::Exact)
+    }
+
+    /// The geometry of a scene's view of a volume.
+    ///
+    /// # Panics
+    /// As [`Geometry::new`].
+    pub fn geometry_of(scene: &Scene, volume: &Volume) -> Geometry {
+        Geometry::new(scene.view.axes().forward, volume.dims, volume.spacing, scene.sampling)
+    }
+
+    /// The same model with other lights, for instance a pipeline's rounded ones; `None` is unlit.
+    pub fn with_lights(self, lights: Option<Lights>) -> Self {
+        Self { lights, ..self }
+    }
+
+    /// Axes, flip, shear, planes, step length.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The rays.
+    pub fn lattice(&self) -> Lattice {
+        self.lattice
+    }
+
+    /// The voxels in the frame (i, j, k).
+    pub fn grid(&self) -> &Grid<'a> {
+        &self.grid
+    }
+
+    /// Lights and material in the frame (i, j, k); `None` if unlit.
+    pub fn lights(&self) -> Option<&Lights> {
+        self.lights.as_ref()
+    }
+
+    /// Where the ray of pixel (u, v) is sampled on a plane, voxels along i, j, k; `None` outside the volume.
+    pub fn position(&self, plane: usize, u: usize, v: usize) -> Option<[f64; 3]> {
+        match &self.positions {
+            Positions::Exact => self
+                .geometry
+                .inside_tolerant(self.geometry.position(self.lattice, plane, u, v)),
+            Positions::Given(position) => self.geometry.inside(position(plane, u, v)),
+        }
+    }
+
+    /// The value at a position inside the volume, code units.
+    pub fn value_at(&self, position: [f64; 3]) -> f64 {
+        value_at(&self.grid, position)
+    }
+
+    /// The value of a sample, code units; `None` outside the volume.
+    pub fn sample_value(&self, plane: usize, u: usize, v: usize) -> Option<f64> {
+        self.position(plane, u, v).map(|p| self.value_at(p))
+    }
+
+    /// The interpolated central differences at a position inside the volume, without spacing factors: code units
+    /// per two voxels, along i, j, k.
+    pub fn difference_at(&self, position: [f64; 3]) -> [f64; 3] {
+        difference_at(&self.grid, position)
+    }
+
+    /// The gradient at a position inside the volume: [`Model::difference_at`] times
+    /// [`spacing_factors`](super::gradient::spacing_factors), code units per two voxels of the finest axis.
+    pub fn gradient_at(&self, position: [f64; 3]) -> [f64; 3] {
+        let difference = self.difference_at(position);
+        [0, 1, 2].map(|a| difference[a] * self.spacing_factors[a])
+    }
+
+    /// Colour and opacity of a code, the opacity over one step of the ray.
+    pub fn classify(&self, code: f64) -> Classified {
+        self.classifier.classify(code)
+    }
+
+    /// Colour and opacity of a code as the transfer function states them, the opacity over one unit distance.
+    pub fn classify_as_written(&self, code: f64) -> Classified {
+        self.classifier.as_written(code)
+    }
+
+    /// [`Model::classify_as_written`], and the straight piece of the transfer function that the code lies on.
+    pub(super) fn as_written_on_piece(&self, code: f64) -> (Classified, usize) {
+        (self.classifier.as_written(code), self.classifier.piece(code))
+    }
+
+    /// The transfer function.
+    pub(super) fn classifier(&self) -> &Classifier<'a> {
+        &self.classifier
+    }
+
+    /// The shaded colour of a surface; `colour` itself if the scene is unlit.
+    pub fn shade(&self, normal: [f64; 3], colour: [f64; 3]) -> [f64; 3] {
+        self.lights
+            .as_ref()
+            .map_or(colour, |lights| lights.shade(normal, colour))
+    }
+
+    /// Every stage of one sample, visible or not; `None` outside the volume.
+    pub fn sample(&self, plane: usize, u: usize, v: usize) -> Option<ModelSample> {
+        let position = self.position(plane, u, v)?;
+        let value = self.value_at(position);
+        let Classified { colour, opacity } = self.classify(value);
+        let gradient = self.gradient_at(position);
+        let normal = normalise(gradient);
+        Some(ModelSample {
+            position,
+            value,
+            gradient,
+            normal,
+            colour,
+            opacity,
+            shaded: self.shade(normal, colour),
+        })
+    }
+
+    /// The pixel of one ray, composited as the scene asks. A ray that misses the volume is transparent.
+    pub fn ray(&self, u: usize, v: usize) -> Pixel {
+        match self.blend {
+            Blend::FrontToBack => self.front_to_back(u, v),
+            Blend::BackToFront => self.back_to_front(u, v),
+            Blend::Maximum => self.extreme(u, v, f64::max),
+            Blend::Minimum => self.extreme(u, v, f64::min),
+        }
+    }
+
+    /// The whole base plane, rows in parallel.
+    pub fn render(&self) -> ModelImage {
+        ModelImage::from_fn(self.lattice.size, |u, v| self.ray(u, v))
+    }
+
+    /// Shaded colour and opacity of a sample that can be seen.
+    fn visible(&self, plane: usize, u: usize, v: usize) -> Option<([f64; 3], f64)> {
+        let position = self.position(plane, u, v)?;
+        let Classified { colour, opacity } = self.classify(self.value_at(position));
+        if opacity == 0.0 {
+            return None;
+        }
+        let shaded = match &self.lights {
+            None => colour,
+            Some(lights) => lights.shade(normalise(self.gradient_at(position)), colour),
+        };
+        Some((shaded, opacity))
+    }
+
+    fn front_to_back(&self, u: usize, v: usize) -> Pixel {
+        let mut pixel = Pixel::TRANSPARENT;
+        for plane in 0..self.geometry.planes() {
+            // Behind an exactly opaque pixel every weight is exactly zero.
+            if pixel.transparency == 0.0 {
+                break;
+            }
+            if let Some((colour, opacity)) = self.visible(plane, u, v) {
+                pixel = pixel.front_to_back(colour, opacity);
+            }
+        }
+        pixel
+    }
+
+    fn back_to_front(&self, u: usize, v: usize) -> Pixel {
+        (0..self.geometry.planes())
+            .rev()
+            .filter_map(|plane| self.visible(plane, u, v))
+            .fold(Pixel::TRANSPARENT, |pixel, (colour, opacity)| {
+                pixel.back_to_front(colour, opacity)
+            })
+    }
+
+    /// Maximum or minimum of the ray's values, classified once: opacity as written, colour unlit.
+    fn extreme(&self, u: usize, v: usize, choose: fn(f64, f64) -> f64) -> Pixel {
+        (0..self.geometry.planes())
+            .filter_map(|plane| self.sample_value(plane, u, v))
+            .reduce(choose)
+            .map_or(Pixel::TRANSPARENT, |value| {
+                let Classified { colour, opacity } = self.classify_as_written(value);
+                Pixel::of_sample(colour, opacity)
+            })
+    }
+}

@@ -1,0 +1,253 @@
+//! The range of every field of a scene, in one place: scene files and command lines are both held to it.
+
+use std::ops::RangeInclusive;
+
+use thiserror::Error;
+
+use super::{Image, Light, Lighting, Sampling, Scene, TransferFunction, View};
+
+/// Angles about an axis, degrees.
+pub const TURN: RangeInclusive<f64> = -360.0..=360.0;
+/// Angle above the horizon, degrees.
+pub const ELEVATION: RangeInclusive<f64> = -90.0..=90.0;
+/// Pixels along a side of the image.
+pub const IMAGE_SIDE: RangeInclusive<i64> = 1..=16384;
+/// Magnification.
+pub const ZOOM: RangeInclusive<f64> = 0.01..=100.0;
+/// Colours, opacities, coefficients.
+pub const FRACTION: RangeInclusive<f64> = 0.0..=1.0;
+/// Sample planes per voxel.
+pub const PLANES_PER_VOXEL: RangeInclusive<i64> = 1..=16;
+/// Rays per voxel and axis.
+pub const RAYS_PER_VOXEL: RangeInclusive<i64> = 1..=8;
+/// The length that opacities refer to, in the volume's unit.
+pub const UNIT_DISTANCE: RangeInclusive<f64> = 1e-6..=1e6;
+/// Data values of a transfer function's points.
+pub const VALUE: RangeInclusive<f64> = -1e12..=1e12;
+/// Points of a transfer function.
+pub const POINTS: RangeInclusive<usize> = 1..=4096;
+/// Lights of a lit scene.
+pub const LIGHTS: RangeInclusive<usize> = 1..=8;
+/// log2 of the specular exponent.
+pub const EXPONENT_LOG2: RangeInclusive<i64> = 0..=8;
+/// n of the transparency 2^-n at which rays stop.
+pub const EARLY_TERMINATION: RangeInclusive<i64> = 1..=20;
+
+/// A field with a value that no scene can have.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("`{field}` is {value}, expected {expected}")]
+pub struct FieldError {
+    /// The field's full name, such as `transfer.points[2].opacity`; indices count from 0.
+    pub field: String,
+    /// The value given.
+    pub value: String,
+    /// The values accepted.
+    pub expected: String,
+}
+
+impl FieldError {
+    /// Joins the three parts.
+    pub(super) fn new(field: &str, value: impl ToString, expected: impl ToString) -> Self {
+        Self {
+            field: field.to_owned(),
+            value: value.to_string(),
+            expected: expected.to_string(),
+        }
+    }
+}
+
+impl Scene {
+    /// Checks every field; what passes can be rendered.
+    ///
+    /// # Errors
+    /// [`FieldError`] names the first field that is out of range, its value and the range.
+    pub fn check(&self) -> Result<(), FieldError> {
+        view(&self.view)?;
+        image(&self.image)?;
+        sampling(self.sampling)?;
+        transfer(&self.transfer)?;
+        if let Some(n) = self.early_termination {
+            whole("render.early_termination", i64::from(n), EARLY_TERMINATION)?;
+        }
+        self.lighting.as_ref().map_or(Ok(()), lighting)
+    }
+}
+
+fn view(view: &View) -> Result<(), FieldError> {
+    number("view.azimuth", view.azimuth, TURN)?;
+    number("view.elevation", view.elevation, ELEVATION)?;
+    number("view.roll", view.roll, TURN)
+}
+
+fn image(image: &Image) -> Result<(), FieldError> {
+    for (i, side) in image.size.iter().flatten().enumerate() {
+        whole(&format!("image.size[{i}]"), i64::from(*side), IMAGE_SIDE)?;
+    }
+    number("image.zoom", image.zoom, ZOOM)?;
+    colour("image.background", image.background)
+}
+
+fn sampling(sampling: Sampling) -> Result<(), FieldError> {
+    whole(
+        "sampling.planes_per_voxel",
+        i64::from(sampling.planes_per_voxel),
+        PLANES_PER_VOXEL,
+    )?;
+    whole(
+        "sampling.rays_per_voxel",
+        i64::from(sampling.rays_per_voxel),
+        RAYS_PER_VOXEL,
+    )?;
+    Ok(())
+}
+
+pub(super) fn transfer(transfer: &TransferFunction) -> Result<(), FieldError> {
+    number("transfer.unit_distance", transfer.unit_distance, UNIT_DISTANCE)?;
+    count("transfer.points", transfer.points.len(), POINTS)?;
+    for (i, point) in transfer.points.iter().enumerate() {
+        let name = |part: &str| format!("transfer.points[{i}].{part}");
+        number(&name("value"), point.value, VALUE)?;
+        colour(&name("colour"), point.colour)?;
+        number(&name("opacity"), point.opacity, FRACTION)?;
+    }
+    for (i, pair) in transfer.points.windows(2).enumerate() {
+        if pair[1].value < pair[0].value {
+            let expected = format!("{} or more: points ascend", pair[0].value);
+            return Err(FieldError::new(
+                &format!("transfer.points[{}].value", i + 1),
+                pair[1].value,
+                expected,
+            ));
+        }
+    }
+    for (i, three) in transfer.points.windows(3).enumerate() {
+        if three[2].value == three[0].value {
+            let expected = "at most two points of a value: the one between would never be seen";
+            return Err(FieldError::new(
+                &format!("transfer.points[{}].value", i + 2),
+                three[2].value,
+                expected,
+            ));
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn lighting(lighting: &Lighting) -> Result<(), FieldError> {
+    number("lighting.ambient", lighting.ambient, FRACTION)?;
+    number("lighting.diffuse", lighting.diffuse, FRACTION)?;
+    number("lighting.specular", lighting.specular, FRACTION)?;
+    if !EXPONENT_LOG2.contains(&i64::from(lighting.exponent_log2)) {
+        let value = format!("2^{}", lighting.exponent_log2);
+        return Err(FieldError::new("lighting.exponent", value, EXPONENTS));
+    }
+    count("lighting.lights", lighting.lights.len(), LIGHTS)?;
+    lighting
+        .lights
+        .iter()
+        .enumerate()
+        .try_for_each(|(i, one)| light(i, one))
+}
+
+fn light(i: usize, light: &Light) -> Result<(), FieldError> {
+    let length = light.direction.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if !(1.0 - 1e-9..=1.0 + 1e-9).contains(&length) {
+        let value = format!("{:?}", light.direction);
+        return Err(FieldError::new(
+            &format!("lighting.lights[{i}].direction"),
+            value,
+            "a unit vector",
+        ));
+    }
+    colour(&format!("lighting.lights[{i}].colour"), light.colour)
+}
+
+/// The exponents that a file may state.
+pub(super) const EXPONENTS: &str = "a power of two from 1 to 256";
+
+/// A number in a range; NaN is in none.
+pub(super) fn number(field: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), FieldError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    Err(FieldError::new(
+        field,
+        value,
+        format!("a number from {} to {}", range.start(), range.end()),
+    ))
+}
+
+/// A whole number in a range that fits 32 bits.
+pub(super) fn whole(field: &str, value: i64, range: RangeInclusive<i64>) -> Result<u32, FieldError> {
+    match u32::try_from(value) {
+        Ok(small) if range.contains(&value) => Ok(small),
+        _ => {
+            let expected = format!("a whole number from {} to {}", range.start(), range.end());
+            Err(FieldError::new(field, value, expected))
+        }
+    }
+}
+
+/// The length of a list.
+fn count(field: &str, len: usize, range: RangeInclusive<usize>) -> Result<(), FieldError> {
+    if range.contains(&len) {
+        return Ok(());
+    }
+    let value = format!("a list of {len}");
+    Err(FieldError::new(
+        field,
+        value,
+        format!("{} to {} entries", range.start(), range.end()),
+    ))
+}
+
+/// Red, green, blue.
+fn colour(field: &str, rgb: [f64; 3]) -> Result<(), FieldError> {
+    if rgb.iter().all(|channel| FRACTION.contains(channel)) {
+        return Ok(());
+    }
+    Err(FieldError::new(field, format!("{rgb:?}"), COLOURS))
+}
+
+/// The colours that a file may state.
+pub(super) const COLOURS: &str = "\"#rrggbb\" or three numbers from 0 to 1";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file;
+
+    /// Changes the default scene as a command line would and returns the field that is refused.
+    fn refused(change: impl Fn(&mut Scene, &mut Lighting)) -> String {
+        let mut scene = file::built_in(file::DEFAULT).unwrap();
+        let mut lighting = scene.lighting.clone().unwrap();
+        change(&mut scene, &mut lighting);
+        scene.lighting = Some(lighting);
+        scene.check().unwrap_err().field
+    }
+
+    #[test]
+    fn scenes_changed_in_memory_are_held_to_the_same_ranges() {
+        assert_eq!(refused(|_, l| l.exponent_log2 = 9), "lighting.exponent");
+        assert_eq!(
+            refused(|_, l| l.lights[1].direction = [0.0, 0.0, 1.001]),
+            "lighting.lights[1].direction"
+        );
+        assert_eq!(
+            refused(|_, l| l.lights[1].direction = [f64::NAN; 3]),
+            "lighting.lights[1].direction"
+        );
+        assert_eq!(refused(|_, l| l.lights.clear()), "lighting.lights");
+        assert_eq!(refused(|s, _| s.view.azimuth = f64::NAN), "view.azimuth");
+        assert_eq!(refused(|s, _| s.image.size = Some([1, u32::MAX])), "image.size[1]");
+        assert_eq!(
+            refused(|s, _| s.sampling.planes_per_voxel = 0),
+            "sampling.planes_per_voxel"
+        );
+        assert_eq!(
+            refused(|s, _| s.early_termination = Some(21)),
+            "render.early_termination"
+        );
+        assert_eq!(refused(|s, _| s.transfer.points.swap(0, 1)), "transfer.points[1].value");
+    }
+}

@@ -1,0 +1,263 @@
+//! The tables of a scene file as TOML holds them, and the defaults of what is left out.
+//!
+//! Whole numbers are read as `i64`, so that a negative one is refused with its field's range.
+
+use serde::Deserialize;
+
+use crate::check::{
+    COLOURS, EARLY_TERMINATION, EXPONENTS, FieldError, IMAGE_SIDE, PLANES_PER_VOXEL, RAYS_PER_VOXEL, whole,
+};
+use crate::colour::Colour;
+use crate::{
+    AlphaCodeName, Blend, Frame, Highlight, Image, Light, Lighting, LookupName, Point, PrecisionName, Sampling, Scene,
+    TransferFunction, View,
+};
+
+/// A whole scene file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SceneFile {
+    #[serde(default)]
+    view: ViewPart,
+    #[serde(default)]
+    image: ImagePart,
+    #[serde(default)]
+    sampling: SamplingPart,
+    transfer: TransferPart,
+    lighting: Option<LightingPart>,
+    #[serde(default)]
+    render: RenderPart,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ViewPart {
+    azimuth: Option<f64>,
+    elevation: Option<f64>,
+    roll: Option<f64>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImagePart {
+    size: Option<[i64; 2]>,
+    zoom: Option<f64>,
+    background: Option<Colour>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SamplingPart {
+    planes_per_voxel: Option<i64>,
+    rays_per_voxel: Option<i64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TransferPart {
+    unit_distance: Option<f64>,
+    points: Vec<PointPart>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PointPart {
+    value: f64,
+    colour: Colour,
+    opacity: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LightingPart {
+    ambient: Option<f64>,
+    diffuse: Option<f64>,
+    specular: Option<f64>,
+    exponent: Option<i64>,
+    highlight: Option<Highlight>,
+    lights: Option<Vec<LightPart>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LightPart {
+    direction: [f64; 3],
+    frame: Option<Frame>,
+    colour: Option<Colour>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RenderPart {
+    blend: Option<Blend>,
+    precision: Option<PrecisionName>,
+    table: Option<AlphaCodeName>,
+    lookup: Option<LookupName>,
+    early_termination: Option<i64>,
+}
+
+impl SceneFile {
+    /// Fills in the defaults; ranges are left to [`Scene::check`] where the scene's types can hold a wrong value.
+    pub fn into_scene(self) -> Result<Scene, FieldError> {
+        let early_termination = self.render.early_termination;
+        let early_termination = early_termination
+            .map(|n| whole("render.early_termination", n, EARLY_TERMINATION))
+            .transpose()?;
+        Ok(Scene {
+            view: self.view.into_view(),
+            image: self.image.into_image()?,
+            sampling: self.sampling.into_sampling()?,
+            transfer: self.transfer.into_transfer()?,
+            lighting: self.lighting.map(LightingPart::into_lighting).transpose()?,
+            blend: self.render.blend.unwrap_or(Blend::FrontToBack),
+            precision: self.render.precision.unwrap_or(PrecisionName::Compact),
+            table: self.render.table,
+            lookup: self.render.lookup,
+            early_termination,
+        })
+    }
+}
+
+impl ViewPart {
+    fn into_view(self) -> View {
+        let default = View::default();
+        View {
+            azimuth: self.azimuth.unwrap_or(default.azimuth),
+            elevation: self.elevation.unwrap_or(default.elevation),
+            roll: self.roll.unwrap_or(default.roll),
+        }
+    }
+}
+
+impl ImagePart {
+    fn into_image(self) -> Result<Image, FieldError> {
+        let default = Image::default();
+        let side = |[x, y]: [i64; 2]| {
+            Ok::<_, FieldError>([
+                whole("image.size[0]", x, IMAGE_SIDE)?,
+                whole("image.size[1]", y, IMAGE_SIDE)?,
+            ])
+        };
+        Ok(Image {
+            size: self.size.map(side).transpose()?,
+            zoom: self.zoom.unwrap_or(default.zoom),
+            background: colour_or("image.background", self.background, default.background)?,
+        })
+    }
+}
+
+impl SamplingPart {
+    fn into_sampling(self) -> Result<Sampling, FieldError> {
+        let default = Sampling::default();
+        let planes = self.planes_per_voxel.unwrap_or(i64::from(default.planes_per_voxel));
+        let rays = self.rays_per_voxel.unwrap_or(i64::from(default.rays_per_voxel));
+        Ok(Sampling {
+            planes_per_voxel: whole("sampling.planes_per_voxel", planes, PLANES_PER_VOXEL)?,
+            rays_per_voxel: whole("sampling.rays_per_voxel", rays, RAYS_PER_VOXEL)?,
+        })
+    }
+}
+
+impl TransferPart {
+    fn into_transfer(self) -> Result<TransferFunction, FieldError> {
+        let point = |(i, point): (usize, PointPart)| {
+            let colour = colour_of(&format!("transfer.points[{i}].colour"), &point.colour)?;
+            Ok(Point {
+                value: point.value,
+                colour,
+                opacity: point.opacity,
+            })
+        };
+        let points = self
+            .points
+            .into_iter()
+            .enumerate()
+            .map(point)
+            .collect::<Result<_, FieldError>>()?;
+        Ok(TransferFunction {
+            unit_distance: self.unit_distance.unwrap_or(1.0),
+            points,
+        })
+    }
+}
+
+impl LightingPart {
+    fn into_lighting(self) -> Result<Lighting, FieldError> {
+        let default = Lighting::default();
+        let exponent_log2 = match self.exponent {
+            None => default.exponent_log2,
+            Some(exponent) => exponent_log2(exponent)?,
+        };
+        let lights = match self.lights {
+            None => default.lights,
+            Some(lights) => lights
+                .into_iter()
+                .enumerate()
+                .map(LightPart::into_light)
+                .collect::<Result<_, _>>()?,
+        };
+        Ok(Lighting {
+            ambient: self.ambient.unwrap_or(default.ambient),
+            diffuse: self.diffuse.unwrap_or(default.diffuse),
+            specular: self.specular.unwrap_or(default.specular),
+            exponent_log2,
+            highlight: self.highlight.unwrap_or(default.highlight),
+            lights,
+        })
+    }
+}
+
+impl LightPart {
+    fn into_light((i, part): (usize, Self)) -> Result<Light, FieldError> {
+        let field = format!("lighting.lights[{i}].direction");
+        let direction = normalised(part.direction).ok_or_else(|| {
+            FieldError::new(
+                &field,
+                format!("{:?}", part.direction),
+                "three finite numbers, not all of them 0",
+            )
+        })?;
+        let default = Light::default();
+        let colour = colour_or(&format!("lighting.lights[{i}].colour"), part.colour, default.colour)?;
+        Ok(Light {
+            direction,
+            frame: part.frame.unwrap_or(default.frame),
+            colour,
+        })
+    }
+}
+
+/// log2 of an exponent that is a power of two from 1 to 256.
+fn exponent_log2(exponent: i64) -> Result<u32, FieldError> {
+    match u32::try_from(exponent) {
+        Ok(small) if small.is_power_of_two() && small <= 256 => Ok(small.ilog2()),
+        _ => Err(FieldError::new("lighting.exponent", exponent, EXPONENTS)),
+    }
+}
+
+/// A vector of length 1, or `None` of one that has no direction. Very long and very short ones have one.
+fn normalised(v: [f64; 3]) -> Option<[f64; 3]> {
+    let largest = v.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+    if v.iter().any(|c| !c.is_finite()) || largest == 0.0 {
+        return None;
+    }
+    let scaled = v.map(|c| c / largest);
+    let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
+    Some(scaled.map(|c| c / length))
+}
+
+/// A colour as numbers.
+fn colour_of(field: &str, colour: &Colour) -> Result<[f64; 3], FieldError> {
+    let text = |colour: &Colour| match colour {
+        Colour::Text(text) => format!("{text:?}"),
+        Colour::Numbers(rgb) => format!("{rgb:?}"),
+    };
+    colour
+        .rgb()
+        .ok_or_else(|| FieldError::new(field, text(colour), COLOURS))
+}
+
+/// A colour as numbers, or the default.
+fn colour_or(field: &str, colour: Option<Colour>, default: [f64; 3]) -> Result<[f64; 3], FieldError> {
+    colour.map_or(Ok(default), |colour| colour_of(field, &colour))
+}

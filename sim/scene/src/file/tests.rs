@@ -1,0 +1,386 @@
+//! The scenes that ship, the defaults, and every refusal with its field's name and range.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::{AlphaCodeName, Blend, Frame, Highlight, Lighting, LookupName, PrecisionName, Sampling, View};
+
+const MINIMAL: &str = "[transfer]\npoints = [{ value = 0, colour = \"#ffffff\", opacity = 0.5 }]\n";
+
+fn scene(text: &str) -> Result<Scene, SceneError> {
+    parse(text, "s.toml")
+}
+
+/// The minimal scene with more lines after it.
+fn with(lines: &str) -> Result<Scene, SceneError> {
+    scene(&format!("{MINIMAL}{lines}"))
+}
+
+fn points(points: &str) -> Result<Scene, SceneError> {
+    scene(&format!("[transfer]\npoints = [{points}]"))
+}
+
+#[test]
+fn the_scenes_that_ship_are_sound() {
+    for (name, _) in BUILT_IN {
+        let scene = built_in(name).unwrap();
+        assert_eq!(scene.transfer.evaluate(-1024.0).1, 0.0, "{name}: air is transparent");
+    }
+    let head = built_in(DEFAULT).unwrap();
+    assert_eq!(head.lighting.unwrap().lights.len(), 2);
+    assert_eq!(
+        head.view,
+        View {
+            azimuth: 30.0,
+            elevation: 10.0,
+            roll: 0.0
+        }
+    );
+    assert_eq!(
+        (
+            built_in("ct-fog").unwrap().lighting,
+            built_in("ct-fog8").unwrap().sampling.planes_per_voxel
+        ),
+        (None, 8)
+    );
+    let text = built_in("fog").unwrap_err().to_string();
+    assert_eq!(
+        text,
+        "fog: is no built-in scene, expected one of headsq, ct-bone, ct-soft-tissue, ct-vessels, ct-fog, ct-fog8"
+    );
+}
+
+/// Tables hold 8-bit colours, which round ramps: where a shipped scene is visible, its colour does not change.
+#[test]
+fn the_scenes_that_ship_have_no_visible_colour_ramps() {
+    for (name, _) in BUILT_IN {
+        for pair in built_in(name).unwrap().transfer.points.windows(2) {
+            let visible = pair[0].opacity > 0.0 || pair[1].opacity > 0.0;
+            assert!(!visible || pair[0].colour == pair[1].colour, "{name}: {pair:?}");
+        }
+    }
+}
+
+/// The reference file states the defaults as comments and lines; this holds its words to the program.
+#[test]
+fn the_reference_states_every_field() {
+    let (_, text) = BUILT_IN[0];
+    for field in [
+        "azimuth",
+        "elevation",
+        "roll",
+        "size",
+        "zoom",
+        "background",
+        "planes_per_voxel",
+        "rays_per_voxel",
+        "unit_distance",
+        "points",
+        "ambient",
+        "diffuse",
+        "specular",
+        "exponent",
+        "highlight",
+        "direction",
+        "frame",
+        "colour",
+        "blend",
+        "precision",
+        "table",
+        "lookup",
+        "early_termination",
+    ] {
+        assert!(text.contains(&format!("{field} = ")), "{field}");
+    }
+    let commented = text.replace("# size =", "size =").replace("# table =", "table =");
+    let commented = commented
+        .replace("# lookup =", "lookup =")
+        .replace("# early_term", "early_term");
+    let all = scene(&commented).unwrap();
+    assert_eq!((all.image.size, all.early_termination), (Some([512, 512]), Some(12)));
+    assert_eq!(
+        (all.table, all.lookup),
+        (Some(AlphaCodeName::Sqrt16), Some(LookupName::Nearest))
+    );
+}
+
+#[test]
+fn what_is_left_out_has_its_default() {
+    let scene = with("").unwrap();
+    assert_eq!((scene.view, scene.image, scene.sampling), Default::default());
+    assert_eq!((scene.lighting, scene.transfer.unit_distance), (None, 1.0));
+    assert_eq!(
+        (scene.blend, scene.precision),
+        (Blend::FrontToBack, PrecisionName::Compact)
+    );
+    assert_eq!((scene.table, scene.lookup, scene.early_termination), (None, None, None));
+    assert_eq!(with("[lighting]").unwrap().lighting, Some(Lighting::default()));
+}
+
+#[test]
+fn every_field_arrives() {
+    let scene = with(
+        "[view]\nroll = -5\n[image]\nsize = [3, 4]\nzoom = 2\nbackground = [0, 0.5, 1]\n\
+         [sampling]\nplanes_per_voxel = 16\nrays_per_voxel = 8\n\
+         [lighting]\nexponent = 256\nhighlight = \"half-vector\"\n\
+         [[lighting.lights]]\ndirection = [0, -3e200, 4e200]\nframe = \"volume\"\ncolour = \"#ff0000\"\n\
+         [render]\nblend = \"minimum\"\nprecision = \"wide\"\ntable = \"sqrt8\"\nlookup = \"linear\"\nearly_termination = 20",
+    )
+    .unwrap();
+    assert_eq!(
+        (scene.view.roll, scene.image.size, scene.image.zoom),
+        (-5.0, Some([3, 4]), 2.0)
+    );
+    assert_eq!(scene.image.background, [0.0, 0.5, 1.0]);
+    assert_eq!(
+        scene.sampling,
+        Sampling {
+            planes_per_voxel: 16,
+            rays_per_voxel: 8
+        }
+    );
+    let lighting = scene.lighting.unwrap();
+    assert_eq!((lighting.exponent_log2, lighting.highlight), (8, Highlight::HalfVector));
+    assert_eq!(
+        (lighting.lights[0].frame, lighting.lights[0].colour),
+        (Frame::Volume, [1.0, 0.0, 0.0])
+    );
+    for (got, want) in lighting.lights[0].direction.iter().zip([0.0, -0.6, 0.8]) {
+        assert!((got - want).abs() < 1e-15, "{got} {want}");
+    }
+    assert_eq!((scene.blend, scene.precision), (Blend::Minimum, PrecisionName::Wide));
+    assert_eq!(
+        (scene.table, scene.lookup),
+        (Some(AlphaCodeName::Sqrt8), Some(LookupName::Linear))
+    );
+    assert_eq!(scene.early_termination, Some(20));
+}
+
+#[test]
+fn values_out_of_range_are_refused_with_field_value_and_range() {
+    for (lines, expected) in [
+        (
+            "[view]\nazimuth = nan",
+            "`view.azimuth` is NaN, expected a number from -360 to 360",
+        ),
+        ("[view]\nazimuth = inf", "`view.azimuth` is inf, expected"),
+        (
+            "[view]\nelevation = 90.5",
+            "`view.elevation` is 90.5, expected a number from -90 to 90",
+        ),
+        (
+            "[view]\nroll = 361",
+            "`view.roll` is 361, expected a number from -360 to 360",
+        ),
+        (
+            "[image]\nsize = [0, 1]",
+            "`image.size[0]` is 0, expected a whole number from 1 to 16384",
+        ),
+        ("[image]\nsize = [1, 16385]", "`image.size[1]` is 16385, expected"),
+        (
+            "[image]\nzoom = 0",
+            "`image.zoom` is 0, expected a number from 0.01 to 100",
+        ),
+        (
+            "[image]\nbackground = [0, 0, 1.5]",
+            "`image.background` is [0.0, 0.0, 1.5], expected \"#rrggbb\" or",
+        ),
+        (
+            "[image]\nbackground = \"black\"",
+            "`image.background` is \"black\", expected \"#rrggbb\" or three numbers",
+        ),
+        (
+            "[sampling]\nplanes_per_voxel = 0",
+            "`sampling.planes_per_voxel` is 0, expected a whole number from 1 to 16",
+        ),
+        ("[sampling]\nplanes_per_voxel = 17", "`sampling.planes_per_voxel` is 17"),
+        (
+            "[sampling]\nrays_per_voxel = -9",
+            "`sampling.rays_per_voxel` is -9, expected a whole number from 1 to 8",
+        ),
+        (
+            "[lighting]\nambient = 1.1",
+            "`lighting.ambient` is 1.1, expected a number from 0 to 1",
+        ),
+        ("[lighting]\ndiffuse = -0.1", "`lighting.diffuse` is -0.1"),
+        ("[lighting]\nspecular = nan", "`lighting.specular` is NaN"),
+        (
+            "[lighting]\nexponent = 33",
+            "`lighting.exponent` is 33, expected a power of two from 1 to 256",
+        ),
+        ("[lighting]\nexponent = 0", "`lighting.exponent` is 0"),
+        ("[lighting]\nexponent = 512", "`lighting.exponent` is 512"),
+        (
+            "[lighting]\nexponent = -4294967295",
+            "`lighting.exponent` is -4294967295",
+        ),
+        (
+            "[lighting]\nlights = []",
+            "`lighting.lights` is a list of 0, expected 1 to 8 entries",
+        ),
+        (
+            "[[lighting.lights]]\ndirection = [0, 0, 0]",
+            "`lighting.lights[0].direction` is [0.0, 0.0, 0.0], expected three",
+        ),
+        (
+            "[[lighting.lights]]\ndirection = [0, nan, 1]",
+            "`lighting.lights[0].direction` is [0.0, NaN, 1.0]",
+        ),
+        (
+            "[[lighting.lights]]\ndirection = [0, inf, 1]",
+            "`lighting.lights[0].direction`",
+        ),
+        (
+            "[[lighting.lights]]\ndirection = [0, 0, 1]\ncolour = [2, 0, 0]",
+            "`lighting.lights[0].colour` is [2.0, 0.0",
+        ),
+        (
+            "[render]\nearly_termination = 0",
+            "`render.early_termination` is 0, expected a whole number from 1 to 20",
+        ),
+        ("[render]\nearly_termination = 21", "`render.early_termination` is 21"),
+    ] {
+        let text = with(lines).unwrap_err().to_string();
+        assert!(
+            text.starts_with("s.toml: ") && text.contains(expected),
+            "{lines}: {text}"
+        );
+    }
+    let nine = "[[lighting.lights]]\ndirection = [0, 0, 1]\n".repeat(9);
+    assert!(
+        with(&nine)
+            .unwrap_err()
+            .to_string()
+            .contains("`lighting.lights` is a list of 9, expected 1 to 8 entries")
+    );
+}
+
+#[test]
+fn impossible_transfer_functions_are_refused() {
+    let a = "{ value = 5, colour = [1, 1, 1], opacity = 0.5 }";
+    for (text, expected) in [
+        (
+            String::new(),
+            "`transfer.points` is a list of 0, expected 1 to 4096 entries",
+        ),
+        (
+            format!("{a}, {{ value = 4, colour = [1, 1, 1], opacity = 0 }}"),
+            "`transfer.points[1].value` is 4, expected 5 or more: points ascend",
+        ),
+        (
+            format!("{a}, {a}, {a}"),
+            "`transfer.points[2].value` is 5, expected at most two points of a value",
+        ),
+        (
+            format!("{a}, {{ value = nan, colour = [1, 1, 1], opacity = 0 }}"),
+            "`transfer.points[1].value` is NaN, expected a number from -1000000000000 to 1000000000000",
+        ),
+        (
+            "{ value = 0, colour = [1, 1, 1], opacity = 1.01 }".into(),
+            "`transfer.points[0].opacity` is 1.01, expected a number from 0 to 1",
+        ),
+        (
+            "{ value = 0, colour = \"#12345\", opacity = 1 }".into(),
+            "`transfer.points[0].colour` is \"#12345\", expected \"#rrggbb\"",
+        ),
+        (
+            "{ value = 0, colour = [1, 1, -1], opacity = 1 }".into(),
+            "`transfer.points[0].colour` is [1.0, 1.0, -1.0]",
+        ),
+        (vec![a; 4097].join(","), "`transfer.points` is a list of 4097"),
+    ] {
+        let message = points(&text).unwrap_err().to_string();
+        assert!(message.contains(expected), "{text:.60}: {message}");
+    }
+    let text = format!("[transfer]\nunit_distance = 0\npoints = [{a}]");
+    let message = scene(&text).unwrap_err().to_string();
+    assert!(
+        message.contains("`transfer.unit_distance` is 0, expected a number from 0.000001 to 1000000"),
+        "{message}"
+    );
+}
+
+#[test]
+fn unknown_and_missing_fields_and_wrong_types_are_refused() {
+    for (lines, expected) in [
+        (
+            "[view]\nazimut = 1",
+            "unknown field `azimut`, expected one of `azimuth`, `elevation`, `roll`",
+        ),
+        ("[camera]", "unknown field `camera`"),
+        (
+            "[render]\nblend = \"mip\"",
+            "unknown variant `mip`, expected one of `front-to-back`",
+        ),
+        ("[render]\ntable = \"linear\"", "unknown variant `linear`"),
+        ("[view]\nazimuth = \"left\"", "expected f64"),
+        ("[image]\nsize = [1]", "expected an array of length 2"),
+        ("[image]\nbackground = [1, 2]", "expected a colour"),
+        ("[image]\nbackground = 7", "expected a colour"),
+        ("[[lighting.lights]]\ncolour = \"#ffffff\"", "missing field `direction`"),
+        ("[view", "TOML parse error at line 3"),
+    ] {
+        let text = with(lines).unwrap_err().to_string();
+        assert!(
+            text.starts_with("s.toml: ") && text.contains(expected),
+            "{lines}: {text}"
+        );
+    }
+    assert!(
+        scene("[view]")
+            .unwrap_err()
+            .to_string()
+            .contains("missing field `transfer`")
+    );
+    assert!(
+        scene("[transfer]")
+            .unwrap_err()
+            .to_string()
+            .contains("missing field `points`")
+    );
+}
+
+#[test]
+fn files_are_read_and_bad_ones_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.toml");
+    let read_these = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        read(&path)
+    };
+    assert_eq!(read_these(MINIMAL.as_bytes()).unwrap(), with("").unwrap());
+    assert!(matches!(
+        read_these(b"# \xff\n").unwrap_err().fault,
+        SceneFault::NotUtf8
+    ));
+    let mut long = MINIMAL.as_bytes().to_vec();
+    long.resize(MAX_LEN as usize, b'\n');
+    assert!(read_these(&long).is_ok());
+    long.push(b'\n');
+    assert!(matches!(read_these(&long).unwrap_err().fault, SceneFault::TooLong));
+    assert!(matches!(read(folder.path()).unwrap_err().fault, SceneFault::NotAFile));
+    let missing = read(&folder.path().join("none.toml")).unwrap_err();
+    assert!(matches!(missing.fault, SceneFault::Io(_)) && missing.to_string().contains("none.toml: cannot read"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 500,
+        failure_persistence: None,
+        rng_seed: proptest::test_runner::RngSeed::Fixed(0x51CE_CA57),
+        ..ProptestConfig::default()
+    })]
+
+    /// Whatever a scene file says, reading ends with a checked scene or an error.
+    #[test]
+    fn mutated_scenes_never_panic(edits in prop::collection::vec((any::<prop::sample::Index>(), 0x20_u8..0x7f), 1..6)) {
+        let mut bytes = BUILT_IN[0].1.as_bytes().to_vec();
+        for (at, byte) in edits {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        if let Ok(scene) = scene(str::from_utf8(&bytes).unwrap()) {
+            prop_assert!(scene.check().is_ok());
+        }
+    }
+}

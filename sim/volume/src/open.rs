@@ -1,0 +1,266 @@
+//! Which reader a file or folder is for: by its first bytes, then by its name.
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+use super::error::{Problem, ReadError};
+use super::mapping::{MappingError, MappingReport, Window, map};
+use super::values::{Decoded, Modality, Orientation, Values};
+use super::{Volume, dicom, metaimage, nifti, nrrd, raw, tiff};
+
+/// The CT head that comes with the program, 64 x 64 x 93 voxels (see `sim/volume/data/LICENSE-headsq.txt`).
+const BUILT_IN: &[u8] = include_bytes!("../data/headsq-quarter.nrrd");
+
+/// What [`load`] and [`prepare`] can fail with.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// Its values cannot be mapped to 12 bits as asked.
+    #[error("{name}: {error}")]
+    Mapping {
+        /// Where the volume came from.
+        name: String,
+        /// What is wrong.
+        error: MappingError,
+    },
+}
+
+/// What a user may state about a volume beside its path.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Which of several DICOM series.
+    pub series: dicom::Choice,
+    /// The file is raw data of this shape, whatever it looks like.
+    pub raw: Option<raw::describe::Description>,
+}
+
+/// Reads a volume of any known format: a file, or a folder of slices.
+///
+/// # Errors
+/// As [`read_with`].
+pub fn read(path: &Path) -> Result<Decoded, ReadError> {
+    read_with(path, &Options::default())
+}
+
+/// Reads a volume of any known format. The first bytes decide before the name does. A raw file is read if the options
+/// describe it, a sidecar lies beside it or its name tells its shape.
+///
+/// # Errors
+/// [`ReadError`] if the file is a device, is of no known format, or its reader refuses it.
+pub fn read_with(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
+    if path.is_dir() {
+        return read_folder(path, options);
+    }
+    if let Some(description) = &options.raw {
+        return raw::read_described(path, description);
+    }
+    let (mut source, _) = open_regular(path)?;
+    let fail = |problem| ReadError::new(path, problem);
+    let start = source.fill_buf().map_err(Problem::io("read the file")).map_err(fail)?;
+    match Format::of(start, path) {
+        Some(Format::Nrrd) => nrrd::read(path),
+        Some(Format::Nifti) => nifti::read(path),
+        Some(Format::MetaImage) => metaimage::read(path),
+        Some(Format::Dicom) => dicom::read_with_file(path),
+        Some(Format::Tiff) => tiff::read(path),
+        None => match raw::read_by_sidecar(path) {
+            Some(read) => read,
+            None => Err(fail(Problem::UnknownFormat {
+                first_bytes: format!("\"{}\"", start[..start.len().min(8)].escape_ascii()),
+            })),
+        },
+    }
+}
+
+/// Reads a folder: a DICOM series, or TIFF slices.
+fn read_folder(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    let entries = fs::read_dir(path)
+        .map_err(Problem::io("read the folder"))
+        .map_err(fail)?;
+    let any_tiff = entries.flatten().any(|entry| tiff::has_name(&entry.path()));
+    match dicom::read_folder(path, &options.series) {
+        // Only a folder without a single DICOM image may be something else.
+        Err(ReadError {
+            problem: Problem::NoImages,
+            ..
+        }) if any_tiff => tiff::read_folder(path),
+        read => read,
+    }
+}
+
+/// The formats that state their own shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Nrrd,
+    Nifti,
+    MetaImage,
+    Dicom,
+    Tiff,
+}
+
+impl Format {
+    /// The format that a file's first bytes tell, else the one that its name tells.
+    fn of(start: &[u8], path: &Path) -> Option<Self> {
+        let by_content = [
+            (start.starts_with(b"NRRD"), Self::Nrrd),
+            (tiff::recognise(start), Self::Tiff),
+            (dicom::recognise(start), Self::Dicom),
+            (nifti::recognise(start), Self::Nifti),
+            (metaimage::recognise(start), Self::MetaImage),
+        ];
+        if let Some((_, format)) = by_content.into_iter().find(|(found, _)| *found) {
+            return Some(format);
+        }
+        let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
+        let ends = |endings: &[&str]| endings.iter().any(|ending| name.ends_with(ending));
+        [
+            (ends(&[".nrrd", ".nhdr"]), Self::Nrrd),
+            (ends(&[".nii", ".nii.gz", ".hdr"]), Self::Nifti),
+            (ends(&[".mhd", ".mha"]), Self::MetaImage),
+            (ends(&[".dcm"]), Self::Dicom),
+            (ends(&[".tif", ".tiff"]), Self::Tiff),
+        ]
+        .into_iter()
+        .find_map(|(named, format)| named.then_some(format))
+    }
+}
+
+/// Reads the built-in CT head: stored values 0 to 3926, in Hounsfield units after its offset of -1024.
+///
+/// # Errors
+/// None in a sound build; a test reads it.
+pub fn read_built_in() -> Result<Decoded, ReadError> {
+    nrrd::read_bytes(BUILT_IN, "built-in CT head")
+}
+
+/// A volume ready for the pipeline, and what the user should know about it.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// The volume in 12-bit codes.
+    pub volume: Volume,
+    /// What the mapping to codes did to the values.
+    pub report: MappingReport,
+    /// What was assumed or left aside in reading the file, a sentence each.
+    pub notes: Vec<String>,
+    /// What made the values, if the file says so.
+    pub modality: Option<Modality>,
+    /// How the volume lies in the patient.
+    pub orientation: Orientation,
+    /// Whether the stored values are integers.
+    pub integers: bool,
+}
+
+/// Reads a volume file, or the built-in CT head if there is no path, and maps it to 12 bits.
+///
+/// # Errors
+/// [`LoadError`] if the file cannot be read or its values cannot be mapped as asked.
+pub fn load(path: Option<&Path>, window: Window) -> Result<Loaded, LoadError> {
+    load_with(path, window, &Options::default())
+}
+
+/// As [`load`], with what the user states about the file.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with(path: Option<&Path>, window: Window, options: &Options) -> Result<Loaded, LoadError> {
+    let decoded = match path {
+        Some(path) => read_with(path, options)?,
+        None => read_built_in()?,
+    };
+    prepare(&decoded, window)
+}
+
+/// Maps a volume that has been read (as raw files have to be, by [`super::raw::read`]) to 12 bits.
+///
+/// # Errors
+/// [`LoadError::Mapping`] if its values cannot be mapped as asked.
+pub fn prepare(decoded: &Decoded, window: Window) -> Result<Loaded, LoadError> {
+    match map(decoded, window) {
+        Ok((volume, report)) => Ok(Loaded {
+            volume,
+            report,
+            notes: decoded.notes().to_vec(),
+            modality: decoded.modality(),
+            orientation: decoded.orientation().clone(),
+            integers: !matches!(decoded.values(), Values::F32(_) | Values::F64(_)),
+        }),
+        Err(error) => Err(LoadError::Mapping {
+            name: decoded.name().to_owned(),
+            error,
+        }),
+    }
+}
+
+/// Opens a file that is not empty and neither a folder nor a device; its length in bytes comes with it.
+///
+/// The kind is looked at before opening, since opening a pipe would wait for its writer.
+pub(super) fn open_regular(path: &Path) -> Result<(BufReader<File>, u64), ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    let kind = fs::metadata(path).map_err(Problem::io("find the file")).map_err(fail)?;
+    if kind.is_dir() {
+        return Err(fail(Problem::NotAFile { found: "a folder" }));
+    }
+    if !kind.is_file() {
+        return Err(fail(Problem::NotAFile {
+            found: "a device, pipe or socket",
+        }));
+    }
+    let file = File::open(path).map_err(Problem::io("open the file")).map_err(fail)?;
+    let len = file
+        .metadata()
+        .map_err(Problem::io("measure the file"))
+        .map_err(fail)?
+        .len();
+    if len == 0 {
+        return Err(fail(Problem::Empty));
+    }
+    Ok((BufReader::with_capacity(1 << 16, file), len))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_built_in_volume_is_the_documented_one() {
+        let Loaded {
+            volume, report, notes, ..
+        } = load(None, Window::Auto).unwrap();
+        assert!(notes.is_empty());
+        assert_eq!(volume.dims, [64, 64, 93]);
+        assert_eq!(volume.spacing, [3.2, 3.2, 1.5]);
+        assert_eq!(volume.voxels.iter().max(), Some(&3926));
+        assert_eq!(volume.voxels.iter().min(), Some(&0));
+        assert_eq!((volume.mapping.scale, volume.mapping.offset), (1.0, -1024.0));
+        assert!(report.lossless);
+    }
+
+    #[test]
+    fn content_decides_before_the_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("head.raw");
+        fs::write(&path, BUILT_IN).unwrap();
+        assert_eq!(read(&path).unwrap().dims(), [64, 64, 93]);
+        let path = folder.path().join("head.NRRD");
+        fs::write(&path, b"P5 1 1 255\n").unwrap();
+        assert!(matches!(read(&path).unwrap_err().problem, Problem::Magic { .. }));
+        let path = folder.path().join("head.xyz");
+        fs::write(&path, b"\x1f\x8b\x08\0abcdefgh").unwrap();
+        let message = read(&path).unwrap_err().to_string();
+        assert!(
+            message.contains("begins with \"\\x1f\\x8b\\x08\\x00abcd\", expected NRRD, NIfTI"),
+            "{message}"
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_refused() {
+        let error = read(Path::new("/dev/zero")).unwrap_err().to_string();
+        assert_eq!(error, "/dev/zero: is a device, pipe or socket, expected a regular file");
+    }
+}

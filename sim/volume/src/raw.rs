@@ -1,0 +1,209 @@
+//! Raw volumes: values without a header, in a shape that the user states ([`describe`]).
+
+pub mod describe;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use self::describe::Description;
+use super::error::{Problem, ReadError};
+use super::open::open_regular;
+use super::payload::{ByteSkip, Encoding, Layout, read_values};
+use super::values::{Decoded, Endian, ValueType, check_spacing};
+
+/// The format's name in messages.
+const NAME: &str = "raw";
+
+/// Bytes that a sidecar may have.
+const SIDECAR_MAX: u64 = 1 << 16;
+
+/// What a raw file holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawShape {
+    /// Voxels along x (fastest), y and z.
+    pub dims: [u64; 3],
+    /// Distance between voxels along x, y and z; any unit of length.
+    pub spacing: [f64; 3],
+    /// Number type of a voxel.
+    pub value_type: ValueType,
+    /// Byte order of a voxel; without effect on single bytes.
+    pub endian: Endian,
+    /// Bytes before the first voxel.
+    pub skip: u64,
+}
+
+/// Reads a raw file, which has to hold exactly the skipped bytes and the voxels.
+///
+/// # Errors
+/// [`ReadError`] if the shape is out of range, the file is no regular file, cannot be read or is shorter or longer than
+/// the shape says, or a voxel is NaN or infinite.
+pub fn read(path: &Path, shape: &RawShape) -> Result<Decoded, ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    check_spacing(shape.spacing).map_err(|error| ReadError::new(path, error))?;
+    let layout = Layout {
+        dims: shape.dims,
+        value_type: shape.value_type,
+        endian: shape.endian,
+        encoding: Encoding::Raw,
+        line_skip: 0,
+        byte_skip: ByteSkip::Bytes(shape.skip),
+    };
+    let (mut source, len) = open_regular(path)?;
+    let values = read_values(&layout, &mut source, len).map_err(fail)?;
+    let dims = shape.dims.map(|d| d as usize);
+    Decoded::new(path.display().to_string(), dims, shape.spacing, values).map_err(|error| ReadError::new(path, error))
+}
+
+/// Reads a raw file as described.
+///
+/// # Errors
+/// As [`read`]; and if the scale or the axes are not usable.
+pub fn read_described(path: &Path, description: &Description) -> Result<Decoded, ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    let decoded = read(path, &description.shape)?.with_modality(description.modality);
+    let decoded = decoded
+        .with_rescale(NAME, description.scale, description.offset)
+        .map_err(fail)?;
+    match description.directions {
+        Some(directions) => decoded.in_patient(directions).map_err(fail),
+        None => Ok(decoded),
+    }
+}
+
+/// Reads a raw file by the sidecar beside it, else by its name; `None` if neither tells a shape.
+///
+/// # Errors
+/// As [`read_described`]; a sidecar that cannot be read is the file at fault.
+pub fn read_by_sidecar(path: &Path) -> Option<Result<Decoded, ReadError>> {
+    let sidecar = describe::sidecar_path(path);
+    if sidecar.exists() {
+        return Some(sidecar_text(&sidecar).and_then(|text| {
+            let description = describe::from_toml(&text).map_err(|problem| ReadError::new(&sidecar, problem))?;
+            read_described(path, &description)
+        }));
+    }
+    let description = describe::from_name(path)?;
+    let note = "shape and type come from the file's name; little endian and spacing 1 are assumed";
+    Some(read_described(path, &description).map(|decoded| decoded.with_notes(vec![note.into()])))
+}
+
+/// A sidecar's text.
+fn sidecar_text(path: &Path) -> Result<String, ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    let (_, len) = open_regular(path)?;
+    if len > SIDECAR_MAX {
+        let limit = SIDECAR_MAX;
+        return Err(fail(Problem::HeaderTooLong { limit }));
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(Problem::io("open the file")).map_err(fail)?;
+    let read = file.take(SIDECAR_MAX).read_to_end(&mut bytes);
+    read.map_err(Problem::io("read the file")).map_err(fail)?;
+    String::from_utf8(bytes).map_err(|_| fail(Problem::format(NAME, "sidecar is not UTF-8 text")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::values::Values;
+
+    const SHAPE: RawShape = RawShape {
+        dims: [2, 1, 1],
+        spacing: [1.0, 2.0, 3.0],
+        value_type: ValueType::I16,
+        endian: Endian::Big,
+        skip: 1,
+    };
+
+    fn read_these(bytes: &[u8], shape: &RawShape) -> Result<Decoded, ReadError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("v.raw");
+        std::fs::write(&path, bytes).unwrap();
+        read(&path, shape)
+    }
+
+    #[test]
+    fn the_stated_shape_is_read() {
+        let volume = read_these(&[9, 0x01, 0x02, 0xff, 0xfe], &SHAPE).unwrap();
+        assert_eq!(volume.values(), &Values::I16(vec![0x0102, -2]));
+        assert_eq!((volume.dims(), volume.spacing()), ([2, 1, 1], [1.0, 2.0, 3.0]));
+        let little = RawShape {
+            endian: Endian::Little,
+            ..SHAPE
+        };
+        let volume = read_these(&[9, 0x01, 0x02, 0xff, 0xfe], &little).unwrap();
+        assert_eq!(volume.values(), &Values::I16(vec![0x0201, -257]));
+    }
+
+    #[test]
+    fn other_lengths_are_refused_before_memory_is_taken() {
+        for len in [1, 4, 6, 100] {
+            let error = read_these(&vec![0; len], &SHAPE).unwrap_err();
+            assert!(
+                matches!(error.problem, Problem::Length { expected: 4, .. }),
+                "{len}: {error}"
+            );
+        }
+        let huge = RawShape {
+            dims: [8192, 8192, 32],
+            value_type: ValueType::F64,
+            ..SHAPE
+        };
+        let error = read_these(&[0; 5], &huge).unwrap_err().to_string();
+        assert!(
+            error
+                .ends_with("has 4 bytes of data after the 1 skipped, expected 17179869184 for 8192 x 8192 x 32 double"),
+            "{error}"
+        );
+        let far = RawShape {
+            skip: u64::MAX,
+            ..SHAPE
+        };
+        assert!(matches!(
+            read_these(&[0; 5], &far).unwrap_err().problem,
+            Problem::Length { found: 0, .. }
+        ));
+    }
+
+    #[test]
+    fn impossible_shapes_and_values_are_refused() {
+        let flat = RawShape {
+            dims: [2, 0, 1],
+            ..SHAPE
+        };
+        assert!(matches!(
+            read_these(&[0; 5], &flat).unwrap_err().problem,
+            Problem::Shape(_)
+        ));
+        let spacing = RawShape {
+            spacing: [1.0, f64::NAN, 1.0],
+            ..SHAPE
+        };
+        assert!(matches!(
+            read_these(&[0; 5], &spacing).unwrap_err().problem,
+            Problem::Shape(_)
+        ));
+        let float = RawShape {
+            dims: [1, 1, 1],
+            value_type: ValueType::F32,
+            ..SHAPE
+        };
+        let mut bytes = vec![0];
+        bytes.extend(f32::NAN.to_be_bytes());
+        assert!(matches!(
+            read_these(&bytes, &float).unwrap_err().problem,
+            Problem::Shape(_)
+        ));
+    }
+
+    #[test]
+    fn folders_and_missing_and_empty_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = read(folder.path(), &SHAPE).unwrap_err();
+        assert!(matches!(error.problem, Problem::NotAFile { found: "a folder" }));
+        let error = read(&folder.path().join("none"), &SHAPE).unwrap_err();
+        assert!(matches!(error.problem, Problem::Io { .. }));
+        assert!(matches!(read_these(&[], &SHAPE).unwrap_err().problem, Problem::Empty));
+    }
+}
