@@ -19,15 +19,17 @@ use slicecast::plane::{ChannelOf, Pipeline};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Phong, Shader};
 use slicecast::slice::Slice;
+use slicecast_engine::camera::Material;
+use slicecast_engine::expanded::Expanded;
+use slicecast_engine::image::new_image;
+use slicecast_engine::pipelines::Job;
+use slicecast_engine::simd::{OverLanes, Simd, with_lanes};
+use slicecast_engine::table::Table;
+use slicecast_engine::threads::on_threads;
+use slicecast_engine::tiles::{TILE_ROWS, fold_tiles};
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
-use slicecast_sim::camera::Material;
-use slicecast_sim::engine::{TILE_ROWS, fold_tiles, new_image, on_threads};
-use slicecast_sim::expanded::Expanded;
-use slicecast_sim::pipelines::Job;
-use slicecast_sim::scene::{AlphaCodeName, LookupName, PrecisionName};
-use slicecast_sim::simd::{OverLanes, Simd, with_lanes};
-use slicecast_sim::table::Table;
+use slicecast_scene::{AlphaCodeName, LookupName, PrecisionName};
 
 const WIDTH: usize = 256;
 

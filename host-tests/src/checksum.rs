@@ -11,8 +11,10 @@ use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
 use slicecast::slice::Slice;
 use slicecast::tap::{Beam, Tap};
-use slicecast_sim::engine::{BaseImage, Layer, fold_tiles_tapped, new_image};
-use slicecast_sim::pipelines::Job;
+use slicecast_engine::frame::Layer;
+use slicecast_engine::image::{BaseImage, new_image};
+use slicecast_engine::pipelines::Job;
+use slicecast_engine::tiles::fold_tiles_tapped;
 
 use crate::frame::Frame;
 use crate::random::mixed;

@@ -12,7 +12,7 @@ use slicecast::lanes::{Lanes, places};
 use slicecast::normalise::reciprocal_root;
 use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::shade::power;
-use slicecast_sim::simd::{OverLanes, Simd, with_lanes};
+use slicecast_engine::simd::{OverLanes, Simd, with_lanes};
 
 /// A property: its name, what it says, and its check over every `stride`-th input, which gives the number of inputs or
 /// the first counterexample found.

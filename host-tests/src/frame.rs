@@ -8,13 +8,13 @@ use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::slice::Slice;
 use slicecast::view::View;
 use slicecast::warp::Warp;
-use slicecast_sim::camera::{CameraError, Material, Picture, Setup};
-use slicecast_sim::engine::Prepared;
-use slicecast_sim::oriented::with_slices;
-use slicecast_sim::scene::{self, AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
-use slicecast_sim::simd::Simd;
-use slicecast_sim::table::Table;
-use slicecast_sim::volume::Volume;
+use slicecast_engine::camera::{CameraError, Material, Picture, Setup};
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::oriented::with_slices;
+use slicecast_engine::simd::Simd;
+use slicecast_engine::table::Table;
+use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
+use slicecast_volume::Volume;
 
 /// Everything that decides a frame's bits.
 #[derive(Clone, Debug)]
@@ -75,10 +75,10 @@ impl Frame {
     /// The frame's scene: of it the engine reads blend, precision and early termination; the rest is decided already.
     pub fn scene(&self) -> Scene {
         Scene {
-            view: scene::View::default(),
-            image: scene::Image::default(),
-            sampling: scene::Sampling::default(),
-            transfer: scene::TransferFunction {
+            view: slicecast_scene::View::default(),
+            image: slicecast_scene::Image::default(),
+            sampling: slicecast_scene::Sampling::default(),
+            transfer: slicecast_scene::TransferFunction {
                 unit_distance: 1.0,
                 points: Vec::new(),
             },

@@ -1,6 +1,6 @@
 //! Numbers and volumes that are the same on every machine: integers only.
 
-use slicecast_sim::volume::{Mapping, Volume};
+use slicecast_volume::{Mapping, Volume};
 
 /// SplitMix64 (Steele, Lea, Flood 2014): every seed gives a different sequence of 64-bit numbers.
 #[derive(Clone, Debug)]

@@ -9,8 +9,11 @@ use slicecast::plan::{Phase, Plan};
 use slicecast::plane::Pipeline;
 use slicecast::slice::Slice;
 use slicecast::tap::{Beam, Tap};
-use slicecast_sim::engine::{BaseImage, Layer, base_image, fold_tiles_tapped, new_image, stream_tapped};
-use slicecast_sim::pipelines::Job;
+use slicecast_engine::frame::Layer;
+use slicecast_engine::image::{BaseImage, base_image, new_image};
+use slicecast_engine::pipelines::Job;
+use slicecast_engine::stream::stream_tapped;
+use slicecast_engine::tiles::fold_tiles_tapped;
 
 use crate::frame::Frame;
 

@@ -1,12 +1,12 @@
 //! The pipeline's definitions, applied to one ray at a time, with every value on the way kept.
 //!
-//! The rays are those of `slicecast_sim::rays`: core's scalar definitions and nothing else, and here nothing is ever
+//! The rays are those of `slicecast_engine::rays`: core's scalar definitions and nothing else, and here nothing is ever
 //! skipped. Whatever the layers leave out must therefore be without effect.
 
 use slicecast::composite::{Channel, Pixel};
-use slicecast_sim::engine::BaseImage;
-use slicecast_sim::rays::{self, Composited, Visit, Witness};
-use slicecast_sim::scene::Blend;
+use slicecast_engine::image::BaseImage;
+use slicecast_engine::rays::{self, Composited, Visit, Witness};
+use slicecast_scene::Blend;
 
 use crate::frame::Frame;
 use crate::record::{Bits, Divergence, Place, Recording, Stage};

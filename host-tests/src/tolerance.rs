@@ -1,12 +1,12 @@
 //! The tolerance table: how far each stage may be from f64 on its own inputs, in units of the last place of its own
-//! format (`slicecast_sim::compare::stages`: opacity counts in 2^-16, colour in 2^-8), and why.
+//! format (`slicecast_compare::stages`: opacity counts in 2^-16, colour in 2^-8), and why.
 //!
 //! An allowance is the bound that the stage's contract proves, where the test scenes come near it, or else the worst
 //! that they were measured to do. A stage that exceeds its line fails, and so does a line of which a stage needs less than
 //! [`STALE`]: bounds are to be tightened when the pipeline gets better.
 
-use slicecast_sim::compare::stages::Stage;
-use slicecast_sim::scene::PrecisionName;
+use slicecast_compare::stages::Stage;
+use slicecast_scene::PrecisionName;
 
 /// The share of its allowance that a stage must use.
 pub const STALE: f64 = 0.6;

@@ -20,14 +20,14 @@ use std::sync::Arc;
 
 use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
+use slicecast_engine::camera::Material;
 use slicecast_host_tests::checksum::of_frame;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, volume};
-use slicecast_sim::camera::Material;
-use slicecast_sim::scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
-use slicecast_sim::volume::Volume;
-use slicecast_sim::volume::mapping::Window;
-use slicecast_sim::volume::open::load;
+use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
+use slicecast_volume::Volume;
+use slicecast_volume::mapping::Window;
+use slicecast_volume::open::load;
 
 const HEAD: &str = "\
 # Checksums of the frames in tests/golden.rs: frame/precision/boundary: 64 bits, hexadecimal.

@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use slicecast_compare::stages::Stage;
+use slicecast_compare::{ModelPositions, compare};
+use slicecast_engine::frame::Prepared;
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_host_tests::tolerance::{STALE, TABLE};
-use slicecast_sim::compare::stages::Stage;
-use slicecast_sim::compare::{ModelPositions, compare};
-use slicecast_sim::engine::Prepared;
-use slicecast_sim::scene::file::{built_in, parse};
-use slicecast_sim::scene::{PrecisionName, Scene};
-use slicecast_sim::volume::Volume;
-use slicecast_sim::volume::mapping::Window;
-use slicecast_sim::volume::open::load;
+use slicecast_scene::file::{built_in, parse};
+use slicecast_scene::{PrecisionName, Scene};
+use slicecast_volume::Volume;
+use slicecast_volume::mapping::Window;
+use slicecast_volume::open::load;
 
 /// Ripples in voxels of 1 x 0.8 x 2.5, seen obliquely: a half-vector highlight of exponent 256, coloured lights.
 const RIPPLES: &str = r##"

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::scene::{AlphaCodeName, TransferFunction};
-use crate::table::{Correction, Table};
-use crate::volume::Mapping;
+use slicecast_engine::table::{Correction, Table};
+use slicecast_scene::{AlphaCodeName, TransferFunction};
+use slicecast_volume::Mapping;
 
 /// The languages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,7 +156,7 @@ pub fn losses(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{LookupName, Point};
+    use slicecast_scene::{LookupName, Point};
 
     const MAPPING: Mapping = Mapping {
         scale: 1.0,

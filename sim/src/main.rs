@@ -4,6 +4,8 @@
 //! standard output, errors and progress to standard error.
 
 mod cli;
+mod export;
+mod presets;
 
 use std::process::ExitCode;
 

@@ -10,13 +10,13 @@
 //! | labels         | few whole numbers                | every label in a colour of its own       |
 //! | fog            | anything                         | everything, thin                         |
 
-use crate::scene::file::{self, SceneError};
-use crate::scene::{Blend, check};
-use crate::scene::{Image, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
-use crate::volume::Volume;
-use crate::volume::open::Loaded;
-use crate::volume::statistics::Statistics;
-use crate::volume::values::Modality;
+use slicecast_scene::file::{self, SceneError};
+use slicecast_scene::{Blend, check};
+use slicecast_scene::{Image, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
+use slicecast_volume::Volume;
+use slicecast_volume::open::Loaded;
+use slicecast_volume::statistics::Statistics;
+use slicecast_volume::values::Modality;
 
 /// The names of the presets, those for CT first.
 pub const NAMES: [&str; 7] = [
@@ -246,9 +246,9 @@ fn fog(volume: &Volume, statistics: &Statistics) -> TransferFunction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::mapping::Window;
-    use crate::volume::open;
-    use crate::volume::values::{Decoded, Values};
+    use slicecast_volume::mapping::Window;
+    use slicecast_volume::open;
+    use slicecast_volume::values::{Decoded, Values};
 
     fn loaded(values: Values, modality: Option<Modality>) -> Loaded {
         let decoded = Decoded::new("t".into(), [values.len(), 1, 1], [1.0; 3], values).unwrap();

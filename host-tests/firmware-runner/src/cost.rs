@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use slicecast_firmware_shared::boundary::STAGES;
-use slicecast_sim::scene::PrecisionName;
+use slicecast_scene::PrecisionName;
 
 use crate::References;
 use crate::footprint::Footprint;

@@ -8,12 +8,14 @@ use slicecast::plane::Pipeline;
 use slicecast::slice::Slice;
 use slicecast::stream::base_pixel;
 use slicecast::tap::{Beam, Tap};
+use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::image::new_image;
+use slicecast_engine::oriented::with_slices;
+use slicecast_engine::pipelines::Job;
+use slicecast_engine::tiles::fold_tiles_tapped;
 use slicecast_firmware_shared::boundary::{Boundaries, STAGES};
 use slicecast_firmware_shared::image::add_rgb;
 use slicecast_firmware_shared::sum::Sum;
-use slicecast_sim::engine::{Layer, Prepared, fold_tiles_tapped, new_image};
-use slicecast_sim::oriented::with_slices;
-use slicecast_sim::pipelines::Job;
 
 use crate::scenes::{Kind, Named};
 use crate::shell::Failure;

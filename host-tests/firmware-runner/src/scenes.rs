@@ -4,15 +4,15 @@
 use std::fmt::Write as _;
 
 use slicecast::format::Direction;
-use slicecast_sim::engine::Prepared;
-use slicecast_sim::oriented::{packed, with_slices};
-use slicecast_sim::pipelines::compile;
-use slicecast_sim::scene::file::parse;
-use slicecast_sim::scene::{Highlight, PrecisionName, Scene};
-use slicecast_sim::table::Table;
-use slicecast_sim::volume::Volume;
-use slicecast_sim::volume::mapping::Window;
-use slicecast_sim::volume::open::load;
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::oriented::{packed, with_slices};
+use slicecast_engine::pipelines::compile;
+use slicecast_engine::table::Table;
+use slicecast_scene::file::parse;
+use slicecast_scene::{Highlight, PrecisionName, Scene};
+use slicecast_volume::Volume;
+use slicecast_volume::mapping::Window;
+use slicecast_volume::open::load;
 
 use crate::shell::{Failure, fail};
 

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
+use slicecast_engine::camera::Material;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
-use slicecast_sim::camera::Material;
-use slicecast_sim::scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
+use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 
 /// Vectors of length 1 in s1.15 (to 1e-5), and their opposites.
 const UNITS: [[i32; 3]; 6] = [

@@ -6,13 +6,13 @@ use slicecast::format::{Coefficient, Vector};
 use slicecast::normalise::{normalise, unit};
 use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::shade::{Highlight, Light, keep_vector};
+use slicecast_engine::camera::Material;
+use slicecast_engine::frame::Layer;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_host_tests::record::{Place, Stage, recorded};
-use slicecast_sim::camera::Material;
-use slicecast_sim::engine::Layer;
-use slicecast_sim::scene::PrecisionName;
-use slicecast_sim::volume::Volume;
+use slicecast_scene::PrecisionName;
+use slicecast_volume::Volume;
 
 /// A direction as a unit vector, s1.30.
 fn towards(v: [f64; 3]) -> [Vector; 3] {

@@ -2,9 +2,9 @@
 //! A series of up to eight files, separated by `<next>`: a volume or an error of one line.
 
 use libfuzzer_sys::fuzz_target;
-use slicecast_sim::volume::dicom::{self, Choice};
-use slicecast_sim::volume::mapping::Window;
-use slicecast_sim::volume::open;
+use slicecast_volume::dicom::{self, Choice};
+use slicecast_volume::mapping::Window;
+use slicecast_volume::open;
 
 fuzz_target!(|bytes: &[u8]| {
     let mut files = Vec::new();

@@ -2,8 +2,8 @@
 //! Whatever a file says, reading ends with a volume or an error of one line.
 
 use libfuzzer_sys::fuzz_target;
-use slicecast_sim::volume::mapping::Window;
-use slicecast_sim::volume::{metaimage, open};
+use slicecast_volume::mapping::Window;
+use slicecast_volume::{metaimage, open};
 
 fuzz_target!(|bytes: &[u8]| {
     match metaimage::read_bytes(bytes, "fuzz") {

@@ -2,7 +2,7 @@
 //! Descriptions of raw files: sidecars and lines of words.
 
 use libfuzzer_sys::fuzz_target;
-use slicecast_sim::volume::raw::describe;
+use slicecast_volume::raw::describe;
 
 fuzz_target!(|text: &str| {
     for read in [describe::from_toml(text), describe::from_words(text)] {

@@ -2,9 +2,9 @@
 //! Scene files; what passes is compiled to a table.
 
 use libfuzzer_sys::fuzz_target;
-use slicecast_sim::scene::{AlphaCodeName, LookupName, file};
-use slicecast_sim::table::{Correction, Table};
-use slicecast_sim::volume::Mapping;
+use slicecast_scene::{AlphaCodeName, LookupName, file};
+use slicecast_engine::table::{Correction, Table};
+use slicecast_volume::Mapping;
 
 fuzz_target!(|text: &str| {
     if let Ok(scene) = file::parse(text, "fuzz") {

@@ -2,8 +2,8 @@
 //! Whatever a file says, reading ends with a volume or an error of one line.
 
 use libfuzzer_sys::fuzz_target;
-use slicecast_sim::volume::mapping::Window;
-use slicecast_sim::volume::{tiff, open};
+use slicecast_volume::mapping::Window;
+use slicecast_volume::{tiff, open};
 
 fuzz_target!(|bytes: &[u8]| {
     match tiff::read_bytes(bytes, "fuzz") {

@@ -2,10 +2,10 @@
 //! Transfer functions of other programs; what passes is compiled to a table.
 
 use libfuzzer_sys::fuzz_target;
-use slicecast_sim::scene::import::{self, Kind};
-use slicecast_sim::scene::{AlphaCodeName, LookupName};
-use slicecast_sim::table::{Correction, Table};
-use slicecast_sim::volume::Mapping;
+use slicecast_scene::import::{self, Kind};
+use slicecast_scene::{AlphaCodeName, LookupName};
+use slicecast_engine::table::{Correction, Table};
+use slicecast_volume::Mapping;
 
 fuzz_target!(|text: &str| {
     for kind in [Kind::SlicerText, Kind::SlicerJson, Kind::ParaView] {

@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use clap::builder::RangedU64ValueParser;
 use serde::Serialize;
-use slicecast_sim::bench::scenes::{Fog, SIDES, cube, cube_bytes, everything, fog};
-use slicecast_sim::bench::{Beside, Engine, Row, Subject, Threads, beside, measure};
-use slicecast_sim::scene::{Blend, PrecisionName, Scene};
-use slicecast_sim::simd::Simd;
-use slicecast_sim::volume::Volume;
+use slicecast_bench::scenes::{Fog, SIDES, cube, cube_bytes, everything, fog};
+use slicecast_bench::{Beside, Engine, Row, Subject, Threads, beside, measure};
+use slicecast_engine::simd::Simd;
+use slicecast_scene::{Blend, PrecisionName, Scene};
+use slicecast_volume::Volume;
 
 use super::Failure;
 use super::inputs::{SceneArgs, VolumeArgs};

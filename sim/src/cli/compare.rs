@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
-use slicecast_sim::compare::image::ImageFigures;
-use slicecast_sim::compare::stages::StageReport;
-use slicecast_sim::compare::statistics::Figures;
-use slicecast_sim::compare::{Comparison, ModelPositions, Split, compare, split};
-use slicecast_sim::engine::{Prepared, on_threads};
-use slicecast_sim::exchange;
-use slicecast_sim::scene::{AlphaCodeName, LookupName};
+use slicecast_compare::exchange;
+use slicecast_compare::image::ImageFigures;
+use slicecast_compare::stages::StageReport;
+use slicecast_compare::statistics::Figures;
+use slicecast_compare::{Comparison, ModelPositions, Split, compare, split};
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::threads::on_threads;
+use slicecast_scene::{AlphaCodeName, LookupName};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};

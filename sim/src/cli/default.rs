@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use slicecast_sim::compare::image::{heat_map, model_picture};
-use slicecast_sim::compare::{Comparison, ModelPositions, compare};
-use slicecast_sim::engine::{Layer, Prepared, on_threads};
-use slicecast_sim::scene::{self, PrecisionName, Scene};
-use slicecast_sim::volume::mapping::Window;
-use slicecast_sim::volume::open::load;
+use slicecast_compare::image::{heat_map, model_picture};
+use slicecast_compare::{Comparison, ModelPositions, compare};
+use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::threads::on_threads;
+use slicecast_scene::{PrecisionName, Scene};
+use slicecast_volume::mapping::Window;
+use slicecast_volume::open::load;
 
 use super::Failure;
 use super::compare::figured;
@@ -55,7 +56,7 @@ impl Args {
         let [nx, ny, nz] = loaded.volume.dims;
         println!("CT head, {nx} x {ny} x {nz} voxels; {}", loaded.report);
         println!("scene: sim/scene/scenes/headsq.toml\n");
-        let base = scene::file::built_in(scene::file::DEFAULT).map_err(Failure::input)?;
+        let base = slicecast_scene::file::built_in(slicecast_scene::file::DEFAULT).map_err(Failure::input)?;
         let mut summary = Vec::new();
         let mut written = Vec::new();
         for precision in PrecisionName::ALL {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use slicecast_sim::engine::Prepared;
-use slicecast_sim::explain::{ExplainError, Explanation, explain, ray_of};
+use slicecast_compare::explain::{ExplainError, Explanation, explain, ray_of};
+use slicecast_engine::frame::Prepared;
 
 use super::Failure;
 use super::inputs::{SceneArgs, VolumeArgs};

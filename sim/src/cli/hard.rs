@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use comfy_table::CellAlignment;
-use slicecast_sim::study::hard::{Case, Size, run};
+use slicecast_laboratory::hard::{Case, Size, run};
 
 use super::Failure;
 use super::output::{check_free, write_file};

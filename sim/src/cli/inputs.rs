@@ -3,19 +3,19 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use crate::presets;
 use clap::ValueEnum;
-use slicecast_sim::presets;
-use slicecast_sim::scene::View;
-use slicecast_sim::scene::import::{self, Shading};
-use slicecast_sim::scene::{self, AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
-use slicecast_sim::simd::Simd;
-use slicecast_sim::volume::dicom::Choice;
-use slicecast_sim::volume::mapping::Window;
-use slicecast_sim::volume::open::{self, Loaded, Options, prepare};
-use slicecast_sim::volume::raw::RawShape;
-use slicecast_sim::volume::raw::describe::{self, Description};
-use slicecast_sim::volume::statistics::Statistics;
-use slicecast_sim::volume::values::{Decoded, Endian, Orientation, ValueType};
+use slicecast_engine::simd::Simd;
+use slicecast_scene::View;
+use slicecast_scene::import::{self, Shading};
+use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
+use slicecast_volume::dicom::Choice;
+use slicecast_volume::mapping::Window;
+use slicecast_volume::open::{self, Loaded, Options, prepare};
+use slicecast_volume::raw::RawShape;
+use slicecast_volume::raw::describe::{self, Description};
+use slicecast_volume::statistics::Statistics;
+use slicecast_volume::values::{Decoded, Endian, Orientation, ValueType};
 
 use super::Failure;
 
@@ -244,19 +244,19 @@ impl SceneArgs {
 
     /// Reads the scene and applies the overrides, without a volume.
     pub fn load(&self) -> Result<Scene, Failure> {
-        self.finish(self.read(scene::file::DEFAULT, None)?)
+        self.finish(self.read(slicecast_scene::file::DEFAULT, None)?)
     }
 
     /// As [`SceneArgs::load`]; without a scene named, the one that fits the volume, which is told.
     pub fn load_for(&self, volume: &VolumeArgs, loaded: &Loaded) -> Result<Scene, Failure> {
-        self.load_or(scene::file::DEFAULT, volume, loaded)
+        self.load_or(slicecast_scene::file::DEFAULT, volume, loaded)
     }
 
     /// As [`SceneArgs::load_for`], with another scene for the built-in volume and for what looks like it.
     pub fn load_or(&self, default: &'static str, volume: &VolumeArgs, loaded: &Loaded) -> Result<Scene, Failure> {
         let statistics = Statistics::of(&loaded.volume);
         let (fitting, reason) = presets::suggest(loaded, &statistics);
-        let default = if volume.is_named() && fitting != scene::file::DEFAULT {
+        let default = if volume.is_named() && fitting != slicecast_scene::file::DEFAULT {
             fitting
         } else {
             default
@@ -274,14 +274,14 @@ impl SceneArgs {
     fn read(&self, default: &str, fitted: Option<(&Loaded, &Statistics)>) -> Result<Scene, Failure> {
         let path = self.scene.clone().unwrap_or_else(|| default.into());
         let name = path.to_str().unwrap_or("");
-        let built_in = scene::file::BUILT_IN.iter().any(|(known, _)| *known == name);
+        let built_in = slicecast_scene::file::BUILT_IN.iter().any(|(known, _)| *known == name);
         let read = match fitted {
-            _ if path.exists() && self.scene.is_some() => scene::file::read(&path),
+            _ if path.exists() && self.scene.is_some() => slicecast_scene::file::read(&path),
             Some((loaded, statistics)) if presets::NAMES.contains(&name) && (self.scene.is_none() || !built_in) => {
                 presets::scene(name, &loaded.volume, statistics)
             }
-            _ if built_in => scene::file::built_in(name),
-            _ => scene::file::read(&path),
+            _ if built_in => slicecast_scene::file::built_in(name),
+            _ => slicecast_scene::file::read(&path),
         };
         read.map_err(Failure::input)
     }

@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
+use crate::presets;
 use serde::Serialize;
-use slicecast_sim::engine::{Layer, Prepared, TILE_ROWS};
-use slicecast_sim::pipelines::Job;
-use slicecast_sim::presets;
-use slicecast_sim::volume::open::Loaded;
-use slicecast_sim::volume::statistics::Statistics;
-use slicecast_sim::volume::values::{Decoded, Modality};
+use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::pipelines::Job;
+use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_volume::open::Loaded;
+use slicecast_volume::statistics::Statistics;
+use slicecast_volume::values::{Decoded, Modality};
 
 use super::Failure;
 use super::inputs::VolumeArgs;

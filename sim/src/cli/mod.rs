@@ -19,8 +19,8 @@ mod tables;
 mod turntable;
 
 use clap::{Parser, Subcommand};
-use slicecast_sim::engine::RenderError;
-use slicecast_sim::volume::open::LoadError;
+use slicecast_engine::error::RenderError;
+use slicecast_volume::open::LoadError;
 
 /// Why the program stops, and with which code.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use slicecast_sim::engine::Rgb;
+use slicecast_engine::image::Rgb;
 
 use super::Failure;
 

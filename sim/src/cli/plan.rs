@@ -3,10 +3,10 @@
 use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
 use slicecast::stream::Needs;
-use slicecast_sim::camera::{Material, plan};
-use slicecast_sim::pipelines::{Job, compile, dispatch};
-use slicecast_sim::scene::Blend;
-use slicecast_sim::volume::Mapping;
+use slicecast_engine::camera::{Material, plan};
+use slicecast_engine::pipelines::{Job, compile, dispatch};
+use slicecast_scene::Blend;
+use slicecast_volume::Mapping;
 
 use super::Failure;
 use super::inputs::{SceneArgs, dims, spacing};

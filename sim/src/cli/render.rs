@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use slicecast_sim::engine::{Layer, Prepared, TILE_ROWS, on_threads};
+use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::threads::on_threads;
+use slicecast_engine::tiles::TILE_ROWS;
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs, size};

@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use slicecast_sim::compare::{ModelPositions, compare, split};
-use slicecast_sim::engine::{Prepared, on_threads};
-use slicecast_sim::report::{Contents, page::page};
-use slicecast_sim::scene::{Blend, PrecisionName, Scene};
-use slicecast_sim::study::hard::{self, Size};
-use slicecast_sim::study::rows::Row;
-use slicecast_sim::study::{catalogue, choose, shards, sweep};
+use slicecast_compare::{ModelPositions, compare, split};
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::threads::on_threads;
+use slicecast_laboratory::hard::{self, Size};
+use slicecast_laboratory::report::{Contents, page::page};
+use slicecast_laboratory::rows::Row;
+use slicecast_laboratory::{catalogue, choose, shards, sweep};
+use slicecast_scene::{Blend, PrecisionName, Scene};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};

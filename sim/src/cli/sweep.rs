@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use slicecast_sim::engine::{Prepared, RenderError, on_threads};
-use slicecast_sim::study::catalogue::{self, Configuration};
-use slicecast_sim::study::choose;
-use slicecast_sim::study::measure::narrowed;
-use slicecast_sim::study::rows::{self, Row, RowsError, Writer};
-use slicecast_sim::study::shards::{merge, shard};
-use slicecast_sim::study::sweep::{self, Options, SweepError};
+use slicecast_engine::error::RenderError;
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::threads::on_threads;
+use slicecast_laboratory::catalogue::{self, Configuration};
+use slicecast_laboratory::choose;
+use slicecast_laboratory::measure::narrowed;
+use slicecast_laboratory::rows::{self, Row, RowsError, Writer};
+use slicecast_laboratory::shards::{merge, shard};
+use slicecast_laboratory::sweep::{self, Options, SweepError};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};

@@ -2,11 +2,11 @@
 
 use comfy_table::Table;
 use serde::Serialize;
-use slicecast_sim::study::catalogue::{BASE, Configuration};
-use slicecast_sim::study::ensemble::{Difference, spread};
-use slicecast_sim::study::parameters::Name;
-use slicecast_sim::study::pareto::on_front;
-use slicecast_sim::study::rows::Row;
+use slicecast_laboratory::catalogue::{BASE, Configuration};
+use slicecast_laboratory::ensemble::{Difference, spread};
+use slicecast_laboratory::parameters::Name;
+use slicecast_laboratory::pareto::on_front;
+use slicecast_laboratory::rows::Row;
 
 use super::Failure;
 use super::tables::{header, short};

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use crate::export::{self, Language, Losses};
 use clap::ValueEnum;
-use slicecast_sim::engine::Prepared;
-use slicecast_sim::export::{self, Language, Losses};
-use slicecast_sim::table::Correction;
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::table::Correction;
 
 use super::Failure;
 use super::inputs::{SceneArgs, VolumeArgs};

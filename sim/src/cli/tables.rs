@@ -1,11 +1,11 @@
 //! Error figures as text tables.
 
 use comfy_table::{CellAlignment, Table, presets};
-use slicecast_sim::bench::Row;
-use slicecast_sim::compare::image::ImageFigures;
-use slicecast_sim::compare::stages::StageReport;
-use slicecast_sim::compare::statistics::Figures;
-use slicecast_sim::compare::{Comparison, Split};
+use slicecast_bench::Row;
+use slicecast_compare::image::ImageFigures;
+use slicecast_compare::stages::StageReport;
+use slicecast_compare::statistics::Figures;
+use slicecast_compare::{Comparison, Split};
 
 /// An empty table under a header, its first column to the left, the others to the right.
 pub fn header(columns: &[&str]) -> Table {

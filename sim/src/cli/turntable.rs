@@ -2,9 +2,13 @@
 
 use std::path::PathBuf;
 
-use slicecast_sim::engine::{Layer, Prepared, RenderError, Rgb, TILE_ROWS, on_threads};
-use slicecast_sim::oriented::{Oriented, with_slices};
-use slicecast_sim::scene::Scene;
+use slicecast_engine::error::RenderError;
+use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::image::Rgb;
+use slicecast_engine::oriented::{Oriented, with_slices};
+use slicecast_engine::threads::on_threads;
+use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_scene::Scene;
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs, size};

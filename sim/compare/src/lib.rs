@@ -1,0 +1,223 @@
+//! The pipeline against the f64 model, stage by stage and picture by picture.
+
+pub mod exchange;
+pub mod explain;
+pub mod image;
+pub mod lockstep;
+pub mod stages;
+pub mod statistics;
+
+use slicecast::format::Position;
+use slicecast::locate::plane;
+use slicecast::plan::{Phase, Plan};
+use slicecast::plane::Pipeline;
+use slicecast::slice::Slice;
+
+use image::{ImageFigures, base_figures, picture_figures};
+use lockstep::Lockstep;
+use slicecast_engine::error::RenderError;
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::image::{Frame, base_image, new_image};
+use slicecast_engine::oriented::with_slices;
+use slicecast_engine::picture::picture;
+use slicecast_engine::pipelines::Job;
+use slicecast_engine::tiles::{TILE_ROWS, Tile, fold_tiles_tapped};
+use slicecast_model::{Affine, Lattice, Model, ModelImage, Pixel, Positions};
+use slicecast_scene::Blend;
+use stages::{StageErrors, StageReport};
+
+/// Which positions the model takes its samples at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModelPositions {
+    /// The pipeline's own 16.16 numbers: what remains is the error of the arithmetic behind location.
+    Pipeline,
+    /// The real ones.
+    Exact,
+}
+
+/// What a comparison found.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// Errors of the base-plane image.
+    pub image: ImageFigures,
+    /// Errors of the viewer's 8-bit picture against the model's own, warped in f64.
+    pub picture: ImageFigures,
+    /// Errors stage by stage.
+    pub stages: Vec<StageReport>,
+    /// The pipeline's frame.
+    pub frame: Frame,
+    /// The model's base-plane image.
+    pub model: ModelImage,
+    /// The model's picture.
+    pub model_picture: ModelImage,
+}
+
+/// The error of the pipeline split in two: what its arithmetic adds to the algorithm, and what the algorithm itself
+/// (steps, planes, border) is away from the converged integral.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct Split {
+    /// The pipeline against the f64 model of the same algorithm.
+    pub arithmetic: ImageFigures,
+    /// That model against the converged integral.
+    pub algorithm: ImageFigures,
+    /// The pipeline against the converged integral.
+    pub both: ImageFigures,
+}
+
+/// Splits the error of a comparison; both references are taken at exact positions.
+///
+/// # Errors
+/// [`RenderError`] if the scene is a projection, which integrates nothing.
+pub fn split(prepared: &Prepared<'_>, comparison: &Comparison) -> Result<Split, RenderError> {
+    if !matches!(prepared.scene.blend, Blend::FrontToBack | Blend::BackToFront) {
+        return Err(RenderError::Projection);
+    }
+    let exact = model(prepared, ModelPositions::Exact);
+    let (discrete, converged) = (exact.render(), exact.render_integral());
+    Ok(Split {
+        arithmetic: base_figures(&comparison.frame.base, &discrete),
+        algorithm: image::model_figures(&discrete, &converged),
+        both: base_figures(&comparison.frame.base, &converged),
+    })
+}
+
+/// Compares a scene's pipeline with the model.
+///
+/// # Errors
+/// [`RenderError`] if the scene cannot be rendered.
+pub fn compare(
+    prepared: &Prepared<'_>,
+    positions: ModelPositions,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Comparison, RenderError> {
+    let plan = &prepared.setup.plan;
+    let model = model(prepared, positions);
+    with_slices(prepared.volume, plan.view(), |slices| {
+        prepared.dispatch(Compare {
+            prepared,
+            model: &model,
+            slices,
+            progress,
+        })
+    })??
+}
+
+/// The model of a prepared scene: its own geometry from the scene's real numbers, on the pipeline's lattice of rays.
+pub fn model<'a>(prepared: &Prepared<'a>, positions: ModelPositions) -> Model<'a> {
+    let plan = prepared.setup.plan;
+    let n = plan.sampling().rays_per_voxel as usize;
+    let lattice = Lattice {
+        origin: plan.origin().map(i64::from),
+        size: plan.base().map(|side| side as usize * n),
+    };
+    let positions = match positions {
+        ModelPositions::Exact => Positions::Exact,
+        ModelPositions::Pipeline => Positions::Given(Box::new(pipeline_positions(plan))),
+    };
+    Model::new(prepared.scene, prepared.volume, lattice, positions)
+}
+
+/// The pipeline's positions as a function of plane and full-resolution pixel.
+fn pipeline_positions(plan: Plan) -> impl Fn(usize, usize, usize) -> [f64; 3] + Send + Sync {
+    let n = plan.sampling().rays_per_voxel as usize;
+    move |index, u, v| {
+        let phase = Phase {
+            u: (u % n) as u32,
+            v: (v % n) as u32,
+        };
+        let at = plane(&plan, phase, index as u32);
+        let value = |p: Position, pixel: usize| f64::from(p.to_bits()) / 65536.0 + pixel as f64;
+        [value(at.x, u / n), value(at.y, v / n), value(at.z, 0)]
+    }
+}
+
+struct Compare<'a> {
+    prepared: &'a Prepared<'a>,
+    model: &'a Model<'a>,
+    slices: &'a [Slice<'a>],
+    progress: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+impl Job for Compare<'_> {
+    type Output = Result<Comparison, RenderError>;
+
+    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+        let Self {
+            prepared,
+            model,
+            slices,
+            progress,
+        } = self;
+        let plan = &prepared.setup.plan;
+        let [width, _] = plan.base();
+        let rays = plan.sampling().rays_per_voxel;
+        let mut image = new_image::<L>(plan)?;
+        let tap = |tile: Tile| Lockstep::new::<L::Precision>(model, &prepared.setup, prepared.scene.blend, tile);
+        let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, TILE_ROWS, progress, tap);
+        let mut errors = StageErrors::default();
+        let mut pixels = Tiles::new(model.lattice().size, width as usize, rays as usize);
+        for lockstep in taps {
+            let (tile, tile_errors, tile_pixels) = lockstep.finish();
+            errors.merge(&tile_errors);
+            pixels.place(plan, tile, &tile_pixels);
+        }
+        let model_image = match prepared.scene.blend {
+            Blend::FrontToBack | Blend::BackToFront => pixels.image(),
+            // One sample a ray decides: nothing to keep in step.
+            Blend::Maximum | Blend::Minimum => model.render(),
+        };
+        let frame = Frame {
+            base: base_image(plan, pipeline, &image),
+            picture: picture(prepared, pipeline, &image),
+        };
+        let [origin, right, down] = prepared.setup.picture.affine;
+        let map = Affine {
+            u: [origin[0], right[0], down[0]],
+            v: [origin[1], right[1], down[1]],
+        };
+        let model_picture = model_image.warp(frame.picture.size.map(|side| side as usize), map);
+        Ok(Comparison {
+            image: base_figures(&frame.base, &model_image),
+            picture: picture_figures(&frame.picture, &model_picture, prepared.scene.image.background),
+            stages: errors.report::<L::Precision>(),
+            frame,
+            model: model_image,
+            model_picture,
+        })
+    }
+}
+
+/// The model's pixels, gathered from tiles of single phases.
+pub struct Tiles {
+    size: [usize; 2],
+    width: usize,
+    rays: usize,
+    pixels: Vec<Pixel>,
+}
+
+impl Tiles {
+    /// An image of this many pixels, from base planes of this width.
+    pub fn new(size: [usize; 2], width: usize, rays: usize) -> Self {
+        Self {
+            size,
+            width,
+            rays,
+            pixels: vec![Pixel::TRANSPARENT; size[0] * size[1]],
+        }
+    }
+
+    /// Puts the pixels of a tile where they belong.
+    pub fn place(&mut self, plan: &Plan, tile: Tile, pixels: &[Pixel]) {
+        let phase = plan.phase(tile.phase);
+        for (index, pixel) in pixels.iter().enumerate() {
+            let u = index % self.width * self.rays + phase.u as usize;
+            let v = (index / self.width + tile.first as usize) * self.rays + phase.v as usize;
+            self.pixels[v * self.size[0] + u] = *pixel;
+        }
+    }
+
+    /// The image.
+    pub fn image(self) -> ModelImage {
+        ModelImage::from_fn(self.size, |u, v| self.pixels[v * self.size[0] + u])
+    }
+}

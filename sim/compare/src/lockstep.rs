@@ -1,0 +1,435 @@
+//! The model beside the pipeline, plane by plane, for the rows of one tile.
+
+use slicecast::composite::{Channel, PixelRow, Recurrence};
+use slicecast::format::{Coefficient, Opacity, Vector};
+use slicecast::locate::Plane;
+use slicecast::precision::{NormalForm, Precision};
+use slicecast::shade::{formed, formed_nearest, keep, keep_vector};
+use slicecast::tap::{Beam, Tap};
+
+use super::stages::{Stage, StageErrors, telescopes};
+use slicecast_engine::camera::{Material, Setup};
+use slicecast_engine::tiles::Tile;
+use slicecast_model::gradient::normalise;
+use slicecast_model::shade::{Lights, ResolvedLight};
+use slicecast_model::{Model, Pixel};
+use slicecast_scene::Blend;
+
+/// What the model knows of a sample of the current plane.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    value: f64,
+    opacity: f64,
+    visible: Option<Visible>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Visible {
+    colour: [f64; 3],
+    gradient: [f64; 3],
+    normal: [f64; 3],
+    shaded: [f64; 3],
+}
+
+/// The lights as the pipeline has them, dequantised, for errors of shading alone.
+#[derive(Clone, Debug)]
+struct PipelineLights {
+    lights: Lights,
+    ambient: [f64; 3],
+    /// Diffuse and specular coefficients of each light, a channel each.
+    coefficients: Vec<([f64; 3], [f64; 3])>,
+}
+
+/// A vector as a precision keeps it.
+fn vector_value<P: Precision>(v: [Vector; 3]) -> [f64; 3] {
+    keep_vector::<P>(v).map(|c| f64::from(c) * 2f64.powi(-(P::SHADING.vector_bits() as i32)))
+}
+
+/// Coefficients as a precision keeps them.
+fn coefficient_value<P: Precision>(v: [Coefficient; 3]) -> [f64; 3] {
+    v.map(|c| f64::from(keep::<P>(c)) * 2f64.powi(-(P::SHADING.coefficient_bits() as i32)))
+}
+
+impl PipelineLights {
+    fn new<P: Precision>(material: &Material, model: &Lights) -> Self {
+        let viewer = vector_value::<P>(material.viewer);
+        let resolve = |light: &slicecast::shade::Light| {
+            let direction = vector_value::<P>(light.direction);
+            ResolvedLight {
+                direction,
+                half: vector_value::<P>(light.half),
+                viewer_dot: viewer.iter().zip(direction).map(|(v, l)| v * l).sum(),
+                colour: [1.0; 3],
+            }
+        };
+        Self {
+            lights: Lights {
+                viewer,
+                lights: material.lights.iter().map(resolve).collect(),
+                ..model.clone()
+            },
+            ambient: coefficient_value::<P>(material.ambient),
+            coefficients: material
+                .lights
+                .iter()
+                .map(|l| (coefficient_value::<P>(l.diffuse), coefficient_value::<P>(l.specular)))
+                .collect(),
+        }
+    }
+
+    /// Squeeze, equation 10, with these lights.
+    fn shade(&self, normal: [f64; 3], colour: [f64; 3]) -> [f64; 3] {
+        let mut diffuse = self.ambient;
+        let mut specular = [0.0; 3];
+        for (light, (kd, ks)) in self.lights.lights.iter().zip(&self.coefficients) {
+            let terms = self.lights.terms(light, normal);
+            for c in 0..3 {
+                diffuse[c] += kd[c] * terms.diffuse;
+                specular[c] += ks[c] * terms.specular;
+            }
+        }
+        [0, 1, 2].map(|c| (colour[c] * diffuse[c].min(1.0) + specular[c]).min(1.0))
+    }
+}
+
+/// What the model has to know of a precision. Values, so that the tap is compiled once and not once a precision.
+#[derive(Clone, Copy, Debug)]
+pub struct Formats {
+    /// Ulp in 1.0, stage by stage.
+    pub per_unit: [f64; Stage::ALL.len()],
+    /// 1.0 of a sample.
+    pub sample_one: f64,
+    /// 1.0 of a colour.
+    pub colour_one: f64,
+    normal: NormalForm,
+    read: fn(Opacity) -> Opacity,
+    /// Transparency below this is 0, and whether that is more than the least one.
+    floor: f64,
+    has_floor: bool,
+    telescopes: bool,
+}
+
+impl Formats {
+    /// Those of a precision.
+    pub fn of<P: Precision>() -> Self {
+        let (floor, one) = (P::Pixel::FLOOR, <P::Pixel as Recurrence>::Channel::ONE);
+        Self {
+            per_unit: Stage::ALL.map(Stage::per_unit::<P>),
+            sample_one: f64::from(P::SAMPLE_BITS).exp2(),
+            colour_one: f64::from(P::COLOUR_BITS).exp2(),
+            normal: P::NORMAL,
+            read: <P::Pixel as Recurrence>::read,
+            floor: f64::from(floor.bits()) / f64::from(one.bits()),
+            has_floor: floor > <P::Pixel as Recurrence>::Channel::LEAST,
+            telescopes: telescopes::<P>(),
+        }
+    }
+
+    /// The opacity that a pixel reads.
+    pub fn opacity(&self, bits: i32) -> f64 {
+        f64::from((self.read)(Opacity::from_bits(bits as u32)).to_bits()) / 2147483648.0
+    }
+
+    /// The normal that shading works with.
+    pub fn normal(&self, g: [i32; 3], r: i32) -> [f64; 3] {
+        let scaled = |n: [i32; 3], bits: u32| n.map(|n| f64::from(n) * 2f64.powi(-(bits as i32)));
+        match self.normal {
+            NormalForm::Deferred => g.map(|g| -f64::from(g) * f64::from(r) * 2f64.powi(-35)),
+            NormalForm::Formed(bits) => scaled(formed(g, r, bits), bits),
+            NormalForm::Nearest(bits) => scaled(formed_nearest(g, r, bits), bits),
+        }
+    }
+}
+
+/// A tap that runs the f64 model in step with the pipeline and gathers the errors of every stage.
+pub struct Lockstep<'a> {
+    model: &'a Model<'a>,
+    lights: Option<PipelineLights>,
+    /// Spacing factors as the pipeline has them.
+    spacing: [f64; 3],
+    blend: Blend,
+    tile: Tile,
+    width: usize,
+    /// Rays per voxel.
+    rays: usize,
+    errors: StageErrors,
+    formats: Formats,
+    /// The model's samples of the current plane, and its pixels so far, for the rows of the tile.
+    samples: Vec<Option<Sample>>,
+    pixels: Vec<Pixel>,
+    /// The row under way, dequantised: index of its first pixel, sample values, opacities.
+    row: usize,
+    values: Vec<f64>,
+    opacities: Vec<f64>,
+    /// The span under way: gradients, normals, colours (shaded ones after shading), pixels before it.
+    gradients: Vec<[f64; 3]>,
+    normals: Vec<[f64; 3]>,
+    colours: Vec<[f64; 3]>,
+    before: Vec<Pixel>,
+    after: Vec<Pixel>,
+}
+
+impl<'a> Lockstep<'a> {
+    /// A tap for a tile.
+    pub fn new<P: Precision>(model: &'a Model<'a>, setup: &Setup, blend: Blend, tile: Tile) -> Self {
+        let [width, _] = setup.plan.base();
+        let width = width as usize;
+        let count = width * tile.rows as usize;
+        let lights = match (&setup.material, model.lights()) {
+            (Some(material), Some(lights)) => Some(PipelineLights::new::<P>(material, lights)),
+            _ => None,
+        };
+        Self {
+            model,
+            lights,
+            spacing: setup.plan.spacing().map(|f| f64::from(f.to_bits()) / 32768.0),
+            blend,
+            tile,
+            width,
+            rays: setup.plan.sampling().rays_per_voxel as usize,
+            errors: StageErrors::default(),
+            formats: Formats::of::<P>(),
+            samples: vec![None; count],
+            pixels: vec![Pixel::TRANSPARENT; count],
+            row: 0,
+            values: Vec::new(),
+            opacities: Vec::new(),
+            gradients: Vec::new(),
+            normals: Vec::new(),
+            colours: Vec::new(),
+            before: Vec::new(),
+            after: Vec::new(),
+        }
+    }
+
+    /// The tile, what was gathered in it, and the model's pixels, row after row.
+    pub fn finish(self) -> (Tile, StageErrors, Vec<Pixel>) {
+        (self.tile, self.errors, self.pixels)
+    }
+
+    /// Full-resolution coordinates of a pixel of this phase.
+    fn full(&self, plane: &Plane, column: usize, row: usize) -> (usize, usize) {
+        (
+            column * self.rays + plane.phase.u as usize,
+            row * self.rays + plane.phase.v as usize,
+        )
+    }
+
+    fn index(&self, at: Beam<'_>) -> usize {
+        (at.row - self.tile.first) as usize * self.width + at.column as usize
+    }
+
+    fn add(&mut self, stage: Stage, local: f64, carried: Option<f64>) {
+        let ulp = self.formats.per_unit[stage as usize];
+        self.errors.local[stage as usize].add(local * ulp);
+        if let Some(carried) = carried {
+            self.errors.carried[stage as usize].add(carried * ulp);
+        }
+    }
+
+    fn add3(&mut self, stage: Stage, fixed: [f64; 3], exact: [f64; 3], carried: Option<[f64; 3]>) {
+        for c in 0..3 {
+            self.add(stage, fixed[c] - exact[c], carried.map(|e| fixed[c] - e[c]));
+        }
+    }
+
+    /// The model's own sample of a visible span; `None` where the model sees nothing.
+    fn visible(&self, index: usize) -> Option<Visible> {
+        self.samples.get(index).copied().flatten()?.visible
+    }
+
+    /// One plane of the model: samples, then pixels.
+    fn advance(&mut self, plane: &Plane) {
+        let lit = self.model.lights().is_some();
+        let composited = matches!(self.blend, Blend::FrontToBack | Blend::BackToFront);
+        for index in 0..self.samples.len() {
+            let (column, row) = (index % self.width, index / self.width + self.tile.first as usize);
+            let (u, v) = self.full(plane, column, row);
+            let sample = self.model.position(plane.index as usize, u, v).map(|position| {
+                let value = self.model.value_at(position);
+                let classified = self.model.classify(value);
+                let visible = (composited && classified.opacity > 0.0).then(|| {
+                    let (gradient, normal) = if lit {
+                        let gradient = self.model.gradient_at(position);
+                        (gradient, normalise(gradient))
+                    } else {
+                        ([0.0; 3], [0.0; 3])
+                    };
+                    Visible {
+                        colour: classified.colour,
+                        gradient,
+                        normal,
+                        shaded: self.model.shade(normal, classified.colour),
+                    }
+                });
+                Sample {
+                    value,
+                    opacity: classified.opacity,
+                    visible,
+                }
+            });
+            self.samples[index] = sample;
+            if let Some(Sample {
+                opacity,
+                visible: Some(visible),
+                ..
+            }) = sample
+            {
+                let pixel = self.pixels[index];
+                self.pixels[index] = match self.blend {
+                    Blend::BackToFront => pixel.back_to_front(visible.shaded, opacity),
+                    _ => pixel.front_to_back(visible.shaded, opacity),
+                };
+            }
+        }
+    }
+
+    /// The errors of the pixels of a span.
+    fn composited(&mut self, at: Beam<'_>) {
+        for offset in 0..self.after.len() {
+            let index = self.index(at) + offset;
+            let (before, after) = (self.before[offset], self.after[offset]);
+            let (opacity, colour) = (self.opacities[index - self.row], self.colours[offset]);
+            let exact = match self.blend {
+                Blend::BackToFront => before.back_to_front(colour, opacity),
+                _ => before.front_to_back(colour, opacity),
+            };
+            // Transparency below the pixel's floor is 0 by definition. What the sample itself took is then unknown, and
+            // the light that it gives is measured against the product.
+            let settled = self.formats.has_floor
+                && self.blend != Blend::BackToFront
+                && after.transparency == 0.0
+                && exact.transparency < self.formats.floor;
+            let left = if settled { 0.0 } else { exact.transparency };
+            let given = if self.formats.telescopes && self.blend != Blend::BackToFront && !settled {
+                // The light that the sample has really taken, rounding included.
+                let taken = before.transparency - after.transparency;
+                [0, 1, 2].map(|c| before.colour[c] + colour[c] * taken)
+            } else {
+                exact.colour
+            };
+            let model = self.pixels[index];
+            let carried = after.transparency - model.transparency;
+            self.add(Stage::Transparency, after.transparency - left, Some(carried));
+            self.add3(Stage::Compositing, after.colour, given, Some(model.colour));
+        }
+    }
+}
+
+impl Tap for Lockstep<'_> {
+    fn plane(&mut self, plane: &Plane) {
+        let (u, v) = self.full(plane, 0, 0);
+        let geometry = self.model.geometry();
+        let exact = geometry.position(self.model.lattice(), plane.index as usize, u, v);
+        for (fixed, exact) in [plane.x, plane.y, plane.z].into_iter().zip(exact) {
+            let error = f64::from(fixed.to_bits()) / 65536.0 - exact;
+            // The tiles of a phase share their planes: count each once.
+            if self.tile.first == 0 {
+                self.add(Stage::Location, error, Some(error));
+            }
+        }
+        self.advance(plane);
+    }
+
+    fn samples(&mut self, at: Beam<'_>, samples: &[i32]) {
+        self.row = self.index(at);
+        self.values.clear();
+        for (offset, &bits) in samples.iter().enumerate() {
+            let fixed = f64::from(bits) / self.formats.sample_one;
+            self.values.push(fixed);
+            let local = fixed - self.model.value_at(fixed_position(at, offset));
+            let carried = self.samples[self.row + offset].map(|s| fixed - s.value);
+            self.add(Stage::Interpolation, local, carried);
+        }
+    }
+
+    fn opacities(&mut self, _: Beam<'_>, opacities: &[i32]) {
+        self.opacities.clear();
+        for (offset, &bits) in opacities.iter().enumerate() {
+            // As compositing will read it.
+            let fixed = self.formats.opacity(bits);
+            self.opacities.push(fixed);
+            let local = fixed - self.model.classify(self.values[offset]).opacity;
+            let carried = self.samples[self.row + offset].map(|s| fixed - s.opacity);
+            self.add(Stage::Opacity, local, carried);
+        }
+    }
+
+    fn colours(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
+        self.colours.clear();
+        for offset in 0..colours[0].len() {
+            let index = self.index(at) + offset;
+            let fixed = colours.map(|c| f64::from(c[offset] as u32) / self.formats.colour_one);
+            self.colours.push(fixed);
+            let exact = self.model.classify(self.values[index - self.row]).colour;
+            self.add3(Stage::Colour, fixed, exact, self.visible(index).map(|v| v.colour));
+        }
+    }
+
+    fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
+        self.gradients.clear();
+        for offset in 0..gradients[0].len() {
+            let fixed = gradients.map(|g| f64::from(g[offset]) / self.formats.sample_one);
+            self.gradients.push(fixed);
+            let difference = self.model.difference_at(fixed_position(at, offset));
+            let exact = [0, 1, 2].map(|a| difference[a] * self.spacing[a]);
+            let carried = self.visible(self.index(at) + offset).map(|v| v.gradient);
+            self.add3(Stage::Gradient, fixed, exact, carried);
+        }
+    }
+
+    fn normals(&mut self, at: Beam<'_>, g: [&[i32]; 3], r: &[i32]) {
+        self.normals.clear();
+        for (offset, r) in r.iter().copied().enumerate() {
+            let fixed = self.formats.normal(g.map(|g| g[offset]), r);
+            self.normals.push(fixed);
+            let exact = normalise(self.gradients[offset]);
+            let carried = self.visible(self.index(at) + offset).map(|v| v.normal);
+            self.add3(Stage::Normal, fixed, exact, carried);
+        }
+    }
+
+    fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
+        for offset in 0..colours[0].len() {
+            let fixed = colours.map(|c| f64::from(c[offset] as u32) / self.formats.colour_one);
+            if let Some(lights) = &self.lights {
+                let exact = lights.shade(self.normals[offset], self.colours[offset]);
+                let carried = self.visible(self.index(at) + offset).map(|v| v.shaded);
+                self.add3(Stage::Shading, fixed, exact, carried);
+            }
+            self.colours[offset] = fixed;
+        }
+    }
+
+    fn before<C: Channel>(&mut self, _: Beam<'_>, pixels: &PixelRow<'_, C>) {
+        self.before.clear();
+        self.before
+            .extend((0..pixels.transparency.len()).map(|i| pixel_at(pixels, i)));
+    }
+
+    fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
+        self.after.clear();
+        self.after
+            .extend((0..pixels.transparency.len()).map(|i| pixel_at(pixels, i)));
+        self.composited(at);
+    }
+}
+
+/// The pipeline's own position of a sample, voxels.
+fn fixed_position(at: Beam<'_>, offset: usize) -> [f64; 3] {
+    let position = |bits: i32, pixel: u32| f64::from(bits) / 65536.0 + f64::from(pixel);
+    [
+        position(at.plane.x.to_bits(), at.column + offset as u32),
+        position(at.plane.y.to_bits(), at.row),
+        position(at.plane.z.to_bits(), 0),
+    ]
+}
+
+/// A pixel of a row.
+pub fn pixel_at<C: Channel>(pixels: &PixelRow<'_, C>, index: usize) -> Pixel {
+    let value = |c: C| f64::from(c.bits()) / f64::from(C::ONE.bits());
+    Pixel {
+        colour: [0, 1, 2].map(|c| value(pixels.colour[c][index])),
+        transparency: value(pixels.transparency[index]),
+    }
+}

@@ -1,0 +1,274 @@
+//! From the scene's real numbers to the pipeline's: view, plan, warp, light vectors. Each is rounded once, here.
+
+use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
+use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
+use slicecast::precision::{Compact, Precision};
+use slicecast::shade::{self, Phong, PhongError};
+use slicecast::view::{View, ViewError};
+use slicecast::warp::Warp;
+
+use slicecast_scene::{CameraAxes, Frame, Highlight, Light, Lighting, Scene};
+use slicecast_volume::Volume;
+
+/// A scene that the pipeline cannot take.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum CameraError {
+    /// The viewing direction.
+    #[error("the view: {0}")]
+    View(#[from] ViewError),
+    /// Sizes and sampling rates.
+    #[error("the sampling: {0}")]
+    Plan(#[from] PlanError),
+    /// Lights and material.
+    #[error("the lighting: {0}")]
+    Lighting(#[from] PhongError),
+    /// A picture of more pixels than this program makes.
+    #[error("a picture of {width} x {height} pixels; accepted: 1 to {PICTURE_SIDE_MAX} along each side")]
+    Picture {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+    },
+}
+
+/// The longest side of a picture, pixels.
+pub const PICTURE_SIDE_MAX: u32 = 16384;
+
+/// The view of a scene on a volume.
+///
+/// # Errors
+/// [`CameraError::View`] if a spacing is so extreme that no direction is left.
+pub fn view(scene: &Scene, spacing: [f64; 3]) -> Result<View, CameraError> {
+    let forward = scene.view.axes().forward;
+    let voxels = [0, 1, 2].map(|a| forward[a] / spacing[a]);
+    let longest = voxels.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    let one = Direction::ONE.to_bits() as f64;
+    Ok(View::new(
+        voxels.map(|c| Direction::from_bits((c / longest * one).round() as i64)),
+    )?)
+}
+
+/// The plan of a scene on a volume of this shape.
+///
+/// # Errors
+/// [`CameraError`] for a view or a sampling rate that the pipeline does not take.
+pub fn plan(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> Result<Plan, CameraError> {
+    let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let factor = |s: f64| Intensity::from_bits((smallest / s * 32768.0).round().clamp(1.0, 32768.0) as u16);
+    let sampling = Sampling {
+        planes_per_voxel: scene.sampling.planes_per_voxel,
+        rays_per_voxel: scene.sampling.rays_per_voxel,
+    };
+    let dims = dims.map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+    Ok(Plan::new(
+        view(scene, spacing)?,
+        dims,
+        Spacing(spacing.map(factor)),
+        sampling,
+    )?)
+}
+
+/// The length of a ray's step between two sample planes, in the unit of the spacing.
+pub fn step_length(scene: &Scene, plan: &Plan, spacing: [f64; 3]) -> f64 {
+    let forward = scene.view.axes().forward;
+    let voxels = [0, 1, 2].map(|a| forward[a] / spacing[a]);
+    let [_, _, k] = plan.view().orient(voxels);
+    // Along the unit vector `forward` the ray covers k slices in a length of 1.
+    1.0 / (k.abs() * f64::from(plan.sampling().planes_per_voxel))
+}
+
+/// A vector of the scene in the slice frame (world proportions).
+fn to_slice_frame(view: &View, axes: &CameraAxes, frame: Frame, v: [f64; 3]) -> [f64; 3] {
+    let world = match frame {
+        Frame::Volume => v,
+        Frame::Camera => [0, 1, 2].map(|a| v[0] * axes.right[a] + v[1] * axes.up[a] - v[2] * axes.forward[a]),
+    };
+    view.orient(world)
+}
+
+/// A direction as a unit vector, s1.30.
+fn unit(v: [f64; 3]) -> [Vector; 3] {
+    let length = dot(v, v).sqrt();
+    v.map(|c| Vector::from_bits((c / length * 1073741824.0).round() as i32))
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Lights and material in the slice frame, before a precision takes what it keeps of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Ambient coefficient, a channel each.
+    pub ambient: [Coefficient; 3],
+    /// The lights, with their coefficients.
+    pub lights: Vec<shade::Light>,
+    /// Unit vector towards the eye.
+    pub viewer: [Vector; 3],
+    /// The form of the highlight.
+    pub highlight: shade::Highlight,
+    /// log2 of its exponent.
+    pub exponent_log2: u32,
+}
+
+impl Material {
+    /// The lights of a scene.
+    ///
+    /// # Errors
+    /// [`CameraError::Lighting`] for more lights or a higher exponent than the pipeline takes.
+    pub fn new(lighting: &Lighting, axes: &CameraAxes, view: &View) -> Result<Self, CameraError> {
+        let coefficient = |k: f64| Coefficient::from_bits((k * 2147483648.0).round().clamp(0.0, 2147483648.0) as u32);
+        let viewer = view.orient(axes.forward.map(|c| -c));
+        let light = |light: &Light| {
+            let direction = to_slice_frame(view, axes, light.frame, light.direction);
+            let half = [0, 1, 2].map(|a| direction[a] + viewer[a]);
+            // A light straight behind the volume has no half vector; it lights nothing that the viewer sees.
+            let half = if dot(half, half) > 1e-12 { half } else { direction };
+            shade::Light {
+                direction: unit(direction),
+                half: unit(half),
+                diffuse: light.colour.map(|c| coefficient(lighting.diffuse * c)),
+                specular: light.colour.map(|c| coefficient(lighting.specular * c)),
+            }
+        };
+        let material = Self {
+            ambient: [coefficient(lighting.ambient); 3],
+            lights: lighting.lights.iter().map(light).collect(),
+            viewer: unit(viewer),
+            highlight: match lighting.highlight {
+                Highlight::Reflection => shade::Highlight::Reflection,
+                Highlight::HalfVector => shade::Highlight::HalfVector,
+            },
+            exponent_log2: lighting.exponent_log2,
+        };
+        // What one precision takes all of them take.
+        material.phong::<Compact>()?;
+        Ok(material)
+    }
+
+    /// The shader of a precision.
+    ///
+    /// # Errors
+    /// As [`Material::new`].
+    pub fn phong<P: Precision>(&self) -> Result<Phong<P>, PhongError> {
+        Phong::new(
+            self.ambient,
+            &self.lights,
+            self.viewer,
+            self.highlight,
+            self.exponent_log2,
+        )
+    }
+}
+
+/// A picture: its size and where its pixels look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// The map as the pipeline has it.
+    pub warp: Warp,
+    /// The same map before rounding: base-plane coordinates (u, v) of pixel (X, Y) are
+    /// `origin + X right + Y down`.
+    pub affine: [[f64; 2]; 3],
+}
+
+/// Places the picture: the middle of the volume in its middle, the whole volume inside it at a zoom of 1.
+///
+/// Without a size the picture has square pixels as long as a voxel's shortest side divided by the rays per voxel.
+///
+/// # Errors
+/// [`CameraError::Picture`] for a size of 0 or beyond [`PICTURE_SIDE_MAX`].
+pub fn picture(scene: &Scene, plan: &Plan, dims: [usize; 3], spacing: [f64; 3]) -> Result<Picture, CameraError> {
+    let axes = scene.view.axes();
+    let view = plan.view();
+    let [si, sj, sk] = view.arrange(spacing);
+    let world = |v: [f64; 3]| view.orient(v);
+    let (right, up, forward) = (world(axes.right), world(axes.up), world(axes.forward));
+    let [ni, nj, nk] = plan.dims().map(f64::from);
+    let rays = f64::from(plan.sampling().rays_per_voxel);
+
+    // How far the corners of the volume reach across and up, from its middle.
+    let sides = [0, 1, 2].map(|a| (dims[a].max(2) - 1) as f64 * spacing[a]);
+    let reach = |axis: [f64; 3]| (0..3).map(|a| sides[a] * axis[a].abs()).sum::<f64>();
+    let (across, high) = (reach(axes.right), reach(axes.up));
+    let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min) / rays;
+    let default = |extent: f64| {
+        ((extent / finest).ceil() as u32)
+            .saturating_add(1)
+            .min(PICTURE_SIDE_MAX)
+    };
+    let [width, height] = scene.image.size.unwrap_or([default(across), default(high)]);
+    if !(1..=PICTURE_SIDE_MAX).contains(&width) || !(1..=PICTURE_SIDE_MAX).contains(&height) {
+        return Err(CameraError::Picture { width, height });
+    }
+    // World length of a picture pixel; half a pixel of margin on each side.
+    let pixel = (across / f64::from(width.max(2) - 1)).max(high / f64::from(height.max(2) - 1)) / scene.image.zoom;
+    let pixel = if pixel > 0.0 { pixel } else { finest };
+
+    // A point p of the picture plane (world, from the volume's middle) lies on the ray that meets the first slice at
+    // p + t forward, where its k is that of the slice.
+    let middle = [ni - 1.0, nj - 1.0, nk - 1.0].map(|n| n / 2.0);
+    let [oi, oj] = plan.origin().map(f64::from);
+    let base = |p: [f64; 3]| {
+        let t = -(middle[2] * sk + p[2]) / forward[2];
+        let i = middle[0] + (p[0] + t * forward[0]) / si;
+        let j = middle[1] + (p[1] + t * forward[1]) / sj;
+        [(i - oi) * rays, (j - oj) * rays]
+    };
+    let at = |x: f64, y: f64| {
+        let (a, b) = (
+            (x - (f64::from(width) - 1.0) / 2.0) * pixel,
+            ((f64::from(height) - 1.0) / 2.0 - y) * pixel,
+        );
+        base([0, 1, 2].map(|c| a * right[c] + b * up[c]))
+    };
+    let origin = at(0.0, 0.0);
+    let step = |p: [f64; 2]| [p[0] - origin[0], p[1] - origin[1]];
+    // Steps are taken over the whole picture, so that their own rounding does not add up.
+    let (far_x, far_y) = (f64::from(width.max(2) - 1), f64::from(height.max(2) - 1));
+    let right_step = step(at(far_x, 0.0)).map(|c| c / far_x);
+    let down_step = step(at(0.0, far_y)).map(|c| c / far_y);
+    let bits = |v: [f64; 2]| v.map(|c| Step::from_bits((c * 4294967296.0).round() as i64));
+    Ok(Picture {
+        size: [width, height],
+        warp: Warp {
+            origin: bits(origin),
+            right: bits(right_step),
+            down: bits(down_step),
+        },
+        affine: [origin, right_step, down_step],
+    })
+}
+
+/// What the pipeline needs to know of a scene on a volume, apart from the table.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The geometry.
+    pub plan: Plan,
+    /// The picture.
+    pub picture: Picture,
+    /// Lights; `None` is an unlit scene.
+    pub material: Option<Material>,
+    /// Length of a ray's step, in the unit of the spacing.
+    pub step_length: f64,
+}
+
+/// Sets up a scene on a volume.
+///
+/// # Errors
+/// [`CameraError`], with what is out of range.
+pub fn set_up(scene: &Scene, volume: &Volume) -> Result<Setup, CameraError> {
+    let plan = plan(scene, volume.dims, volume.spacing)?;
+    let axes = scene.view.axes();
+    Ok(Setup {
+        picture: picture(scene, &plan, volume.dims, volume.spacing)?,
+        material: match &scene.lighting {
+            Some(lighting) => Some(Material::new(lighting, &axes, plan.view())?),
+            None => None,
+        },
+        step_length: step_length(scene, &plan, volume.spacing),
+        plan,
+    })
+}

@@ -1,0 +1,34 @@
+//! Why a frame is not rendered.
+
+use slicecast::slice::SliceError;
+use slicecast::stream::StreamError;
+
+use crate::camera::CameraError;
+
+/// Why a frame was not rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The scene does not fit the pipeline.
+    #[error("{0}")]
+    Camera(#[from] CameraError),
+    /// The volume is not one.
+    #[error("the volume: {0}")]
+    Volume(#[from] SliceError),
+    /// The stream layer refused a slice.
+    #[error("the stream: {0}")]
+    Stream(#[from] StreamError),
+    /// The base plane would be too large.
+    #[error("the base-plane image would take {bytes} bytes; accepted: at most {limit}")]
+    Memory {
+        /// What it would take.
+        bytes: u64,
+        /// What this program allows.
+        limit: u64,
+    },
+    /// A projection has no integral.
+    #[error("a projection keeps one sample a ray; the converged integral is that of a composited scene")]
+    Projection,
+    /// The threads could not be started.
+    #[error("the threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}

@@ -1,0 +1,19 @@
+//! The engine: a scene on a volume, folded tile by tile with the vectors of the processor, or streamed as firmware does.
+
+#![deny(unsafe_code)]
+
+pub mod camera;
+pub mod error;
+pub mod expanded;
+pub mod frame;
+pub mod image;
+pub mod occupancy;
+pub mod oriented;
+pub mod picture;
+pub mod pipelines;
+pub mod rays;
+pub mod simd;
+pub mod stream;
+pub mod table;
+pub mod threads;
+pub mod tiles;

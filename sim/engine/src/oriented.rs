@@ -1,0 +1,124 @@
+//! A volume read along the view's major axis: measured slices, nearest to the eye first.
+//!
+//! Slices across y and z are read in place (rows along x are contiguous); slices across x need a transposed copy, as
+//! large as the volume. Copying and measuring take all threads; who renders many frames does it once for those that look
+//! along the same axis ([`Prepared::render_oriented`](crate::frame::Prepared::render_oriented)).
+
+use rayon::prelude::*;
+use slicecast::plan::Plan;
+use slicecast::plane::Pipeline;
+use slicecast::slice::{RowRange, Slice, SliceError};
+use slicecast::view::{Axis, View};
+
+use crate::occupancy::{Occupancy, Sight};
+use crate::simd::Simd;
+use slicecast_volume::Volume;
+
+/// Calls `run` with the slices of a volume in the order in which the view meets them.
+///
+/// # Errors
+/// [`SliceError`] if a voxel is above 4095 or the volume has fewer voxels than its shape says.
+pub fn with_slices<R>(volume: &Volume, view: &View, run: impl FnOnce(&[Slice<'_>]) -> R) -> Result<R, SliceError> {
+    let [nx, ny, nz] = volume.dims;
+    let transposed;
+    // Width, height and number of slices; where slice k starts; how far its rows are apart.
+    let (voxels, [width, height, depth], start, stride) = match view.major() {
+        Axis::Z => (&volume.voxels[..], [nx, ny, nz], nx * ny, nx),
+        Axis::Y => (&volume.voxels[..], [nx, nz, ny], nx, nx * ny),
+        Axis::X => {
+            transposed = transpose(&volume.voxels, volume.dims);
+            (&transposed[..], [ny, nz, nx], ny * nz, ny)
+        }
+    };
+    let mut ranges = vec![RowRange::EMPTY; height * depth];
+    let measure = |(k, ranges)| {
+        let voxels = voxels.get(k * start..).unwrap_or(&[]);
+        Slice::measure(voxels, width, height, stride, ranges)
+    };
+    let slices: Result<Vec<_>, _> = ranges.par_chunks_mut(height).enumerate().map(measure).collect();
+    let mut slices = slices?;
+    if view.reversed() {
+        slices.reverse();
+    }
+    Ok(run(&slices))
+}
+
+/// A volume as views along one axis and direction meet it.
+#[derive(Clone, Debug)]
+pub struct Oriented<'a> {
+    /// Its slices, nearest to the eye first.
+    pub slices: &'a [Slice<'a>],
+    occupancy: Occupancy,
+    /// Share of blocks that can be seen from which on rows are made as a whole, where it is not the usual one.
+    dense: Option<f64>,
+}
+
+/// Share of blocks that can be seen from which on these vectors make whole rows faster (docs/speed.md): one lane gains
+/// nothing by short ways through many samples, and from back to front no ray is finished that blocks could leave out.
+fn dense<L: Pipeline>(simd: Simd) -> f64 {
+    match (simd, L::BACK_TO_FRONT) {
+        (Simd::Scalar, _) => 0.125,
+        (Simd::Avx2 | Simd::Avx512, true) => 0.4,
+        (Simd::Avx2 | Simd::Avx512, false) => 0.5,
+    }
+}
+
+impl<'a> Oriented<'a> {
+    /// Measures the blocks of slices that [`with_slices`] has made.
+    pub fn of(slices: &'a [Slice<'a>]) -> Self {
+        Self {
+            slices,
+            occupancy: Occupancy::of(slices),
+            dense: None,
+        }
+    }
+
+    /// The same with another share of visible blocks from which on rows are made as a whole: 0 is always, and above 1
+    /// never. Nothing but time depends on it.
+    #[must_use]
+    pub fn dense_from(self, share: f64) -> Self {
+        Self {
+            dense: Some(share),
+            ..self
+        }
+    }
+
+    /// What the blocks of the volume hold.
+    pub fn occupancy(&self) -> &Occupancy {
+        &self.occupancy
+    }
+
+    /// The blocks that a pipeline can show; none where they are so many that these vectors make rows faster as a whole.
+    pub fn sight<L: Pipeline>(&self, plan: &Plan, pipeline: &L, simd: Simd) -> Option<Sight> {
+        let support = pipeline.support()?;
+        let few = self.occupancy.share(plan, support) < self.dense.unwrap_or(dense::<L>(simd));
+        few.then(|| self.occupancy.sight(plan, support))
+    }
+}
+
+/// Slices across x that are filled together: so many voxels of a row lie in one line of the cache.
+const TOGETHER: usize = 32;
+
+/// The voxels of slices across x, rows along y: `out[(x * nz + z) * ny + y]`.
+fn transpose(voxels: &[u16], [nx, ny, nz]: [usize; 3]) -> Vec<u16> {
+    let mut out = vec![0; voxels.len()];
+    let slice = ny * nz;
+    out.par_chunks_mut(TOGETHER * slice)
+        .enumerate()
+        .for_each(|(group, out)| {
+            let first = group * TOGETHER;
+            let columns = first..first + out.len() / slice;
+            for (row_index, row) in voxels.chunks_exact(nx).enumerate() {
+                let (y, z) = (row_index % ny, row_index / ny);
+                for (slice_out, &v) in out.chunks_exact_mut(slice).zip(&row[columns.clone()]) {
+                    slice_out[z * ny + y] = v;
+                }
+            }
+        });
+    out
+}
+
+/// A slice's voxels as one run, as a scanner would deliver them.
+pub fn packed(slice: &Slice<'_>) -> Vec<u16> {
+    (0..slice.height()).flat_map(|row| slice.row(row)).copied().collect()
+}

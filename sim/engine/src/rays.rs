@@ -1,0 +1,367 @@
+//! The pipeline's definitions, applied to one ray at a time: what every row kernel, layer and vector has to equal.
+//!
+//! Only core's scalar definitions are used: `position`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`,
+//! `Classifier::opacity` and `colour`, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which
+//! voxels they are given follows from the contract and is written here once more: no rows, no ring, no spans, no reuse.
+//! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
+//! finished rays end, as any renderer of rays would have it, and that is what is measured.
+
+mod grid;
+
+use rayon::prelude::*;
+use slicecast::classify::Classifier;
+use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
+use slicecast::format::{Opacity, Step, Weight};
+use slicecast::gradient::{coarsen, space};
+use slicecast::interpolate::trilinear;
+use slicecast::locate::{Cell, cell, position};
+use slicecast::normalise::{Normal, normalise};
+use slicecast::plan::Plan;
+use slicecast::plane::ChannelOf;
+use slicecast::precision::{Compact, Paper, Precision, Wide};
+use slicecast::project::{Extreme, Maximum, Minimum, resolve};
+use slicecast::shade::{Phong, PhongError};
+
+use self::grid::Grid;
+use crate::frame::Prepared;
+use crate::image::BaseImage;
+use crate::table::AnyTable;
+use slicecast_scene::{Blend, PrecisionName};
+
+/// A sample of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Visit {
+    /// Number of the plane in the order of folding.
+    pub step: u32,
+    /// Number of the phase.
+    pub phase: u32,
+    /// Row of the phase's image.
+    pub row: u32,
+    /// Column of it.
+    pub column: u32,
+}
+
+/// What a composited sample was on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct Composited<C> {
+    /// Its opacity.
+    pub opacity: Opacity,
+    /// Its colour in the table.
+    pub colour: [u32; 3],
+    /// Gradient after the spacing factors, normal and shaded colour; `None` in unlit scenes.
+    pub lit: Option<([i32; 3], Normal, [u32; 3])>,
+    /// The pixel before it.
+    pub before: Pixel<C>,
+    /// The pixel after it.
+    pub after: Pixel<C>,
+}
+
+/// Whoever wants to know what happens along the rays.
+pub trait Witness {
+    /// Whether invisible samples are to be computed too.
+    const EVERYTHING: bool;
+    /// The position of a phase's first pixel on a plane, 16.16.
+    fn location(&mut self, _step: u32, _phase: u32, _at: [i32; 3]) {}
+    /// A sample, in the precision's bits.
+    fn sample(&mut self, _at: Visit, _sample: i32) {}
+    /// A sample that was composited.
+    fn composited<C: Channel>(&mut self, _at: Visit, _seen: &Composited<C>) {}
+}
+
+/// Nobody looks.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Nobody;
+
+impl Witness for Nobody {
+    const EVERYTHING: bool = false;
+}
+
+/// Renders the base plane of a frame ray by ray.
+///
+/// # Errors
+/// [`PhongError`] if the material is not one that the pipeline takes.
+pub fn render<W: Witness>(prepared: &Prepared<'_>, witness: &mut W) -> Result<BaseImage, PhongError> {
+    match prepared.scene.precision {
+        PrecisionName::Paper => Ok(Rays::<Paper>::new(prepared)?.image(witness)),
+        PrecisionName::Compact => Ok(Rays::<Compact>::new(prepared)?.image(witness)),
+        PrecisionName::Wide => Ok(Rays::<Wide>::new(prepared)?.image(witness)),
+    }
+}
+
+/// Follows all rays of a frame on rayon's current threads, each row by itself, and keeps a checksum of what they saw.
+///
+/// # Errors
+/// As [`render`].
+pub fn follow(prepared: &Prepared<'_>) -> Result<u64, PhongError> {
+    match prepared.scene.precision {
+        PrecisionName::Paper => Ok(Rays::<Paper>::new(prepared)?.follow()),
+        PrecisionName::Compact => Ok(Rays::<Compact>::new(prepared)?.follow()),
+        PrecisionName::Wide => Ok(Rays::<Wide>::new(prepared)?.follow()),
+    }
+}
+
+struct Rays<'a, P: Precision> {
+    plan: &'a Plan,
+    grid: Grid<'a>,
+    table: AnyTable<'a>,
+    phong: Option<Phong<P>>,
+    blend: Blend,
+    floor: ChannelOf<P>,
+}
+
+/// A sample's cell along i, j, k.
+type Cells = [Cell; 3];
+
+/// The voxels around a sample: `[z][y][x]`.
+type Corners = [[[i16; 2]; 2]; 2];
+
+/// A ray of the base plane.
+struct Ray {
+    /// Where its phase starts.
+    start: [Step; 2],
+    phase: u32,
+    column: u32,
+    row: u32,
+}
+
+impl<'a, P: Precision> Rays<'a, P> {
+    fn new(prepared: &'a Prepared<'_>) -> Result<Self, PhongError> {
+        let plan = &prepared.setup.plan;
+        let blend = prepared.scene.blend;
+        let asked = match (blend, prepared.scene.early_termination) {
+            (Blend::FrontToBack, Some(bits)) => ChannelOf::<P>::ONE.bits() >> bits,
+            _ => 0,
+        };
+        let material = prepared.setup.material.as_ref();
+        Ok(Self {
+            grid: Grid::of(prepared.volume, plan),
+            plan,
+            table: prepared.table.classifier(),
+            phong: material.map(|material| material.phong()).transpose()?,
+            blend,
+            floor: Channel::from_bits(P::Pixel::FLOOR.bits().max(asked)),
+        })
+    }
+
+    fn size(&self) -> [u32; 2] {
+        let n = self.plan.sampling().rays_per_voxel;
+        self.plan.base().map(|side| side * n)
+    }
+
+    fn image<W: Witness>(&self, witness: &mut W) -> BaseImage {
+        let [width, height] = self.size();
+        let mut planes = [(); 4].map(|()| Vec::new());
+        for (u, v) in (0..height).flat_map(|v| (0..width).map(move |u| (u, v))) {
+            let pixel = self.pixel([u, v], witness);
+            let [red, green, blue] = pixel.colour.map(Channel::bits);
+            for (plane, bits) in planes.iter_mut().zip([red, green, blue, pixel.transparency.bits()]) {
+                plane.push(bits);
+            }
+        }
+        BaseImage {
+            size: [width as usize, height as usize],
+            format: ChannelOf::<P>::NAME,
+            one: ChannelOf::<P>::ONE.bits(),
+            planes,
+        }
+    }
+
+    fn follow(&self) -> u64 {
+        let [width, height] = self.size();
+        let row = |v: u32| -> u64 {
+            let bits = |u| u64::from(self.pixel([u, v], &mut Nobody).transparency.bits());
+            (0..width).map(bits).sum()
+        };
+        (0..height).into_par_iter().map(row).sum()
+    }
+
+    fn pixel<W: Witness>(&self, pixel: [u32; 2], witness: &mut W) -> Pixel<ChannelOf<P>> {
+        let ray = &self.ray(pixel);
+        match self.blend {
+            Blend::FrontToBack => self.composited::<W, false>(ray, witness),
+            Blend::BackToFront => self.composited::<W, true>(ray, witness),
+            Blend::Maximum => self.projected::<Maximum, W>(ray, witness),
+            Blend::Minimum => self.projected::<Minimum, W>(ray, witness),
+        }
+    }
+
+    /// The ray of pixel (u, v).
+    fn ray(&self, [u, v]: [u32; 2]) -> Ray {
+        let n = self.plan.sampling().rays_per_voxel;
+        let [oi, oj] = self.plan.origin();
+        // The phase's offset to the nearest 2^-32, halves up.
+        let start = |origin: i32, phase: u32| {
+            let offset = ((u64::from(phase) << 33) + u64::from(n)) / (2 * u64::from(n));
+            Step::from_bits((i64::from(origin) << 32) + offset as i64)
+        };
+        Ray {
+            start: [start(oi, u % n), start(oj, v % n)],
+            phase: u % n + v % n * n,
+            column: u / n,
+            row: v / n,
+        }
+    }
+
+    /// Cells of a ray's sample on a plane, or `None` outside the volume.
+    #[inline(always)]
+    fn locate<W: Witness>(&self, ray: &Ray, step: u32, witness: &mut W) -> Option<(Cells, Visit)> {
+        let index = self.index(step);
+        let [si, sj, sk] = self.plan.step();
+        let [start_i, start_j] = ray.start;
+        let x = position(start_i, si, index);
+        let y = position(start_j, sj, index);
+        let z = position(Step::ZERO, sk, index);
+        let visit = Visit {
+            step,
+            phase: ray.phase,
+            row: ray.row,
+            column: ray.column,
+        };
+        witness.location(step, visit.phase, [x.to_bits(), y.to_bits(), z.to_bits()]);
+        let mut cells = [cell(x), cell(y), cell(z)];
+        cells[0].index += ray.column as i32;
+        cells[1].index += ray.row as i32;
+        for (cell, last) in cells.iter().zip(&self.grid.last) {
+            let inside = 0 <= cell.index && (cell.index < *last || cell.index == *last && cell.weight == Weight::ZERO);
+            if !inside {
+                return None;
+            }
+        }
+        Some((cells, visit))
+    }
+
+    fn index(&self, step: u32) -> u32 {
+        if self.blend == Blend::BackToFront {
+            self.plan.planes() - 1 - step
+        } else {
+            step
+        }
+    }
+
+    /// One ray, alpha compositing.
+    fn composited<W: Witness, const BACK_TO_FRONT: bool>(&self, ray: &Ray, witness: &mut W) -> Pixel<ChannelOf<P>> {
+        let mut pixel = Pixel::clear();
+        for step in 0..self.plan.planes() {
+            let Some((cells, at)) = self.locate(ray, step, witness) else {
+                continue;
+            };
+            let inner = self.grid.is_inner(cells);
+            let sample = if inner {
+                self.sample::<true>(cells)
+            } else {
+                self.sample::<false>(cells)
+            };
+            witness.sample(at, bits_of_sample::<P>(sample));
+            let opacity = Classifier::<P>::opacity(&self.table, sample);
+            if !W::EVERYTHING && opacity.to_bits() == 0 {
+                continue;
+            }
+            let before = pixel;
+            let colour = Classifier::<P>::colour(&self.table, sample);
+            let lit = self.phong.as_ref().map(|phong| {
+                if inner {
+                    self.shaded::<true>(phong, cells, colour)
+                } else {
+                    self.shaded::<false>(phong, cells, colour)
+                }
+            });
+            let shaded = lit.map_or(colour, |(_, _, shaded)| shaded);
+            let dither = Dither::of_plane(self.index(step));
+            if BACK_TO_FRONT {
+                pixel = P::Pixel::under(pixel, shaded, opacity, dither);
+            } else {
+                pixel = P::Pixel::over(pixel, shaded, opacity, dither);
+                pixel.transparency = settle(pixel.transparency, self.floor);
+            }
+            let seen = Composited {
+                opacity,
+                colour,
+                lit,
+                before,
+                after: pixel,
+            };
+            witness.composited(at, &seen);
+            if !W::EVERYTHING && !BACK_TO_FRONT && pixel.transparency.bits() == 0 {
+                break;
+            }
+        }
+        pixel
+    }
+
+    /// One ray, the extreme of its samples.
+    fn projected<X: Extreme, W: Witness>(&self, ray: &Ray, witness: &mut W) -> Pixel<ChannelOf<P>> {
+        let mut kept = X::EMPTY;
+        for step in 0..self.plan.planes() {
+            if let Some((cells, at)) = self.locate(ray, step, witness) {
+                let sample = bits_of_sample::<P>(self.sample::<false>(cells));
+                kept = X::keep(kept, sample);
+                witness.sample(at, sample);
+            }
+        }
+        resolve::<P, X>(kept, &self.table)
+    }
+
+    /// Gradient, normal and shaded colour of a sample. `INNER`: all voxels that are looked at exist.
+    fn shaded<const INNER: bool>(
+        &self,
+        phong: &Phong<P>,
+        cells: Cells,
+        colour: [u32; 3],
+    ) -> ([i32; 3], Normal, [u32; 3]) {
+        let weights = cells.map(|c| c.weight);
+        let at = |corners: Corners| bits_of_sample::<P>(trilinear::<P>(corners, weights));
+        let grid = &self.grid;
+        let [dx, dy, dz] = if INNER {
+            let ([i, j, k], here) = (grid.stride, grid.place(cells));
+            [
+                at(grid.corners(here + i)) - at(grid.corners(here - i)),
+                at(grid.corners(here + j)) - at(grid.corners(here - j)),
+                at(difference(grid.corners(here + k), grid.corners(here - k))),
+            ]
+        } else {
+            let beside = |di, dj| at(corners_of(cells, [di, dj], |place| grid.continued(place)));
+            [
+                beside(1, 0) - beside(-1, 0),
+                beside(0, 1) - beside(0, -1),
+                at(corners_of(cells, [0; 2], |place| grid.derivative(place))),
+            ]
+        };
+        let [fx, fy, fz] = self.plan.spacing();
+        let mut gradient = [space(dx, fx), space(dy, fy), space(dz, fz)];
+        if P::GRADIENT_BITS < 15 {
+            gradient = coarsen(gradient, P::GRADIENT_BITS);
+        }
+        let normal = normalise(gradient);
+        (gradient, normal, phong.shade(normal, colour))
+    }
+
+    /// The sample that is classified: voxels of the volume only; behind the last there is none and none is needed.
+    #[inline(always)]
+    fn sample<const INNER: bool>(&self, cells: Cells) -> P::Sample {
+        let corners = if INNER {
+            self.grid.corners(self.grid.place(cells))
+        } else {
+            corners_of(cells, [0; 2], |at| self.grid.voxel(at))
+        };
+        trilinear::<P>(corners, cells.map(|c| c.weight))
+    }
+}
+
+/// The voxels that `value` gives around a sample's neighbour.
+fn corners_of(cells: Cells, [di, dj]: [i32; 2], value: impl Fn([i32; 3]) -> i32) -> Corners {
+    let [i, j, k] = cells.map(|c| c.index);
+    // Derivatives and continued voxels are within -4095 to 8190.
+    [0, 1].map(|z| [0, 1].map(|y| [0, 1].map(|x| value([i + di + x, j + dj + y, k + z]) as i16)))
+}
+
+/// Corner by corner.
+#[inline(always)]
+fn difference([a, b]: Corners, [c, d]: Corners) -> Corners {
+    let row = |[a, b]: [i16; 2], [c, d]: [i16; 2]| [a - c, b - d];
+    let face = |[a, b]: [[i16; 2]; 2], [c, d]: [[i16; 2]; 2]| [row(a, c), row(b, d)];
+    [face(a, c), face(b, d)]
+}
+
+fn bits_of_sample<P: Precision>(sample: P::Sample) -> i32 {
+    fixed::traits::Fixed::to_bits(sample)
+}

@@ -1,0 +1,176 @@
+//! Lanes of f32, the opponent's counterpart of core's integer lanes: one definition, `f32` or a processor's vectors.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
+use std::ops::{Add, Mul, Sub};
+
+use slicecast::lanes::{Coding, Lanes, Neighboured};
+
+use crate::simd::Simd;
+
+/// How whole parts are looked up: they are codes.
+pub const AS_IT_IS: Coding = Coding { offset: 0, bits: 0 };
+
+/// Some lanes of 32-bit floats.
+pub trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+    /// How many lanes.
+    const COUNT: usize;
+
+    /// The same number in all lanes.
+    fn splat(value: f32) -> Self;
+    /// Elements `at ..` of a row; 0 behind its end.
+    fn load(row: &[f32], at: usize) -> Self;
+    /// Writes to elements `at ..` of a row, as far as it goes.
+    fn store(self, row: &mut [f32], at: usize);
+    /// Voxels `at ..` of a row; 0 behind its end.
+    fn load_voxels(row: &[u16], at: usize) -> Self;
+    /// Writes whole parts to elements `at ..` of a row that goes as far.
+    fn store_whole(self, row: &mut [i32], at: usize);
+    /// Whole parts `at ..` of such a row.
+    fn load_whole(row: &[i32], at: usize) -> Self;
+    /// The table's values, which are the bits of floats, at the codes `at ..` of a row, and the next ones. Codes are not
+    /// negative; what lies above the last has its low 12 bits.
+    fn look_up(values: &Neighboured, codes: &[i32], at: usize) -> [Self; 2];
+    /// Red, green and blue, 0 to 255, of a table's entries there and the next ones.
+    fn look_up_colours(entries: &Neighboured, codes: &[i32], at: usize) -> [[Self; 3]; 2];
+
+    /// Lanes 1 .. of this and the first of `next`: each lane's right neighbour.
+    fn followed_by(self, next: Self) -> Self;
+    /// `self * factor + term`.
+    fn times_plus(self, factor: Self, term: Self) -> Self;
+    /// The smaller.
+    fn at_most(self, other: Self) -> Self;
+    /// The larger.
+    fn at_least(self, other: Self) -> Self;
+    /// `value` where this is above 0, else 0.
+    fn positive_then(self, value: Self) -> Self;
+    /// `value` where this is at least `floor`, else 0.
+    fn at_least_then(self, floor: Self, value: Self) -> Self;
+    /// Whether any lane is above 0.
+    fn any_positive(self) -> bool;
+    /// `1 / sqrt(x)` to about 22 bits: the processor's estimate and one Newton step. 0 for 0.
+    fn reciprocal_root(self) -> Self;
+
+    /// `self + (b - self) * w`.
+    #[inline(always)]
+    fn towards(self, b: Self, w: Self) -> Self {
+        (b - self).times_plus(w, self)
+    }
+}
+
+impl Floats for f32 {
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn load(row: &[f32], at: usize) -> Self {
+        row.get(at).copied().unwrap_or(0.0)
+    }
+    #[inline(always)]
+    fn store(self, row: &mut [f32], at: usize) {
+        if let Some(place) = row.get_mut(at) {
+            *place = self;
+        }
+    }
+    #[inline(always)]
+    fn load_voxels(row: &[u16], at: usize) -> Self {
+        row.get(at).copied().map_or(0.0, Self::from)
+    }
+    #[inline(always)]
+    fn store_whole(self, row: &mut [i32], at: usize) {
+        if let Some(place) = row.get_mut(at) {
+            *place = self as i32;
+        }
+    }
+    #[inline(always)]
+    fn load_whole(row: &[i32], at: usize) -> Self {
+        row.get(at).map_or(0.0, |whole| *whole as Self)
+    }
+    #[inline(always)]
+    fn look_up(values: &Neighboured, codes: &[i32], at: usize) -> [Self; 2] {
+        i32::look_up(values, codes, at, AS_IT_IS).map(|bits| Self::from_bits(bits as u32))
+    }
+    #[inline(always)]
+    fn look_up_colours(entries: &Neighboured, codes: &[i32], at: usize) -> [[Self; 3]; 2] {
+        let channels = |entry: i32| [0, 8, 16].map(|channel| Self::from((entry >> channel) as u8));
+        i32::look_up(entries, codes, at, AS_IT_IS).map(channels)
+    }
+    #[inline(always)]
+    fn followed_by(self, next: Self) -> Self {
+        next
+    }
+    #[inline(always)]
+    fn times_plus(self, factor: Self, term: Self) -> Self {
+        // Not fused: without the instruction that would be a call.
+        self * factor + term
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn at_least(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    #[inline(always)]
+    fn positive_then(self, value: Self) -> Self {
+        if self > 0.0 { value } else { 0.0 }
+    }
+    #[inline(always)]
+    fn at_least_then(self, floor: Self, value: Self) -> Self {
+        if self >= floor { value } else { 0.0 }
+    }
+    #[inline(always)]
+    fn any_positive(self) -> bool {
+        self > 0.0
+    }
+    #[inline(always)]
+    fn reciprocal_root(self) -> Self {
+        self.positive_then(1.0 / self.sqrt())
+    }
+}
+
+/// Work that is written over lanes of floats.
+pub trait OverFloats {
+    /// What comes of it.
+    type Output;
+    /// Does it. `#[inline(always)]`, like all that it calls (see [`crate::simd::OverLanes`]).
+    fn run<F: Floats>(self) -> Self::Output;
+}
+
+/// Does some work with vectors of this width; with `f32` where the processor has not got them.
+pub fn with_floats<W: OverFloats>(simd: Simd, work: W) -> W::Output {
+    match simd {
+        #[cfg(target_arch = "x86_64")]
+        Simd::Avx512 if simd.available() => {
+            #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi1,bmi2,fma")]
+            fn entry<W: OverFloats>(work: W) -> W::Output {
+                work.run::<avx512::Avx512>()
+            }
+            #[expect(unsafe_code, reason = "the one entry to code for AVX-512")]
+            // SAFETY: the processor has it.
+            unsafe {
+                entry(work)
+            }
+        }
+        #[cfg(target_arch = "x86_64")]
+        Simd::Avx2 if simd.available() => {
+            #[target_feature(enable = "avx2,bmi1,bmi2,fma")]
+            fn entry<W: OverFloats>(work: W) -> W::Output {
+                work.run::<avx2::Avx2>()
+            }
+            #[expect(unsafe_code, reason = "the one entry to code for AVX2")]
+            // SAFETY: the processor has it.
+            unsafe {
+                entry(work)
+            }
+        }
+        _ => work.run::<f32>(),
+    }
+}

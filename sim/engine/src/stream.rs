@@ -1,0 +1,41 @@
+//! Frames through the stream layer, slice by slice, as firmware makes them.
+
+use slicecast::plan::Plan;
+use slicecast::plane::Pipeline;
+use slicecast::slice::{RowRange, Slice};
+use slicecast::stream::{Memory, Needs, Stream, StreamError};
+use slicecast::tap::Tap;
+
+use crate::oriented::packed;
+
+/// Renders through the stream layer under a tap.
+///
+/// # Errors
+/// [`StreamError`] if a slice is refused.
+pub fn stream_tapped<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    image: &mut [L::Element],
+    progress: &(dyn Fn(usize, usize) + Sync),
+    tap: &mut impl Tap,
+) -> Result<(), StreamError> {
+    let needs = Needs::of::<L>(plan);
+    let (mut ring, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
+    let mut scratch = vec![0; needs.scratch];
+    let memory = Memory {
+        slices: &mut ring,
+        ranges: &mut ranges,
+        scratch: &mut scratch,
+        image,
+    };
+    let mut stream = Stream::new(*plan, pipeline, memory)?;
+    let mut pushed = 0;
+    while let Some(wanted) = stream.wanted() {
+        let slice = slices.get(wanted as usize).ok_or(StreamError::Complete)?;
+        stream.push(&packed(slice), tap)?;
+        pushed += 1;
+        progress(pushed, slices.len());
+    }
+    Ok(())
+}

@@ -1,0 +1,296 @@
+//! Tiles of base-plane rows through all planes, on all cores.
+
+use rayon::prelude::*;
+use slicecast::lanes::Lanes;
+use slicecast::locate::{Plane, cell, plane};
+use slicecast::plan::Plan;
+use slicecast::plane::{Pipeline, Rows, scratch_len};
+use slicecast::slice::{Slice, Window};
+use slicecast::tap::{NoTap, Tap};
+
+use crate::occupancy::Sight;
+use crate::oriented::Oriented;
+use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
+
+/// Rows of the base plane that one thread takes through all slices at a time.
+pub const TILE_ROWS: usize = 32;
+
+/// Some rows of one phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Number of the phase.
+    pub phase: u32,
+    /// First row.
+    pub first: u32,
+    /// Number of rows.
+    pub rows: u32,
+}
+
+/// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or, where the volume's blocks
+/// are known and few of them can be seen, those blocks.
+pub fn fold_oriented<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    volume: &Oriented<'_>,
+    image: &mut [L::Element],
+    tile_rows: usize,
+    simd: Simd,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) {
+    let slices = volume.slices;
+    let Some(sight) = volume.sight(plan, pipeline, simd) else {
+        return fold_tiles(plan, pipeline, slices, image, tile_rows, simd, progress);
+    };
+    each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {
+        scratch.resize(scratch.len().max(L::SEEN_SCRATCH), 0);
+        let fold = FoldTile {
+            plan,
+            pipeline,
+            slices,
+            how: Blocks(&sight),
+            tile,
+            data,
+            scratch,
+        };
+        with_lanes(simd, fold);
+    });
+}
+
+/// Folds all planes into an image, tile by tile on rayon's current threads, rows as a whole.
+pub fn fold_tiles<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    image: &mut [L::Element],
+    tile_rows: usize,
+    simd: Simd,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) {
+    each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {
+        let fold = FoldTile {
+            plan,
+            pipeline,
+            slices,
+            how: Whole(&mut NoTap),
+            tile,
+            data,
+            scratch,
+        };
+        with_lanes(simd, fold);
+    });
+}
+
+/// Folds all planes into an image like [`fold_tiles`], by the scalar definitions, each tile under a tap of its own.
+/// Returns the taps in the order of the tiles, which does not depend on the number of threads.
+pub fn fold_tiles_tapped<L: Pipeline, T: Tap + Send>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    image: &mut [L::Element],
+    tile_rows: usize,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    tap: impl Fn(Tile) -> T + Sync,
+) -> Vec<T> {
+    each_tile::<L, T>(plan, image, tile_rows, progress, |tile, data, scratch| {
+        let mut tap = tap(tile);
+        let fold = FoldTile {
+            plan,
+            pipeline,
+            slices,
+            how: Whole(&mut tap),
+            tile,
+            data,
+            scratch,
+        };
+        fold.run::<i32>();
+        tap
+    })
+}
+
+/// The tiles of an image whose rows have `row_len` elements, and what each holds: the same rows of all phases one after the
+/// other, because they read the same voxels, which are still near.
+pub fn tiles<'i, E>(plan: &Plan, image: &'i mut [E], row_len: usize, tile_rows: usize) -> Vec<(Tile, &'i mut [E])> {
+    let [_, height] = plan.base();
+    let tile_rows = tile_rows.clamp(1, height as usize);
+    let mut phases: Vec<_> = (image.chunks_mut(row_len * height as usize))
+        .map(|phase| phase.chunks_mut(row_len * tile_rows))
+        .collect();
+    let mut tiles = Vec::new();
+    for first in (0..height).step_by(tile_rows) {
+        for (phase, rest) in (0..).zip(&mut phases) {
+            let data = rest.next().unwrap_or(&mut []);
+            let rows = (data.len() / row_len) as u32;
+            tiles.push((Tile { phase, first, rows }, data));
+        }
+    }
+    tiles
+}
+
+/// Does something with every tile of an image, in parallel; its results phase by phase, row by row.
+fn each_tile<L: Pipeline, R: Send>(
+    plan: &Plan,
+    image: &mut [L::Element],
+    tile_rows: usize,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    work: impl Fn(Tile, &mut [L::Element], &mut Vec<i32>) -> R + Sync,
+) -> Vec<R> {
+    let [base_width, _] = plan.base();
+    let [slice_width, _, _] = plan.dims();
+    let tiles = tiles(plan, image, L::CHANNELS * base_width as usize, tile_rows);
+    let (total, phases) = (tiles.len(), plan.phases() as usize);
+    let tiles_per_phase = total / phases;
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    // Each on its own: how long it takes depends on what it sees.
+    let mut results: Vec<Option<R>> = tiles
+        .into_par_iter()
+        .with_max_len(1)
+        .map_init(
+            // Room for rows that begin with a line of the cache.
+            || vec![0; scratch_len::<L>(slice_width + 32)],
+            |scratch, (tile, data)| {
+                let result = work(tile, data, scratch);
+                progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
+                Some(result)
+            },
+        )
+        .collect();
+    let by_phase = (0..total).map(|place| place % tiles_per_phase * phases + place / tiles_per_phase);
+    by_phase.filter_map(|place| results.get_mut(place)?.take()).collect()
+}
+
+/// Folds all planes into the rows of a tile by the scalar definitions, under a tap. `scratch` holds at least
+/// [`scratch_len`] words.
+pub fn fold_tile<L: Pipeline, T: Tap>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    tile: Tile,
+    data: &mut [L::Element],
+    scratch: &mut [i32],
+    tap: &mut T,
+) {
+    let fold = FoldTile {
+        plan,
+        pipeline,
+        slices,
+        how: Whole(tap),
+        tile,
+        data,
+        scratch,
+    };
+    fold.run::<i32>();
+}
+
+/// How many slices ahead of a plane memory is asked for.
+pub const AHEAD: i32 = 3;
+
+/// After how many planes a tile is asked whether its rays are all finished.
+const FINISHED_EVERY: u32 = 16;
+
+/// How the planes of a tile are folded.
+trait How<L: Pipeline> {
+    /// Folds the plane at a slice, or between it and the next.
+    fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]);
+    /// Whether no further plane can change these rows.
+    fn finished<V: Lanes>(&self, pipeline: &L, plan: &Plan, data: &[L::Element]) -> bool;
+}
+
+/// A plane and what is around it.
+struct At<'a> {
+    plan: &'a Plan,
+    plane: Plane,
+    slice: usize,
+    window: Window<'a>,
+}
+
+/// Rows as a whole, under a tap, which sees every plane: finished rows are left out one by one.
+struct Whole<'t, T>(&'t mut T);
+
+/// The blocks that can be seen.
+struct Blocks<'a>(&'a Sight);
+
+impl<L: Pipeline, T: Tap> How<L> for Whole<'_, T> {
+    #[inline(always)]
+    fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]) {
+        pipeline.fold::<V, T>(at.plan, &at.plane, &at.window, rows, scratch, self.0);
+    }
+
+    #[inline(always)]
+    fn finished<V: Lanes>(&self, _: &L, _: &Plan, _: &[L::Element]) -> bool {
+        false
+    }
+}
+
+impl<L: Pipeline> How<L> for Blocks<'_> {
+    #[inline(always)]
+    fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]) {
+        pipeline.fold_seen::<V>(at.plan, &at.plane, &at.window, self.0.at(at.slice), rows, scratch);
+    }
+
+    #[inline(always)]
+    fn finished<V: Lanes>(&self, pipeline: &L, plan: &Plan, data: &[L::Element]) -> bool {
+        pipeline.finished::<V>(plan, data)
+    }
+}
+
+/// A tile on its way through all planes.
+struct FoldTile<'a, 's, L: Pipeline, H> {
+    plan: &'a Plan,
+    pipeline: &'a L,
+    slices: &'a [Slice<'s>],
+    how: H,
+    tile: Tile,
+    data: &'a mut [L::Element],
+    scratch: &'a mut [i32],
+}
+
+impl<L: Pipeline, H: How<L>> FoldTile<'_, '_, L, H> {
+    /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`, and those that
+    /// gradients look at beyond.
+    #[inline(always)]
+    fn prefetch(&self, slice: &Slice<'_>, offset: i32) {
+        let first = (i64::from(self.tile.first) + i64::from(offset)).max(1) as usize;
+        for row in first - 1..(first + self.tile.rows as usize + 2).min(slice.height()) {
+            prefetch(slice.row(row));
+        }
+    }
+}
+
+impl<L: Pipeline, H: How<L>> OverLanes for FoldTile<'_, '_, L, H> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes>(mut self) {
+        let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
+        let planes = self.plan.planes();
+        let mut ahead = None;
+        for step in 0..planes {
+            let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
+            let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
+            let z = cell(plane.z).index;
+            let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
+            if ahead != Some(wanted) {
+                ahead = Some(wanted);
+                if let Some(slice) = slice(wanted) {
+                    self.prefetch(&slice, cell(plane.y).index);
+                }
+            }
+            if let Some(window) = Window::at(z, slice) {
+                let rows = Rows {
+                    first: self.tile.first,
+                    data: &mut *self.data,
+                };
+                let at = At {
+                    plan: self.plan,
+                    plane,
+                    slice: z as usize,
+                    window,
+                };
+                self.how.fold::<V>(self.pipeline, at, rows, self.scratch);
+            }
+            if step % FINISHED_EVERY == 0 && self.how.finished::<V>(self.pipeline, self.plan, self.data) {
+                break;
+            }
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! The precision laboratory: formats that the library does not ship, run through the very same pipeline.
+//!
+//! A configuration is a type, as a shipped precision is: core's stages read its constants. Nothing here is linked by
+//! firmware, and no stage is written a second time.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `channels` | accumulator formats from 8 to 31 bits |
+//! | `pixels` | compositing: products, telescoping, residual carry, the [0, 255] scale |
+//! | `codes` | opacity in a table entry: plain or as a root, 8 or 16 bits |
+//! | `formats` | precisions put together from parts |
+//! | `parameters` | what a configuration is made of, for reports and for `--vary` |
+//! | `catalogue` | the configurations that are instantiated |
+//! | `measure` | errors and speed of one configuration |
+//! | `choose` | which of them a sweep runs |
+//! | `sweep` | their errors and speeds, batch by batch |
+//! | `shards` | parts of a sweep, and the table of all |
+//! | `rows` | the file of finished rows |
+//! | `ensemble` | one configuration against another over many views |
+//! | `pareto` | which configurations nothing beats |
+//! | `hard` | the hard cases |
+
+pub mod catalogue;
+pub mod channels;
+pub mod choose;
+pub mod codes;
+pub mod ensemble;
+pub mod formats;
+pub mod hard;
+pub mod measure;
+pub mod parameters;
+pub mod pareto;
+pub mod pixels;
+pub mod report;
+pub mod rows;
+pub mod shards;
+pub mod sweep;
