@@ -52,8 +52,8 @@ pub fn normalise(gradient: [f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rays::Geometry;
     use crate::testing::{SAMPLING_ONCE, close, volume_of};
-    use slicecast_engine::rays::Geometry;
 
     #[test]
     fn spacing_factors_make_a_world_gradient() {

@@ -227,7 +227,6 @@ fn stages(step: &Step, sample: &ModelSample, so_far: Pixel, formats: &Formats, l
 mod tests {
     use super::*;
     use crate::compare;
-    use slicecast_scene;
     use slicecast_scene::PrecisionName;
     use slicecast_volume::mapping::Window;
     use slicecast_volume::open::load;
@@ -235,7 +234,7 @@ mod tests {
     #[test]
     fn shares_add_up_and_the_ray_is_the_frames_own() {
         let volume = load(None, Window::Auto).unwrap().volume;
-        let mut scene = scene::file::built_in(scene::file::DEFAULT).unwrap();
+        let mut scene = slicecast_scene::file::built_in(slicecast_scene::file::DEFAULT).unwrap();
         for precision in PrecisionName::ALL {
             scene.precision = precision;
             let prepared = Prepared::new(&scene, &volume).unwrap();
@@ -267,7 +266,7 @@ mod tests {
     #[test]
     fn rays_that_are_not_there_are_refused() {
         let volume = load(None, Window::Auto).unwrap().volume;
-        let mut scene = scene::file::built_in(scene::file::DEFAULT).unwrap();
+        let mut scene = slicecast_scene::file::built_in(slicecast_scene::file::DEFAULT).unwrap();
         let prepared = Prepared::new(&scene, &volume).unwrap();
         assert!(matches!(
             explain(&prepared, [100_000, 0]),
