@@ -20,12 +20,26 @@
 use core::marker::PhantomData;
 
 use crate::format::Opacity;
-use crate::lanes::{Lanes, SMALL, Wide as _};
+use crate::lanes::{Lanes, Small, Wide as _};
 use crate::precision::Precision;
 use crate::slice::RowRange;
+use crate::table::ENTRIES;
 
-/// Entries of a table: one for each 12-bit code.
-pub const ENTRIES: usize = 4096;
+/// What a classifier reads of the rays of a row: the sample of each. A classifier of segments reads the sample in front of
+/// it too, which becomes a second row here.
+#[derive(Clone, Copy, Debug)]
+pub struct Slab<'a, W = i32> {
+    /// The samples of this plane.
+    pub back: &'a [W],
+}
+
+impl<'a, W> Slab<'a, W> {
+    /// The slab that ends at these samples.
+    #[inline(always)]
+    pub const fn of(back: &'a [W]) -> Self {
+        Self { back }
+    }
+}
 
 /// Gives samples their colour and opacity. Point tables are one kind; pre-integrated tables and isosurfaces are
 /// others.
@@ -48,17 +62,17 @@ pub trait Classifier<P: Precision>: Sync {
 
     /// Opacities of a row, as the bits of 1.31 in an `i32` lane. Both rows equally long.
     #[inline]
-    fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
-        for (o, &s) in out.iter_mut().zip(samples) {
+    fn opacity_row<V: Lanes>(&self, slab: Slab<'_>, out: &mut [i32]) {
+        for (o, &s) in out.iter_mut().zip(slab.back) {
             *o = self.opacity(sample::<P>(s)).to_bits() as i32;
         }
     }
 
     /// Colours of a row. All rows equally long.
     #[inline]
-    fn colour_row<V: Lanes>(&self, samples: &[i32], out: [&mut [i32]; 3]) {
+    fn colour_row<V: Lanes>(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
-        for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(samples) {
+        for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(slab.back) {
             [*r, *g, *b] = self.colour(sample::<P>(s)).map(|c| c as i32);
         }
     }
@@ -282,57 +296,82 @@ pub fn colour_of_entry<V: Lanes>(entry: V, channel: u32, bits: u32) -> V {
     }
 }
 
+impl<A: AlphaCode, L: Lookup> PointTable<'_, A, L> {
+    /// Opacity of a sample, mixed by a lane.
+    #[inline(always)]
+    fn opacity_by<P: Precision, V: Lanes>(&self, bits: i32) -> i32 {
+        let opacity = |root| A::opacity(root).to_bits() as i32;
+        if !L::LINEAR {
+            return opacity(self.root_at(nearest::<P>(bits)));
+        }
+        let (index, f) = split::<P>(bits);
+        let (a, b) = (self.root_at(index), self.root_at(index + 1));
+        if V::SMALL && a == b {
+            return opacity(a);
+        }
+        let mut out = [0];
+        let mixed = V::splat(opacity(a)).mix(V::splat(opacity(b)), V::splat(f), P::SAMPLE_BITS);
+        mixed.store(&mut out, 0);
+        let [mixed] = out;
+        mixed
+    }
+
+    /// Colour of a sample. On small machines two entries of one colour are not mixed.
+    #[inline(always)]
+    fn colour_by<P: Precision, V: Lanes>(&self, bits: i32) -> [u32; 3] {
+        if !L::LINEAR {
+            return colours::<P>(self.entry_at(nearest::<P>(bits)));
+        }
+        let (index, f) = split::<P>(bits);
+        let (a, b) = (self.entry_at(index), self.entry_at(index + 1));
+        let first = colours::<P>(a);
+        if V::SMALL && (a ^ b) & 0x00ff_ffff == 0 {
+            return first;
+        }
+        let ([r0, g0, b0], [r1, g1, b1]) = (first, colours::<P>(b));
+        [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour::<P, i32>(a as i32, b as i32, f) as u32)
+    }
+
+    /// Opacities of a row on a small machine. With registers of its own it takes fewer instructions where there are few.
+    #[inline(never)]
+    fn opacity_row_small<P: Precision>(&self, samples: &[i32], out: &mut [i32]) {
+        let dark = self.support.dark::<P>();
+        for (o, &s) in out.iter_mut().zip(samples) {
+            *o = if s <= dark { 0 } else { self.opacity_by::<P, Small>(s) };
+        }
+    }
+}
+
 impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, L> {
     #[inline]
     fn opacity(&self, sample: P::Sample) -> Opacity {
-        let bits = fixed::traits::Fixed::to_bits(sample);
-        Opacity::from_bits(if L::LINEAR {
-            let (index, f) = split::<P>(bits);
-            let (a, b) = (self.root_at(index), self.root_at(index + 1));
-            let opacity = |root| A::opacity(root).to_bits();
-            if SMALL && a == b {
-                opacity(a)
-            } else {
-                Lanes::mix(opacity(a) as i32, opacity(b) as i32, f, P::SAMPLE_BITS) as u32
-            }
-        } else {
-            A::opacity(self.root_at(nearest::<P>(bits))).to_bits()
-        })
+        Opacity::from_bits(self.opacity_by::<P, i32>(fixed::traits::Fixed::to_bits(sample)) as u32)
     }
 
     #[inline]
     fn colour(&self, sample: P::Sample) -> [u32; 3] {
-        let bits = fixed::traits::Fixed::to_bits(sample);
-        if L::LINEAR {
-            let (index, f) = split::<P>(bits);
-            let (a, b) = (self.entry_at(index), self.entry_at(index + 1));
-            let first = colours::<P>(a);
-            if SMALL && (a ^ b) & 0x00ff_ffff == 0 {
-                first
-            } else {
-                let ([r0, g0, b0], [r1, g1, b1]) = (first, colours::<P>(b));
-                [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour::<P, i32>(a as i32, b as i32, f) as u32)
-            }
-        } else {
-            colours::<P>(self.entry_at(nearest::<P>(bits)))
-        }
+        self.colour_by::<P, i32>(fixed::traits::Fixed::to_bits(sample))
     }
 
     fn support(&self) -> Support {
         self.support
     }
 
-    // With registers of its own it takes fewer instructions where there are few.
-    #[cfg_attr(any(target_arch = "arm", target_arch = "riscv32"), inline(never))]
-    #[cfg_attr(not(any(target_arch = "arm", target_arch = "riscv32")), inline(always))]
-    fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
-        let dark = self.support.dark::<P>();
-        for (o, &s) in out.iter_mut().zip(samples) {
-            *o = if SMALL && s <= dark {
-                0
-            } else {
-                Classifier::<P>::opacity(self, sample::<P>(s)).to_bits() as i32
-            };
+    #[inline(always)]
+    fn opacity_row<V: Lanes>(&self, slab: Slab<'_>, out: &mut [i32]) {
+        if V::SMALL {
+            return self.opacity_row_small::<P>(slab.back, out);
+        }
+        for (o, &s) in out.iter_mut().zip(slab.back) {
+            *o = self.opacity_by::<P, i32>(s);
+        }
+    }
+
+    #[inline(always)]
+    fn colour_row<V: Lanes>(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
+        let [red, green, blue] = out;
+        for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(slab.back) {
+            [*r, *g, *b] = self.colour_by::<P, V>(s).map(|c| c as i32);
         }
     }
 }
@@ -457,9 +496,9 @@ mod tests {
             let t = PointTable::<Sqrt8, Linear>::new(&entries, ());
             let mut a = std::vec![0; samples.len()];
             let mut c = [a.clone(), a.clone(), a.clone()];
-            Classifier::<Compact>::opacity_row::<i32>(&t, &samples, &mut a);
+            Classifier::<Compact>::opacity_row::<i32>(&t, Slab::of(&samples), &mut a);
             let [r, g, b] = &mut c;
-            Classifier::<Compact>::colour_row::<i32>(&t, &samples, [r, g, b]);
+            Classifier::<Compact>::colour_row::<i32>(&t, Slab::of(&samples), [r, g, b]);
             for (i, &s) in samples.iter().enumerate() {
                 let s = Sample12::from_bits(s);
                 prop_assert_eq!(a[i] as u32, Classifier::<Compact>::opacity(&t, s).to_bits());

@@ -24,7 +24,7 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 
 pub(crate) use self::rows::fold_at;
-pub use self::rows::{Colours, OneColour, PixelRow, fold_row, fold_visible_row};
+pub use self::rows::{Colours, PixelRow, fold_row, fold_visible_row};
 use crate::format::Opacity;
 use crate::lanes::{Lanes, Wide as _};
 

@@ -18,7 +18,7 @@
 use core::ops::Range;
 
 use crate::format::Weight;
-use crate::lanes::{Lanes, SMALL, places};
+use crate::lanes::{Lanes, places};
 use crate::precision::Precision;
 
 /// Sixteen-bit weight with the bits that a precision does not have cut off.
@@ -217,7 +217,7 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
 #[inline(always)]
 pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
     // On small machines both take as many instructions.
-    if whole && !SMALL {
+    if whole && !V::SMALL {
         yx_row_of::<P, V, _, true>(TwoRows(a, b), weights, out);
     } else {
         yx_row_of::<P, V, _, false>(TwoRows(a, b), weights, out);

@@ -16,7 +16,8 @@
 //! White fog of 8 slices, 8 x 8 voxels each, pushed one by one:
 //!
 //! ```
-//! use slicecast::classify::{ENTRIES, Linear, PointTable, Sqrt16, entry};
+//! use slicecast::classify::{Linear, PointTable, Sqrt16, entry};
+//! use slicecast::table::ENTRIES;
 //! use slicecast::composite::FrontToBack;
 //! use slicecast::plan::{Plan, Sampling, Spacing};
 //! use slicecast::plane::{Composite, Pipeline};
@@ -24,10 +25,9 @@
 //! use slicecast::shade::Unlit;
 //! use slicecast::slice::RowRange;
 //! use slicecast::stream::{Memory, Needs, Stream};
-//! use slicecast::tap::NoTap;
 //! use slicecast::view::View;
 //!
-//! // Firmware names one combination and pays for that one.
+//! // Only the combination that you name is compiled.
 //! type Unshaded<'t> = Composite<Compact, PointTable<'t, Sqrt16, Linear>, Unlit, FrontToBack>;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -47,7 +47,7 @@
 //!
 //! let mut stream = Stream::new(plan, pipeline, memory)?;
 //! while let Some(_number) = stream.wanted() {
-//!     stream.push(&[1000; 64], &mut NoTap)?;
+//!     stream.push(&[1000; 64])?;
 //! }
 //! // Eight samples of 1/64 leave (63/64)^8 of the light: 57780 of 65535.
 //! let left = stream.pixel(4, 4).transparency.0;
@@ -87,11 +87,14 @@ pub mod plan;
 pub mod plane;
 pub mod precision;
 pub mod project;
+pub mod root;
 mod rows;
 pub mod seen;
 pub mod shade;
 pub mod slice;
+pub mod stage;
 pub mod stream;
+pub mod table;
 pub mod tap;
 pub mod view;
 pub mod warp;

@@ -1,35 +1,44 @@
-//! The plane layer: fold one sample plane into some rows of the image.
+//! The plane layer: folds one sample plane into some rows of the image.
 //!
-//! It keeps nothing between calls and reads the voxels by reference, so a host may run it on a volume in memory, tile
-//! by tile, on all its cores; the stream layer runs it on its ring. A pipeline is a type: precision, classifier,
-//! shader and order of compositing ([`Composite`]), or an extreme of the samples ([`Project`]). Who names one pays for
-//! that one.
+//! It keeps nothing between calls and reads the voxels by reference. A host runs it on a volume in memory, tile by tile, on
+//! all its cores; the stream layer runs it on its ring. A pipeline is a type: precision, classifier, shader and order of
+//! compositing ([`Composite`]), or an extreme of the samples ([`Project`]). Only the combinations you name are compiled.
 //!
-//! Only what the scene needs, and the same bits with all of it or without: a row whose voxels all classify to nothing
-//! is not interpolated, nor is one whose rays are all finished; colours, gradients and shading are computed for spans
-//! of visible samples (opacity above 0 on a ray that is not finished). Who knows the whole volume can leave out blocks of
-//! rows too ([`Pipeline::fold_seen`]).
+//! Work that cannot change the image is skipped, and skipping never changes a bit. A row is skipped when all its voxels are
+//! transparent or all its rays have terminated; colours, gradients and shading are made for spans of visible samples. A
+//! caller that knows the whole volume names the blocks of rows that can be seen ([`At::seen`]).
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `extent` | which pixels have a sample in a plane |
+//! | `source`, `probe` | samples and gradients between the voxels, by rows and by vectors |
+//! | `kernels` | row kernels of a classifier and a shader |
+//! | `canvas` | pixels |
+//! | `fold`, `blocks` | the driver, and the two ways through a plane |
+//! | `scratch` | memory of the rows under way |
 
 mod blocks;
+mod canvas;
 mod composite;
-mod meeting;
-mod normals;
+mod extent;
+mod fold;
+mod kernels;
 mod probe;
 mod project;
-mod sampler;
-mod spans;
+mod scratch;
+mod source;
 
 use core::fmt::Debug;
 
 pub use self::composite::Composite;
 pub use self::project::Project;
+pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;
 use crate::composite::{Pixel, Recurrence};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::take;
 use crate::seen::Seen;
 use crate::slice::Window;
 use crate::tap::Tap;
@@ -47,10 +56,8 @@ pub trait Pipeline: Sync {
     const CHANNELS: usize;
     /// Slices that must be at hand at a time: 2, or 4 for gradients.
     const SLICES: usize;
-    /// Rows of scratch memory.
-    const SCRATCH_ROWS: usize;
-    /// Words of scratch memory for [`Pipeline::fold_seen`].
-    const SEEN_SCRATCH: usize = 0;
+    /// The rows of scratch memory.
+    const SCRATCH: ScratchRows;
     /// Whether planes go from the last to the first.
     const BACK_TO_FRONT: bool;
     /// Which voxel ranges can change the image; `None` where any can.
@@ -60,32 +67,18 @@ pub trait Pipeline: Sync {
     /// What an element of an untouched image holds, for the run of that number.
     fn empty(channel: usize) -> Self::Element;
 
-    /// Folds a plane into rows, `V::COUNT` samples at a time; the bits do not depend on `V`. `scratch` holds at least
-    /// [`scratch_len`] words; with less, nothing is folded.
-    fn fold<V: Lanes, T: Tap>(
+    /// Folds a plane into rows, with these lanes; the bits do not depend on them.
+    ///
+    /// # Errors
+    /// [`ScratchError`] if `scratch` holds fewer words than [`scratch_len`], or [`blocks_scratch_len`] where blocks are
+    /// named; no row is changed then.
+    fn fold<V: Lanes>(
         &self,
-        plan: &Plan,
-        plane: &Plane,
-        window: &Window<'_>,
+        at: &At<'_>,
         rows: Rows<'_, Self::Element>,
         scratch: &mut [i32],
-        tap: &mut T,
-    );
-
-    /// Like [`Pipeline::fold`], for planes of which little is seen: only the blocks in `seen` are looked at, and rows are
-    /// not interpolated as a whole. The same bits if `seen` holds all blocks that its [`support`](Pipeline::support)
-    /// meets; slower than `fold` where they are many. `scratch` holds at least `SEEN_SCRATCH` words; with less, nothing
-    /// is folded. Only where `support` says something.
-    fn fold_seen<V: Lanes>(
-        &self,
-        _plan: &Plan,
-        _plane: &Plane,
-        _window: &Window<'_>,
-        _seen: Seen<'_>,
-        _rows: Rows<'_, Self::Element>,
-        _scratch: &mut [i32],
-    ) {
-    }
+        tap: Option<&mut dyn Tap>,
+    ) -> Result<(), ScratchError>;
 
     /// Whether no further plane can change these whole rows.
     fn finished<V: Lanes>(&self, _plan: &Plan, _data: &[Self::Element]) -> bool {
@@ -101,8 +94,7 @@ impl<L: Pipeline> Pipeline for &L {
     type Element = L::Element;
     const CHANNELS: usize = L::CHANNELS;
     const SLICES: usize = L::SLICES;
-    const SCRATCH_ROWS: usize = L::SCRATCH_ROWS;
-    const SEEN_SCRATCH: usize = L::SEEN_SCRATCH;
+    const SCRATCH: ScratchRows = L::SCRATCH;
     const BACK_TO_FRONT: bool = L::BACK_TO_FRONT;
 
     fn support(&self) -> Option<Support> {
@@ -114,29 +106,14 @@ impl<L: Pipeline> Pipeline for &L {
     }
 
     #[inline(always)]
-    fn fold<V: Lanes, T: Tap>(
+    fn fold<V: Lanes>(
         &self,
-        plan: &Plan,
-        plane: &Plane,
-        window: &Window<'_>,
+        at: &At<'_>,
         rows: Rows<'_, Self::Element>,
         scratch: &mut [i32],
-        tap: &mut T,
-    ) {
-        L::fold::<V, T>(self, plan, plane, window, rows, scratch, tap);
-    }
-
-    #[inline(always)]
-    fn fold_seen<V: Lanes>(
-        &self,
-        plan: &Plan,
-        plane: &Plane,
-        window: &Window<'_>,
-        seen: Seen<'_>,
-        rows: Rows<'_, Self::Element>,
-        scratch: &mut [i32],
-    ) {
-        L::fold_seen::<V>(self, plan, plane, window, seen, rows, scratch);
+        tap: Option<&mut dyn Tap>,
+    ) -> Result<(), ScratchError> {
+        L::fold::<V>(self, at, rows, scratch, tap)
     }
 
     #[inline(always)]
@@ -151,18 +128,30 @@ impl<L: Pipeline> Pipeline for &L {
 
 /// Words of scratch memory that a pipeline needs for slices of this width.
 pub const fn scratch_len<L: Pipeline>(width: u32) -> usize {
-    L::SCRATCH_ROWS * row_len(width)
+    L::SCRATCH.len(width)
 }
 
-/// Words of a row: its voxels, and one place at each end.
-const fn row_len(width: u32) -> usize {
-    width as usize + 2
+/// Words of scratch memory that a pipeline needs for blocks of slices of this width.
+pub const fn blocks_scratch_len<L: Pipeline>(width: u32) -> usize {
+    L::SCRATCH.len(if width > blocks::BATCH_WIDTH {
+        width
+    } else {
+        blocks::BATCH_WIDTH
+    })
 }
 
-/// Cuts a row off scratch memory.
-#[inline(always)]
-fn take_row<'m>(memory: &mut &'m mut [i32], width: u32) -> &'m mut [i32] {
-    take(memory, row_len(width))
+/// A sample plane and what is around it.
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a> {
+    /// The plan.
+    pub plan: &'a Plan,
+    /// The plane.
+    pub plane: Plane,
+    /// The slices around it.
+    pub window: Window<'a>,
+    /// The blocks that can be seen; `None`: rows are made as a whole. The same bits, if they are all that the pipeline's
+    /// [`support`](Pipeline::support) meets; slower where they are many. A tap sees whole rows.
+    pub seen: Option<Seen<'a>>,
 }
 
 /// Consecutive rows of one phase of the base-plane image.

@@ -4,13 +4,13 @@ use core::ops::Range;
 
 /// Part of a row.
 #[inline(always)]
-pub(crate) fn part(row: &[i32], range: Range<usize>) -> &[i32] {
+pub(crate) fn part<W>(row: &[W], range: Range<usize>) -> &[W] {
     row.get(range).unwrap_or(&[])
 }
 
 /// Part of a row, to write to.
 #[inline(always)]
-pub(crate) fn part_mut(row: &mut [i32], range: Range<usize>) -> &mut [i32] {
+pub(crate) fn part_mut<W>(row: &mut [W], range: Range<usize>) -> &mut [W] {
     row.get_mut(range).unwrap_or(&mut [])
 }
 

@@ -33,6 +33,7 @@ use core::marker::PhantomData;
 
 use heapless::Vec;
 
+use crate::composite::Colours;
 use crate::format::{Coefficient, Vector};
 use crate::lanes::{Lanes, Wide as _};
 use crate::normalise::Normal;
@@ -51,10 +52,9 @@ pub trait Shader<P: Precision>: Sync {
     /// Whether normals are read. Without them the pipeline holds no gradient rows and two slices instead of four.
     const LIT: bool;
 
-    /// Shades the colours of a row in place. Seven rows of equal length: components of
-    /// g, r, and colours (`P::COLOUR_BITS`). `classified` is the colour that all samples have, if there is one; then the
-    /// rows need not hold it.
-    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], classified: Option<[u32; 3]>, colour: [&mut [i32]; 3]);
+    /// Shades the colours of a row in place, so that its rows hold them. Rows of equal length: components of g, r, and
+    /// colours (`P::COLOUR_BITS`).
+    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>);
 }
 
 /// No lights: the classified colour is the colour.
@@ -65,19 +65,7 @@ impl<P: Precision> Shader<P> for Unlit {
     const LIT: bool = false;
 
     #[inline(always)]
-    fn shade_row<V: Lanes>(
-        &self,
-        _: [&[i32]; 3],
-        _: &[i32],
-        classified: Option<[u32; 3]>,
-        [red, green, blue]: [&mut [i32]; 3],
-    ) {
-        if let Some([r, g, b]) = classified {
-            red.fill(r as i32);
-            green.fill(g as i32);
-            blue.fill(b as i32);
-        }
-    }
+    fn shade_row<V: Lanes>(&self, _: [&[i32]; 3], _: &[i32], _: &mut Colours<'_, i32>) {}
 }
 
 /// Which dot product the highlight is a power of.
@@ -279,13 +267,11 @@ impl<P: Precision> Phong<P> {
     pub fn shade(&self, normal: Normal, colour: [u32; 3]) -> [u32; 3] {
         let [x, y, z] = normal.g.map(|c| [c]);
         let [mut red, mut green, mut blue] = colour.map(|c| [c as i32]);
-        Shader::<P>::shade_row::<i32>(
-            self,
-            [&x, &y, &z],
-            &[normal.r as i32],
-            None,
-            [&mut red, &mut green, &mut blue],
-        );
+        let mut colours = Colours {
+            one: None,
+            rows: [&mut red, &mut green, &mut blue],
+        };
+        Shader::<P>::shade_row::<i32>(self, [&x, &y, &z], &[normal.r as i32], &mut colours);
         [red, green, blue].map(|[c]| c as u32)
     }
 
@@ -396,8 +382,9 @@ impl<P: Precision> Shader<P> for Phong<P> {
     const LIT: bool = true;
 
     #[inline(always)]
-    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], classified: Option<[u32; 3]>, colour: [&mut [i32]; 3]) {
-        let ([gx, gy, gz], [red, green, blue], len) = (g, colour, r.len());
+    fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>) {
+        let classified = colours.one.take();
+        let ([gx, gy, gz], [red, green, blue], len) = (g, &mut colours.rows, r.len());
         let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
             return;
         };

@@ -5,7 +5,7 @@
 //! never read again).
 
 use crate::format::VOXEL_MAX;
-use crate::lanes::SMALL;
+use crate::lanes::{Lanes, Native};
 
 /// Smallest and largest voxel of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ impl RowRange {
     }
 
     fn of(row: &[u16]) -> Self {
-        if SMALL {
+        if Native::SMALL {
             return Self::of_pairs(row);
         }
         row.iter().fold(Self::EMPTY, |r, &v| r.union(Self { low: v, high: v }))

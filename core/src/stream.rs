@@ -12,9 +12,10 @@
 use core::ops::Range;
 
 use crate::composite::Pixel;
+use crate::lanes::Native;
 use crate::locate::{cell, plane};
 use crate::plan::{Phase, Plan};
-use crate::plane::{ChannelOf, Pipeline, Rows, clear, scratch_len};
+use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, scratch_len};
 use crate::slice::{RowRange, Slice, SliceError, Window};
 use crate::tap::Tap;
 
@@ -152,6 +153,13 @@ impl core::fmt::Display for StreamError {
 
 impl core::error::Error for StreamError {}
 
+impl From<ScratchError> for StreamError {
+    fn from(ScratchError { needed, given }: ScratchError) -> Self {
+        let part = Part::Scratch;
+        Self::Memory { part, needed, given }
+    }
+}
+
 impl From<SliceError> for StreamError {
     fn from(error: SliceError) -> Self {
         Self::Slice(error)
@@ -235,7 +243,20 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// # Errors
     /// [`StreamError::Slice`] if the slice is not of the plan's size or holds a voxel above 4095: the slice is then not
     /// taken, and the stream can go on with a good one. [`StreamError::Complete`] after the last slice.
-    pub fn push<T: Tap>(&mut self, voxels: &[u16], tap: &mut T) -> Result<(), StreamError> {
+    pub fn push(&mut self, voxels: &[u16]) -> Result<(), StreamError> {
+        self.take(voxels, None)
+    }
+
+    /// [`Stream::push`] under an observer.
+    ///
+    /// # Errors
+    /// As [`Stream::push`].
+    pub fn push_tapped(&mut self, voxels: &[u16], tap: &mut dyn Tap) -> Result<(), StreamError> {
+        self.take(voxels, Some(tap))
+    }
+
+    #[inline(always)]
+    fn take(&mut self, voxels: &[u16], tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
         let number = self.wanted().ok_or(StreamError::Complete)?;
         let [width, height, _] = self.plan.dims().map(|side| side as usize);
         let len = width * height;
@@ -256,12 +277,12 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             kept.copy_from_slice(voxels);
         }
         self.pushed += 1;
-        self.fold_ready(tap);
-        Ok(())
+        self.fold_ready(tap)
     }
 
     /// Folds the planes whose slices are all there.
-    fn fold_ready<T: Tap>(&mut self, tap: &mut T) {
+    #[inline(always)]
+    fn fold_ready(&mut self, mut tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
         let [width, height, depth] = self.plan.dims();
         let (slice_len, rows) = (width as usize * height as usize, height as usize);
         let phase_len = rows_len::<L>(&self.plan, self.rows).max(1);
@@ -282,7 +303,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                 (i64::from(z) + 1 + reach).min(last) < i64::from(self.pushed)
             };
             if !ready {
-                return;
+                return Ok(());
             }
             let Memory {
                 slices,
@@ -308,17 +329,26 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             });
             if let Some(window) = window {
                 for (number, data) in (0..self.plan.phases()).zip(image.chunks_exact_mut(phase_len)) {
-                    let plane = plane(&self.plan, self.plan.phase(number), index);
+                    let at = At {
+                        plan: &self.plan,
+                        plane: plane(&self.plan, self.plan.phase(number), index),
+                        window,
+                        seen: None,
+                    };
                     let rows = Rows {
                         first: self.first,
                         data,
                     };
-                    self.pipeline
-                        .fold::<i32, T>(&self.plan, &plane, &window, rows, scratch, tap);
+                    let tap: Option<&mut dyn Tap> = match &mut tap {
+                        Some(tap) => Some(*tap),
+                        None => None,
+                    };
+                    self.pipeline.fold::<Native>(&at, rows, scratch, tap)?;
                 }
             }
             self.folded += 1;
         }
+        Ok(())
     }
 
     /// The base-plane image (or the band of it) as it stands: phase after phase, row after row, `CHANNELS` runs of

@@ -1,50 +1,58 @@
-//! Taps: whoever wants to look at the stage boundaries.
+//! Observers of the stage boundaries.
 //!
-//! There is one pipeline and never an instrumented copy of it. A tap is a generic parameter; its methods do nothing
-//! unless they are implemented, and [`NoTap`] vanishes in the compiler.
+//! There is one pipeline and never an instrumented copy of it: a fold takes an optional `&mut dyn Tap` and calls it once
+//! per row and boundary. Error statistics, recordings and checksums are taps.
 
-use crate::composite::{Channel, PixelRow};
+use crate::composite::Channel;
 use crate::locate::Plane;
+use crate::stage::Stage;
 
-/// Where a row of samples lies in the base-plane image of its phase.
+/// Where a row of values lies in the base-plane image of its phase.
 #[derive(Clone, Copy, Debug)]
 pub struct Beam<'a> {
     /// The sample plane.
     pub plane: &'a Plane,
     /// Row of the image.
     pub row: u32,
-    /// Column of the first sample.
+    /// Column of the first value.
     pub column: u32,
 }
 
-/// An observer of the stage boundaries. Rows hold raw bits of the formats that the stages' pages name.
-pub trait Tap {
-    /// Whether it looks at anything. For one that does not, what only taps see need not be made.
-    const LOOKS: bool = true;
-    /// Location: a plane begins.
-    fn plane(&mut self, _plane: &Plane) {}
-    /// Interpolation: the samples of a row.
-    fn samples(&mut self, _at: Beam<'_>, _samples: &[i32]) {}
-    /// Classification: the opacities of the same row, bits of 1.31.
-    fn opacities(&mut self, _at: Beam<'_>, _opacities: &[i32]) {}
-    /// Classification: the colours of a visible span, 1.15 or 1.31.
-    fn colours(&mut self, _at: Beam<'_>, _colours: [&[i32]; 3]) {}
-    /// Gradient: a visible span of a lit scene, after the spacing factors.
-    fn gradients(&mut self, _at: Beam<'_>, _gradients: [&[i32]; 3]) {}
-    /// Normalisation: the same span, block-normalised components and reciprocal lengths.
-    fn normals(&mut self, _at: Beam<'_>, _g: [&[i32]; 3], _r: &[i32]) {}
-    /// Shading: the colours of the same span, in the same format.
-    fn shaded(&mut self, _at: Beam<'_>, _colours: [&[i32]; 3]) {}
-    /// Compositing: the pixels of a visible span before its samples are folded in.
-    fn before<C: Channel>(&mut self, _at: Beam<'_>, _pixels: &PixelRow<'_, C>) {}
-    /// Compositing: the same pixels afterwards.
-    fn after<C: Channel>(&mut self, _at: Beam<'_>, _pixels: &PixelRow<'_, C>) {}
+/// A row of raw bits, whatever word holds them.
+pub trait Bits {
+    /// Number of values.
+    fn len(&self) -> usize;
+    /// The bits of a value; 0 past the end.
+    fn bits(&self, index: usize) -> u32;
+    /// Whether there is no value.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 }
 
-/// Nobody looks.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NoTap;
+impl Bits for &[i32] {
+    fn len(&self) -> usize {
+        <[i32]>::len(self)
+    }
+    fn bits(&self, index: usize) -> u32 {
+        self.get(index).map_or(0, |value| *value as u32)
+    }
+}
 
-impl Tap for NoTap {
-    const LOOKS: bool = false;
+impl<C: Channel> Bits for &[C] {
+    fn len(&self) -> usize {
+        <[C]>::len(self)
+    }
+    fn bits(&self, index: usize) -> u32 {
+        self.get(index).map_or(0, |channel| channel.bits())
+    }
+}
+
+/// An observer of the stage boundaries.
+pub trait Tap {
+    /// A plane begins ([`Stage::Location`]).
+    fn plane(&mut self, _plane: &Plane) {}
+    /// The values at a boundary: a row of a plane, or a visible span of it. All rows are equally long; [`Stage`] says how
+    /// many there are and in which format. The rows that shading leads to end in a call of [`Stage::After`].
+    fn row(&mut self, _stage: Stage, _at: Beam<'_>, _rows: &[&dyn Bits]) {}
 }

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use slicecast::classify::{Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt8, Sqrt16, colour_of_byte};
-use slicecast::composite::{Channel, Dither, FrontToBack, OneColour, PixelRow, Recurrence, fold_row, fold_visible_row};
+use slicecast::classify::{Classifier, Linear, Nearest, PointTable, Slab, Sqrt8, Sqrt16, colour_of_byte};
+use slicecast::composite::{Channel, Colours, Dither, FrontToBack, PixelRow, Recurrence, fold_row, fold_visible_row};
 use slicecast::format::{Coefficient, Intensity, Vector, Weight};
 use slicecast::gradient::{difference_row, space_row};
 use slicecast::interpolate::{yx_row, yx_row_in_slice, z_row};
@@ -19,6 +19,7 @@ use slicecast::plane::{ChannelOf, Pipeline};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Phong, Shader};
 use slicecast::slice::Slice;
+use slicecast::table::ENTRIES;
 use slicecast_engine::camera::Material;
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::image::new_image;
@@ -158,8 +159,14 @@ struct Call<'a, P: Precision>(Kernel, &'a mut Bench<P>);
 impl<P: Precision> OverLanes for Call<'_, P> {
     type Output = ();
 
-    #[inline(always)]
     fn run<V: Lanes>(self) {
+        V::enter(|| self.call::<V>());
+    }
+}
+
+impl<P: Precision> Call<'_, P> {
+    #[inline(always)]
+    fn call<V: Lanes>(self) {
         let Self(kernel, bench) = self;
         let weight = Weight::from_bits(21_845);
         for _ in 0..CALLS {
@@ -174,8 +181,10 @@ impl<P: Precision> OverLanes for Call<'_, P> {
                 Kernel::InterpolateInSlice => {
                     yx_row_in_slice::<P, V>(&bench.near, &bench.far, [weight, weight], out);
                 }
-                Kernel::Opacity => Classifier::<P>::opacity_row::<V>(&&bench.table, &bench.samples, out),
-                Kernel::Colour => Classifier::<P>::colour_row::<V>(&&bench.table, &bench.samples, [red, green, blue]),
+                Kernel::Opacity => Classifier::<P>::opacity_row::<V>(&&bench.table, Slab::of(&bench.samples), out),
+                Kernel::Colour => {
+                    Classifier::<P>::colour_row::<V>(&&bench.table, Slab::of(&bench.samples), [red, green, blue])
+                }
                 Kernel::Difference => {
                     let [a, b, _] = &bench.gradients;
                     difference_row::<V>(a, b, out);
@@ -190,7 +199,11 @@ impl<P: Precision> OverLanes for Call<'_, P> {
                 }
                 Kernel::Shade => {
                     let [x, y, z] = &bench.normals;
-                    Shader::<P>::shade_row::<V>(&bench.phong, [x, y, z], &bench.lengths, None, [red, green, blue]);
+                    let mut colours = Colours {
+                        one: None,
+                        rows: [red, green, blue],
+                    };
+                    Shader::<P>::shade_row::<V>(&bench.phong, [x, y, z], &bench.lengths, &mut colours);
                 }
                 Kernel::Composite => {
                     let [red, green, blue] = &bench.colours;
@@ -207,7 +220,7 @@ impl<P: Precision> OverLanes for Call<'_, P> {
                 Kernel::CompositeOneColour => {
                     let mut row = PixelRow::of_runs(&mut bench.pixels, WIDTH, 0..WIDTH);
                     let (dither, floor) = (Dither::of_plane(7), P::Pixel::FLOOR);
-                    let colour = OneColour([242, 232, 208].map(|byte| colour_of_byte(byte, P::COLOUR_BITS)));
+                    let colour = [242, 232, 208].map(|byte| colour_of_byte(byte, P::COLOUR_BITS));
                     fold_visible_row::<P::Pixel, FrontToBack, V>(&mut row, colour, &bench.opacities, dither, floor);
                 }
             }
@@ -219,7 +232,7 @@ impl<P: Precision> OverLanes for Call<'_, P> {
 fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
     let mut bench = Bench::<P>::new();
     for (kernel, name) in Kernel::ALL {
-        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+        for simd in Simd::available() {
             group.bench_function(format!("{name}/{}/{}", P::NAME, simd.name()), |b| {
                 bench.clear();
                 b.iter(|| with_lanes(simd, Call(kernel, &mut bench)));
@@ -249,11 +262,11 @@ fn point_table<P: Precision>(
     let mut out = vec![0; WIDTH];
     let mut colours = [(); 3].map(|()| vec![0; WIDTH]);
     group.bench_function(format!("point-opacity-{table}/{}", P::NAME), |b| {
-        b.iter(|| classifier.opacity_row::<i32>(black_box(samples), black_box(&mut out)));
+        b.iter(|| classifier.opacity_row::<i32>(Slab::of(black_box(samples)), black_box(&mut out)));
     });
     group.bench_function(format!("point-colour-{table}/{}", P::NAME), |b| {
         let [r, g, blue] = &mut colours;
-        b.iter(|| classifier.colour_row::<i32>(black_box(samples), [&mut r[..], &mut g[..], &mut blue[..]]));
+        b.iter(|| classifier.colour_row::<i32>(Slab::of(black_box(samples)), [&mut r[..], &mut g[..], &mut blue[..]]));
     });
 }
 

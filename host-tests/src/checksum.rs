@@ -5,12 +5,12 @@
 //! a pipeline that learns to skip more keeps its checksums as long as it changes no bit that matters. A base-plane image
 //! and a picture get the ordinary FNV-1a of their bytes.
 
-use slicecast::composite::{Channel, PixelRow};
 use slicecast::locate::Plane;
 use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
 use slicecast::slice::Slice;
-use slicecast::tap::{Beam, Tap};
+use slicecast::stage::Stage;
+use slicecast::tap::{Beam, Bits, Tap};
 use slicecast_engine::frame::Layer;
 use slicecast_engine::image::{BaseImage, new_image};
 use slicecast_engine::pipelines::Job;
@@ -18,7 +18,7 @@ use slicecast_engine::tiles::fold_tiles_tapped;
 
 use crate::frame::Frame;
 use crate::random::mixed;
-use crate::record::Stage;
+use crate::record::bits;
 
 /// FNV-1a, 64 bits.
 pub fn fnv(bytes: impl IntoIterator<Item = u8>) -> u64 {
@@ -40,8 +40,8 @@ pub struct Sums {
     counts: [u64; Stage::ALL.len()],
     /// The row under way: its first column, samples and opacities, of which the visible ones are still to be told.
     column: u32,
-    samples: Vec<i32>,
-    opacities: Vec<i32>,
+    samples: Vec<u32>,
+    opacities: Vec<u32>,
 }
 
 impl Sums {
@@ -70,65 +70,34 @@ impl Sums {
         self.counts[stage as usize] += 1;
     }
 
-    fn row(&mut self, stage: Stage, at: Beam<'_>, len: usize, bits: impl Fn(usize) -> [u32; 4]) {
+    fn values(&mut self, stage: Stage, at: Beam<'_>, len: usize, bits: impl Fn(usize) -> [u32; 4]) {
         for n in 0..len {
             self.value(stage, at.plane, [at.row, at.column + n as u32], bits(n));
         }
     }
-
-    fn pixels<C: Channel>(&mut self, stage: Stage, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        let [r, g, b] = &pixels.colour;
-        let t = &pixels.transparency;
-        self.row(stage, at, t.len(), |n| [r[n], g[n], b[n], t[n]].map(Channel::bits));
-    }
-}
-
-fn bits3([a, b, c]: [&[i32]; 3], n: usize) -> [u32; 4] {
-    [a[n] as u32, b[n] as u32, c[n] as u32, 0]
 }
 
 impl Tap for Sums {
-    fn samples(&mut self, at: Beam<'_>, samples: &[i32]) {
-        self.column = at.column;
-        self.samples.clear();
-        self.samples.extend_from_slice(samples);
-    }
-
-    fn opacities(&mut self, _: Beam<'_>, opacities: &[i32]) {
-        self.opacities.clear();
-        self.opacities.extend_from_slice(opacities);
-    }
-
-    fn colours(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        let len = colours[0].len();
-        let start = (at.column - self.column) as usize;
-        let (samples, opacities) = (std::mem::take(&mut self.samples), std::mem::take(&mut self.opacities));
-        let Plane { x, y, z, .. } = at.plane;
-        let position = [x, y, z].map(|p| p.to_bits() as u32);
-        self.row(Stage::Location, at, len, |_| [position[0], position[1], position[2], 0]);
-        self.row(Stage::Interpolation, at, len, |n| [samples[start + n] as u32, 0, 0, 0]);
-        self.row(Stage::Opacity, at, len, |n| [opacities[start + n] as u32, 0, 0, 0]);
-        self.row(Stage::Colour, at, len, |n| bits3(colours, n));
-        (self.samples, self.opacities) = (samples, opacities);
-    }
-
-    fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
-        self.row(Stage::Gradient, at, gradients[0].len(), |n| bits3(gradients, n));
-    }
-
-    fn normals(&mut self, at: Beam<'_>, g: [&[i32]; 3], r: &[i32]) {
-        self.row(Stage::Normal, at, r.len(), |n| {
-            let [x, y, z, _] = bits3(g, n);
-            [x, y, z, r[n] as u32]
-        });
-    }
-
-    fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        self.row(Stage::Shading, at, colours[0].len(), |n| bits3(colours, n));
-    }
-
-    fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        self.pixels(Stage::After, at, pixels);
+    fn row(&mut self, stage: Stage, at: Beam<'_>, rows: &[&dyn Bits]) {
+        let len = rows.first().map_or(0, |row| row.len());
+        let first = || (0..len).map(|n| bits(rows, n)[0]).collect();
+        match stage {
+            Stage::Interpolation => (self.column, self.samples) = (at.column, first()),
+            Stage::Opacity => self.opacities = first(),
+            Stage::Colour => {
+                let start = (at.column - self.column) as usize;
+                let (samples, opacities) = (std::mem::take(&mut self.samples), std::mem::take(&mut self.opacities));
+                let Plane { x, y, z, .. } = at.plane;
+                let position = [x, y, z].map(|p| p.to_bits() as u32);
+                self.values(Stage::Location, at, len, |_| [position[0], position[1], position[2], 0]);
+                self.values(Stage::Interpolation, at, len, |n| [samples[start + n], 0, 0, 0]);
+                self.values(Stage::Opacity, at, len, |n| [opacities[start + n], 0, 0, 0]);
+                self.values(stage, at, len, |n| bits(rows, n));
+                (self.samples, self.opacities) = (samples, opacities);
+            }
+            Stage::Location | Stage::Before => {}
+            _ => self.values(stage, at, len, |n| bits(rows, n)),
+        }
     }
 }
 

@@ -9,8 +9,8 @@ use slicecast::composite::{Dither, Dithered, Pixel, Recurrence, Unorm16};
 use slicecast::format::{Cosine, Opacity, Weight};
 use slicecast::interpolate::trilinear;
 use slicecast::lanes::{Lanes, places};
-use slicecast::normalise::reciprocal_root;
 use slicecast::precision::{Compact, Paper, Wide};
+use slicecast::root::reciprocal_root;
 use slicecast::shade::power;
 use slicecast_engine::simd::{OverLanes, Simd, with_lanes};
 
@@ -132,9 +132,11 @@ impl OverLanes for &Roots {
     #[inline(always)]
     fn run<V: Lanes>(self) -> Vec<i32> {
         let mut out = vec![0; self.0.len()];
-        for at in places::<V>(out.len()) {
-            V::load(&self.0, at).reciprocal_root().store(&mut out, at);
-        }
+        V::enter(|| {
+            for at in places::<V>(out.len()) {
+                V::load(&self.0, at).reciprocal_root().store(&mut out, at);
+            }
+        });
         out
     }
 }
@@ -147,7 +149,7 @@ fn vector_roots(stride: u64) -> Result<u64, String> {
         let squares = first..=(first + TOGETHER - 1).min(LARGEST);
         let roots = Roots(squares.map(|s| s as i32).collect());
         let expected = with_lanes(Simd::Scalar, &roots);
-        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+        for simd in Simd::every() {
             let found = with_lanes(simd, &roots);
             if let Some(at) = expected.iter().zip(&found).position(|(a, b)| a != b) {
                 let (s, e, f) = (first + at as u64, expected[at], found[at]);

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use slicecast::classify::{ENTRIES, entry};
+use slicecast::classify::entry;
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::slice::Slice;
+use slicecast::table::ENTRIES;
 use slicecast::view::View;
 use slicecast::warp::Warp;
 use slicecast_engine::camera::{CameraError, Material, Picture, Setup};

@@ -3,72 +3,19 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use slicecast::composite::{Channel, PixelRow};
 use slicecast::locate::Plane;
 use slicecast::plan::{Phase, Plan};
 use slicecast::plane::Pipeline;
 use slicecast::slice::Slice;
-use slicecast::tap::{Beam, Tap};
+use slicecast::stage::Stage;
+use slicecast::tap::{Beam, Bits as Row, Tap};
 use slicecast_engine::frame::Layer;
 use slicecast_engine::image::{BaseImage, base_image, new_image};
 use slicecast_engine::pipelines::Job;
-use slicecast_engine::stream::stream_tapped;
+use slicecast_engine::stream::fold_stream;
 use slicecast_engine::tiles::fold_tiles_tapped;
 
 use crate::frame::Frame;
-
-/// A stage boundary, in the order in which a sample passes them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
-    /// Positions of a plane: x, y, z.
-    Location,
-    /// Samples.
-    Interpolation,
-    /// Opacities.
-    Opacity,
-    /// Colours.
-    Colour,
-    /// Gradients after the spacing factors.
-    Gradient,
-    /// Block-normalised components and reciprocal length.
-    Normal,
-    /// Shaded colours.
-    Shading,
-    /// Pixels before a sample: R, G, B, T.
-    Before,
-    /// Pixels after it.
-    After,
-}
-
-impl Stage {
-    /// All of them, in order.
-    pub const ALL: [Self; 9] = [
-        Self::Location,
-        Self::Interpolation,
-        Self::Opacity,
-        Self::Colour,
-        Self::Gradient,
-        Self::Normal,
-        Self::Shading,
-        Self::Before,
-        Self::After,
-    ];
-
-    /// The name that manifests and messages use.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Location => "location",
-            Self::Interpolation => "interpolation",
-            Self::Opacity => "opacity",
-            Self::Colour => "colour",
-            Self::Gradient => "gradient",
-            Self::Normal => "normal",
-            Self::Shading => "shading",
-            Self::Before => "before",
-            Self::After => "compositing",
-        }
-    }
-}
 
 /// Where a value was seen. Ordered as the data flow: what comes first may have caused what comes later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -182,23 +129,6 @@ impl Recorder {
             column,
         }
     }
-
-    fn row(&mut self, at: Beam<'_>, stage: Stage, len: usize, bits: impl Fn(usize) -> Bits) {
-        for offset in 0..len {
-            let place = self.place(at.plane, stage, at.row, at.column + offset as u32);
-            self.recording.note(place, bits(offset));
-        }
-    }
-
-    fn pixels<C: Channel>(&mut self, at: Beam<'_>, stage: Stage, pixels: &PixelRow<'_, C>) {
-        let [r, g, b] = &pixels.colour;
-        let t = &pixels.transparency;
-        self.row(at, stage, t.len(), |n| [r[n], g[n], b[n], t[n]].map(Channel::bits));
-    }
-}
-
-fn bits3([a, b, c]: [&[i32]; 3], n: usize) -> Bits {
-    [a[n] as u32, b[n] as u32, c[n] as u32, 0]
 }
 
 impl Tap for Recorder {
@@ -208,42 +138,17 @@ impl Tap for Recorder {
         self.recording.note(place, [x, y, z, 0]);
     }
 
-    fn samples(&mut self, at: Beam<'_>, samples: &[i32]) {
-        self.row(at, Stage::Interpolation, samples.len(), |n| {
-            [samples[n] as u32, 0, 0, 0]
-        });
+    fn row(&mut self, stage: Stage, at: Beam<'_>, rows: &[&dyn Row]) {
+        for offset in 0..rows.first().map_or(0, |row| row.len()) {
+            let place = self.place(at.plane, stage, at.row, at.column + offset as u32);
+            self.recording.note(place, bits(rows, offset));
+        }
     }
+}
 
-    fn opacities(&mut self, at: Beam<'_>, opacities: &[i32]) {
-        self.row(at, Stage::Opacity, opacities.len(), |n| [opacities[n] as u32, 0, 0, 0]);
-    }
-
-    fn colours(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        self.row(at, Stage::Colour, colours[0].len(), |n| bits3(colours, n));
-    }
-
-    fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
-        self.row(at, Stage::Gradient, gradients[0].len(), |n| bits3(gradients, n));
-    }
-
-    fn normals(&mut self, at: Beam<'_>, g: [&[i32]; 3], r: &[i32]) {
-        self.row(at, Stage::Normal, r.len(), |n| {
-            let [x, y, z, _] = bits3(g, n);
-            [x, y, z, r[n] as u32]
-        });
-    }
-
-    fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        self.row(at, Stage::Shading, colours[0].len(), |n| bits3(colours, n));
-    }
-
-    fn before<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        self.pixels(at, Stage::Before, pixels);
-    }
-
-    fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        self.pixels(at, Stage::After, pixels);
-    }
+/// The values of up to four rows at a place.
+pub fn bits(rows: &[&dyn Row], offset: usize) -> Bits {
+    std::array::from_fn(|row| rows.get(row).map_or(0, |row| row.bits(offset)))
 }
 
 /// Runs a frame through a layer, recording everything.
@@ -269,7 +174,7 @@ pub fn recorded(frame: &Frame, layer: Layer) -> (BaseImage, Recording) {
                 }
                 Layer::Stream => {
                     let mut tap = recorder();
-                    stream_tapped(plan, pipeline, slices, &mut image, &|_, _| (), &mut tap).expect("good slices");
+                    fold_stream(plan, pipeline, slices, &mut image, &|_, _| (), Some(&mut tap)).expect("good slices");
                     tap.recording
                 }
             };

@@ -4,12 +4,13 @@
 //! skipped. Whatever the layers leave out must therefore be without effect.
 
 use slicecast::composite::{Channel, Pixel};
+use slicecast::stage::Stage;
 use slicecast_engine::image::BaseImage;
 use slicecast_engine::rays::{self, Composited, Visit, Witness};
 use slicecast_scene::Blend;
 
 use crate::frame::Frame;
-use crate::record::{Bits, Divergence, Place, Recording, Stage};
+use crate::record::{Bits, Divergence, Place, Recording};
 
 /// What the definitions say about a frame.
 #[derive(Clone, Debug)]

@@ -84,7 +84,7 @@ fn hold_together(frame: &Frame) -> Result<(), String> {
             return Err(format!("tiles of {rows} rows against one tile: {difference}"));
         }
     }
-    for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+    for simd in Simd::every() {
         for (kernel, dense_from) in KERNELS {
             for rows in [WHOLE, 3] {
                 let made = rendered(frame, simd, rows, dense_from);
@@ -165,7 +165,7 @@ fn blocks_that_are_not_seen_change_nothing() {
         for precision in PrecisionName::ALL {
             let frame = frame.in_precision(precision);
             let expected = rendered(&frame, Simd::Scalar, WHOLE, 0.0);
-            for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+            for simd in Simd::every() {
                 for (kernel, dense_from) in KERNELS {
                     let difference = image_difference(&expected, &rendered(&frame, simd, 5, dense_from));
                     prop_assert_eq!(difference, None, "{}, {}, {}", precision.name(), simd.name(), kernel);
@@ -198,8 +198,8 @@ impl Job for Chosen<'_> {
             .map(|support| volume.occupancy().share(plan, support));
         let chosen = |simd| volume.sight(plan, pipeline, simd).is_some();
         // One lane takes them more rarely.
-        assert!(chosen(Simd::Avx512) || !chosen(Simd::Scalar));
-        (share, chosen(Simd::Avx512))
+        assert!(chosen(Simd::widest()) || !chosen(Simd::Scalar));
+        (share, chosen(Simd::widest()))
     }
 }
 
@@ -323,7 +323,7 @@ proptest! {
                 scene.image.background = background;
                 let mut prepared = Prepared { scene: &scene, ..prepared.clone() };
                 prepared.setup.picture = picture;
-                for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+                for simd in Simd::every() {
                     let made = prepared.clone().with_simd(simd).render(Layer::Tiles(5), &|_, _| ()).unwrap();
                     prop_assert!(made.picture.bytes == by_definition(&prepared, &made.base), "{} {}", precision.name(), simd.name());
                 }

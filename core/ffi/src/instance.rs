@@ -12,7 +12,6 @@ use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Phong, Shader, Unlit};
 use slicecast::slice::RowRange;
 use slicecast::stream::{Memory, Needs, Stream};
-use slicecast::tap::NoTap;
 use slicecast::warp::in_front_of;
 
 use crate::error::{SLICECAST_COMPLETE, SlicecastError};
@@ -153,7 +152,7 @@ unsafe fn wanted<L: Instance>(header: *const Header) -> Option<u32> {
 unsafe fn push<L: Instance>(header: *mut Header, voxels: &[u16]) -> Result<(), SlicecastError> {
     // SAFETY: the caller's promise.
     let held = unsafe { &mut *header.cast::<Held<L>>() };
-    Ok(held.stream.push(voxels, &mut NoTap)?)
+    Ok(held.stream.push(voxels)?)
 }
 
 /// # Safety

@@ -1,10 +1,10 @@
 //! Scenes as C structures.
 
-use slicecast::classify::ENTRIES;
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::precision::Precision;
 use slicecast::shade::{Highlight, LIGHTS_MAX, Light, Phong};
+use slicecast::table::ENTRIES;
 use slicecast::view::View;
 use slicecast::warp::Warp;
 

@@ -3,7 +3,7 @@
 use core::ffi::c_void;
 use core::ptr::{null, null_mut};
 
-use slicecast::classify::{ENTRIES, Linear, PointTable, Sqrt16, entry};
+use slicecast::classify::{Linear, PointTable, Sqrt16, entry};
 use slicecast::composite::FrontToBack;
 use slicecast::composite::Unorm16;
 use slicecast::format::{Coefficient, Direction, Intensity, Vector};
@@ -13,7 +13,7 @@ use slicecast::precision::Compact;
 use slicecast::shade::{Highlight, Light, Phong};
 use slicecast::slice::RowRange;
 use slicecast::stream::{Memory, Needs, Stream};
-use slicecast::tap::NoTap;
+use slicecast::table::ENTRIES;
 use slicecast::view::View;
 use slicecast_ffi::*;
 
@@ -167,7 +167,7 @@ fn from_rust(data: &Data) -> Vec<u16> {
     };
     let mut stream = Stream::new(plan, pipeline, memory).unwrap();
     for slice in data.voxels.chunks_exact((DIMS[0] * DIMS[1]) as usize) {
-        stream.push(slice, &mut NoTap).unwrap();
+        stream.push(slice).unwrap();
     }
     stream.image().iter().map(|c| c.0).collect()
 }

@@ -73,16 +73,33 @@ impl<'a, C> PixelRow<'a, C> {
     }
 }
 
-/// Where the colours of a row of samples come from, `COLOUR_BITS` each.
-pub trait Colours: Copy {
+/// The colours of a row of samples, `COLOUR_BITS` each: rows of red, green and blue, or one colour for all.
+#[derive(Debug)]
+pub struct Colours<'a, W> {
+    /// The colour of all samples; the rows then need not hold it.
+    pub one: Option<[u32; 3]>,
+    /// Red, green and blue of each sample.
+    pub rows: [&'a mut [W]; 3],
+}
+
+impl<W> Colours<'_, W> {
+    /// Red, green and blue of each sample.
+    #[inline(always)]
+    pub fn rows(&self) -> [&[W]; 3] {
+        let [red, green, blue] = &self.rows;
+        [red, green, blue]
+    }
+}
+
+/// Where a kernel takes colours from.
+trait Given: Copy {
     /// The first of them, if there are as many.
     fn first(self, len: usize) -> Option<Self>;
     /// Those of the samples at `at ..`.
     fn colours<V: Lanes>(self, at: usize) -> [V; 3];
 }
 
-/// Red, green and blue of each sample.
-impl Colours for [&[i32]; 3] {
+impl Given for [&[i32]; 3] {
     #[inline(always)]
     fn first(self, len: usize) -> Option<Self> {
         let [red, green, blue] = self;
@@ -95,18 +112,14 @@ impl Colours for [&[i32]; 3] {
     }
 }
 
-/// The same colour for all samples.
-#[derive(Clone, Copy, Debug)]
-pub struct OneColour(pub [u32; 3]);
-
-impl Colours for OneColour {
+impl Given for [u32; 3] {
     #[inline(always)]
     fn first(self, _: usize) -> Option<Self> {
         Some(self)
     }
     #[inline(always)]
     fn colours<V: Lanes>(self, _: usize) -> [V; 3] {
-        let [red, green, blue] = self.0;
+        let [red, green, blue] = self;
         [V::splat(red as i32), V::splat(green as i32), V::splat(blue as i32)]
     }
 }
@@ -115,7 +128,7 @@ impl Colours for OneColour {
 #[inline(always)]
 pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
     row: &mut PixelRow<'_, R::Channel>,
-    colour: impl Colours,
+    colour: [&[i32]; 3],
     opacity: &[i32],
     dither: Dither,
     floor: R::Channel,
@@ -123,12 +136,12 @@ pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
     fold_row_of::<R, O, V, _, true>(row, colour, opacity, dither, floor);
 }
 
-/// [`fold_row`] for a row in which not all need be visible: lanes whose opacities are all 0 are left out, which changes
-/// nothing.
+/// [`fold_row`] of one colour, for a row in which not all samples need be visible: lanes whose opacities are all 0 are left
+/// out, which changes nothing.
 #[inline(always)]
 pub fn fold_visible_row<R: Recurrence, O: Order, V: Lanes>(
     row: &mut PixelRow<'_, R::Channel>,
-    colour: impl Colours,
+    colour: [u32; 3],
     opacity: &[i32],
     dither: Dither,
     floor: R::Channel,
@@ -137,7 +150,7 @@ pub fn fold_visible_row<R: Recurrence, O: Order, V: Lanes>(
 }
 
 #[inline(always)]
-fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Colours, const ALL: bool>(
+fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Given, const ALL: bool>(
     row: &mut PixelRow<'_, R::Channel>,
     colour: K,
     opacity: &[i32],

@@ -2,29 +2,30 @@
 
 use core::marker::PhantomData;
 
-use super::meeting::{Meeting, meets, met_rows};
-use super::normals::NormalRows;
-use super::sampler::{Sampler, aligned};
-use super::spans::{all_finished, visible_span};
-use super::{ChannelOf, Pipeline, Rows, blocks, scratch_len, take_row};
+use super::blocks::{BATCH, BATCH_WIDTH, Blocks};
+use super::canvas::{Canvas, Image, all_finished};
+use super::extent::Extent;
+use super::fold::{WholeRows, fold};
+use super::kernels::{ClassifierRows, Kernels, ShaderRows};
+use super::probe::Probes;
+use super::scratch::{self, BatchRows, Scratch, ScratchError};
+use super::source::{Sheared, Source};
+use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::{Classifier, Support};
-use crate::composite::{Channel, Dither, OneColour, Order, Pixel, PixelRow, Recurrence, fold_row, fold_visible_row};
+use crate::composite::{Channel, Dither, Order, Pixel, Recurrence};
 use crate::lanes::Lanes;
-use crate::locate::Plane;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::{part, part_mut};
-use crate::seen::Seen;
+use crate::rows::part_mut;
 use crate::shade::Shader;
-use crate::slice::Window;
-use crate::tap::{Beam, Tap};
+use crate::tap::Tap;
 
 /// Alpha compositing of classified, perhaps shaded samples.
 #[derive(Clone, Debug)]
 pub struct Composite<P: Precision, C, S, O> {
-    pub(super) classifier: C,
-    pub(super) shader: S,
-    pub(super) floor: ChannelOf<P>,
+    classifier: C,
+    shader: S,
+    floor: ChannelOf<P>,
     order: PhantomData<O>,
 }
 
@@ -49,89 +50,27 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
     }
 }
 
-impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, O> {
-    #[inline(always)]
-    fn fold_plane<V: Lanes, T: Tap, const LIT: bool>(
-        &self,
-        plan: &Plan,
-        plane: &Plane,
-        window: &Window<'_>,
-        rows: Rows<'_, ChannelOf<P>>,
-        scratch: &mut [i32],
-        tap: &mut T,
-    ) {
-        let meeting = Meeting::of(plan, plane);
-        let n = meeting.columns.len();
-        if n == 0 {
-            return;
-        }
-        let [base_width, _] = plan.base().map(|side| side as usize);
-        let [slice_width, _, _] = plan.dims();
-        let (mut scratch, room) = aligned(scratch, Self::SCRATCH_ROWS, slice_width);
-        let mut sampler = Sampler::<P, LIT>::new(&mut scratch, slice_width, room);
-        let opacities = part_mut(take_row(&mut scratch, room), 0..n);
-        let mut colours = [(); 3].map(|()| take_row(&mut scratch, room));
-        let mut normals = NormalRows::<LIT>::new(&mut scratch, room);
-        let dither = Dither::of_plane(plane.index);
-        let support = self.classifier.support();
-        // One colour needs no rows to be shaded, or looked at; one lane is faster without a decision at each sample.
-        let one_colour = self.classifier.one_colour().filter(|_| !T::LOOKS && V::COUNT > 1);
+/// Whole rows through the driver, of which there is one copy for all pipelines.
+#[inline(never)]
+fn fold_rows(
+    rows: &mut WholeRows<'_, '_, dyn Source<i32> + '_>,
+    slots: (&dyn ClassifierRows<i32>, &dyn ShaderRows<i32>),
+    canvas: &mut dyn Canvas<i32>,
+    memory: BatchRows<'_, i32>,
+    tap: Option<&mut dyn Tap>,
+) {
+    fold(rows, slots, canvas, memory, tap);
+}
 
-        for (row, data, voxel_row) in met_rows(&meeting, rows, 4 * base_width) {
-            let mut pixels = PixelRow::of_runs(data, base_width, meeting.columns.clone());
-            if !O::BACK_TO_FRONT && all_finished::<_, V>(pixels.transparency) {
-                continue;
-            }
-            if !meets(support, window, meeting.voxel_rows(voxel_row)) {
-                continue;
-            }
-            let beam = |offset: usize| Beam {
-                plane,
-                row,
-                column: (meeting.columns.start + offset) as u32,
-            };
-            sampler.make::<V>(&meeting, window, voxel_row);
-            let place = meeting.voxel + Sampler::<P, LIT>::FIRST;
-            let samples = part(sampler.row(voxel_row), place..place + n);
-            tap.samples(beam(0), samples);
-            self.classifier.opacity_row::<V>(samples, opacities);
-            tap.opacities(beam(0), opacities);
-            // Unlit, it needs no spans either.
-            if let Some(colour) = one_colour.filter(|_| !LIT) {
-                fold_visible_row::<P::Pixel, O, V>(&mut pixels, OneColour(colour), opacities, dither, self.floor);
-                continue;
-            }
-
-            let mut from = 0;
-            while let Some(span) = visible_span::<O, _, V>(opacities, pixels.transparency, from) {
-                from = span.end;
-                let at = beam(span.start);
-                let places = place + span.start..place + span.end;
-                let [cr, cg, cb] = colours.each_mut().map(|c| part_mut(c, 0..span.len()));
-                if one_colour.is_none() {
-                    let samples = part(sampler.row(voxel_row), places.clone());
-                    self.classifier.colour_row::<V>(samples, [&mut *cr, &mut *cg, &mut *cb]);
-                    tap.colours(at, [cr, cg, cb]);
-                }
-                if LIT {
-                    sampler.make::<V>(&meeting, window, voxel_row - 1);
-                    sampler.make::<V>(&meeting, window, voxel_row + 1);
-                    normals.make::<P, V>(plan, &meeting, window, &sampler, voxel_row, places);
-                    normals.shade::<P, S, V, T>(&self.shader, at, one_colour, [&mut *cr, &mut *cg, &mut *cb], tap);
-                }
-                let mut pixels = pixels.span(span.clone());
-                tap.before(at, &pixels);
-                fold_row::<P::Pixel, O, V>(
-                    &mut pixels,
-                    [&*cr, &*cg, &*cb],
-                    part(opacities, span),
-                    dither,
-                    self.floor,
-                );
-                tap.after(at, &pixels);
-            }
-        }
-    }
+/// Blocks through the driver, of which there is one copy for all pipelines.
+#[inline(never)]
+fn fold_blocks(
+    blocks: &mut Blocks<'_, '_>,
+    slots: (&dyn ClassifierRows<i32>, &dyn ShaderRows<i32>),
+    canvas: &mut dyn Canvas<i32>,
+    memory: BatchRows<'_, i32>,
+) {
+    fold(blocks, slots, canvas, memory, None);
 }
 
 impl<P, C, S, O> Pipeline for Composite<P, C, S, O>
@@ -145,12 +84,11 @@ where
     type Element = ChannelOf<P>;
     const CHANNELS: usize = 4;
     const SLICES: usize = if S::LIT { 4 } else { 2 };
-    const SCRATCH_ROWS: usize = if S::LIT {
-        Sampler::<P, true>::ROWS + 4 + NormalRows::<true>::ROWS
+    const SCRATCH: scratch::Rows = if S::LIT {
+        scratch::Rows::Lit
     } else {
-        Sampler::<P, false>::ROWS + 4
+        scratch::Rows::Unlit
     };
-    const SEEN_SCRATCH: usize = blocks::SCRATCH;
     const BACK_TO_FRONT: bool = O::BACK_TO_FRONT;
 
     fn support(&self) -> Option<Support> {
@@ -166,42 +104,69 @@ where
     }
 
     #[inline(always)]
-    fn fold<V: Lanes, T: Tap>(
+    fn fold<V: Lanes>(
         &self,
-        plan: &Plan,
-        plane: &Plane,
-        window: &Window<'_>,
+        at: &At<'_>,
         rows: Rows<'_, ChannelOf<P>>,
         scratch: &mut [i32],
-        tap: &mut T,
-    ) {
-        let [slice_width, _, _] = plan.dims();
-        if scratch.len() < scratch_len::<Self>(slice_width) {
-            return;
+        mut tap: Option<&mut dyn Tap>,
+    ) -> Result<(), ScratchError> {
+        let At {
+            plan,
+            plane,
+            window,
+            seen,
+        } = at;
+        // Small machines have no whole volume at hand, and observers see whole rows.
+        let seen = seen.filter(|_| !V::SMALL && tap.is_none());
+        let [mut width, _, _] = plan.dims();
+        if seen.is_some() {
+            width = width.max(BATCH_WIDTH);
         }
-        tap.plane(plane);
-        if S::LIT {
-            self.fold_plane::<V, T, true>(plan, plane, window, rows, scratch, tap);
+        let Scratch { mut source, mut batch } = Scratch::cut(scratch, Self::SCRATCH, width, !V::SMALL)?;
+        if let Some(tap) = &mut tap {
+            tap.plane(plane);
+        }
+        let extent = Extent::of(plan, plane);
+        let [base_width, _] = plan.base().map(|side| side as usize);
+        let Some(count) = rows.data.len().checked_div(4 * base_width) else {
+            return Ok(());
+        };
+        let n = extent.columns.len();
+        if n == 0 {
+            return Ok(());
+        }
+        let (first, dither) = (rows.first, Dither::of_plane(plane.index));
+        let mut canvas = Image::<P::Pixel, O, V>::new((first, rows.data), base_width, &extent, dither, self.floor);
+        let classifier = Kernels::<C, P, V>::of(&self.classifier);
+        let shader = Kernels::<S, P, V>::of(&self.shader);
+        let spacing = plan.spacing();
+        if let Some(seen) = seen {
+            let probes = Probes::<P, V> {
+                extent: &extent,
+                window,
+                spacing,
+                kinds: PhantomData,
+            };
+            let [rows, columns] = &mut source.z;
+            let [samples, ..] = &mut source.samples;
+            let lists = [rows, columns, samples].map(|row| part_mut(row, 0..BATCH));
+            let mut blocks = Blocks::new(seen, &extent, (first, count), V::COUNT, &probes, lists);
+            fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
+            return Ok(());
+        }
+        batch.opacities = part_mut(batch.opacities, 0..n);
+        let mut sheared = Sheared::<P, V, S>::new(&extent, window, spacing, source);
+        let (support, met) = (self.classifier.support(), extent.met(first, count));
+        if V::SMALL {
+            let mut rows = WholeRows::new(plane, &extent, window, support, &mut sheared, met);
+            fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
         } else {
-            self.fold_plane::<V, T, false>(plan, plane, window, rows, scratch, tap);
+            let source: &mut dyn Source<i32> = &mut sheared;
+            let mut rows = WholeRows::new(plane, &extent, window, support, source, met);
+            fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
         }
-    }
-
-    #[inline(always)]
-    fn fold_seen<V: Lanes>(
-        &self,
-        plan: &Plan,
-        plane: &Plane,
-        window: &Window<'_>,
-        seen: Seen<'_>,
-        rows: Rows<'_, ChannelOf<P>>,
-        scratch: &mut [i32],
-    ) {
-        if S::LIT {
-            self.fold_blocks::<V, true>(plan, plane, window, seen, rows, scratch);
-        } else {
-            self.fold_blocks::<V, false>(plan, plane, window, seen, rows, scratch);
-        }
+        Ok(())
     }
 
     #[inline(always)]
@@ -210,12 +175,14 @@ where
             return false;
         }
         let [width, _] = plan.base().map(|side| side as usize);
-        for row in data.chunks_exact((4 * width).max(1)) {
-            if !all_finished::<_, V>(row.get(3 * width..).unwrap_or(&[])) {
-                return false;
+        V::enter(|| {
+            for row in data.chunks_exact((4 * width).max(1)) {
+                if !all_finished::<_, V>(row.get(3 * width..).unwrap_or(&[])) {
+                    return false;
+                }
             }
-        }
-        true
+            true
+        })
     }
 
     fn pixel(&self, row: &[ChannelOf<P>], column: usize) -> Pixel<ChannelOf<P>> {

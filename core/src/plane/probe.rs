@@ -3,11 +3,14 @@
 
 use core::marker::PhantomData;
 
-use super::meeting::Meeting;
-use super::normals::derivatives;
+use super::blocks::Places;
+use super::extent::Extent;
+use super::source::{SourceAt, derivatives, spaced};
+use crate::format::Intensity;
 use crate::interpolate::{Difference, cut, kept, lerp_x, lerp_y};
 use crate::lanes::Lanes;
 use crate::precision::Precision;
+use crate::rows::part_mut;
 use crate::slice::{Slice, Window};
 
 /// The most lanes that a probe can have.
@@ -20,11 +23,55 @@ static UNIT: [i32; 2 * LANES_MAX] = {
     unit
 };
 
+/// A plane between voxels, probed vector by vector.
+pub(super) struct Probes<'s, 'w, P, V> {
+    pub(super) extent: &'s Extent,
+    pub(super) window: &'s Window<'w>,
+    pub(super) spacing: [Intensity; 3],
+    pub(super) kinds: PhantomData<(P, V)>,
+}
+
+impl<P: Precision, V: Lanes> SourceAt<i32> for Probes<'_, '_, P, V> {
+    #[inline(always)]
+    fn samples_at(&self, places: &Places<'_>, count: usize, out: &mut [i32]) {
+        V::enter(|| {
+            let probe = Probe::<P, V>::new(self.extent, self.window);
+            for number in 0..count {
+                let (row, column) = places.get(number);
+                let sample = probe.sample(places.voxel_row(row), column as i32);
+                sample.store(out, number * V::COUNT);
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[i32], out: [&mut [i32]; 3]) {
+        V::enter(|| {
+            let probe = Probe::<P, V>::new(self.extent, self.window);
+            let [gx, gy, gz] = out;
+            let mut at = 0;
+            for number in 0..count {
+                let (row, column) = places.get(number);
+                let chosen = V::load(chosen, number * V::COUNT);
+                let [x, y, z] = probe.gradient(places.voxel_row(row), column as i32);
+                x.packed(chosen).store(gx, at);
+                y.packed(chosen).store(gy, at);
+                z.packed(chosen).store(gz, at);
+                at += chosen.count();
+            }
+            spaced::<P, V>(
+                [part_mut(gx, 0..at), part_mut(gy, 0..at), part_mut(gz, 0..at)],
+                self.spacing,
+            );
+        });
+    }
+}
+
 /// What a sample plane and the voxels around it are to `V::COUNT` samples side by side.
 ///
 /// A place is a voxel row and the column of the first lane's voxel, both those before the sample. Lanes behind the last
 /// column hold anything.
-pub(super) struct Probe<'w, P, V> {
+struct Probe<'w, P, V> {
     window: &'w Window<'w>,
     near: Slice<'w>,
     far: Slice<'w>,
@@ -43,16 +90,16 @@ pub(super) struct Probe<'w, P, V> {
 /// nothing is interpolated along z and voxels stay whole numbers until they meet along y.
 impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     #[inline(always)]
-    pub(super) fn new(meeting: &Meeting, window: &'w Window<'w>) -> Self {
+    fn new(extent: &Extent, window: &'w Window<'w>) -> Self {
         const { assert!(V::COUNT <= LANES_MAX) };
-        let [wx, wy, wz] = [meeting.x, meeting.y, meeting.z].map(|cell| cut::<P>(cell.weight));
+        let [wx, wy, wz] = [extent.x, extent.y, extent.z].map(|cell| cut::<P>(cell.weight));
         Self {
             window,
             near: window.near,
             far: window.far_or_near(),
             width: window.near.width() as i32,
-            height: meeting.height,
-            in_slice: meeting.in_slice(),
+            height: extent.height,
+            in_slice: extent.in_slice(),
             wx: V::splat(wx),
             wy: V::splat(wy),
             wz: V::splat(wz),
@@ -70,9 +117,9 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
 
     /// The samples at a place.
     #[inline(always)]
-    pub(super) fn sample(&self, row: i32, from: i32) -> V {
+    fn sample(&self, row: i32, from: i32) -> V {
         if !self.has([from, from + 1], [row, row + 1]) {
-            self.sample_of::<false, false>(row, from)
+            V::enter(|| self.sample_of::<false, false>(row, from))
         } else if self.in_slice {
             self.sample_of::<true, true>(row, from)
         } else {
@@ -91,9 +138,10 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
 
     /// The gradients of the samples at a place, before the spacing factors.
     #[inline(always)]
-    pub(super) fn gradient(&self, row: i32, from: i32) -> [V; 3] {
+    fn gradient(&self, row: i32, from: i32) -> [V; 3] {
         if !self.has([from - 1, from + 2], [row - 1, row + 2]) {
-            self.gradient_of::<false, false>(row, from)
+            // Much code and seldom run: out of line.
+            V::enter(|| self.gradient_of::<false, false>(row, from))
         } else if self.in_slice {
             self.gradient_of::<true, true>(row, from)
         } else {

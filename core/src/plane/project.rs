@@ -2,18 +2,18 @@
 
 use core::marker::PhantomData;
 
-use super::meeting::{Meeting, met_rows};
-use super::sampler::{Sampler, aligned};
-use super::{ChannelOf, Pipeline, Rows, scratch_len};
+use super::extent::Extent;
+use super::scratch::{self, Scratch, ScratchError};
+use super::source::{Sheared, Source};
+use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::Classifier;
 use crate::composite::Pixel;
 use crate::lanes::Lanes;
-use crate::locate::Plane;
-use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::project::{Extreme, keep_row, resolve};
-use crate::rows::{part, part_mut};
-use crate::slice::Window;
+use crate::rows::part_mut;
+use crate::shade::Unlit;
+use crate::stage::Stage;
 use crate::tap::{Beam, Tap};
 
 /// Projection of the largest or smallest sample (`project`).
@@ -38,7 +38,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
     type Element = i32;
     const CHANNELS: usize = 1;
     const SLICES: usize = 2;
-    const SCRATCH_ROWS: usize = Sampler::<P, false>::ROWS;
+    const SCRATCH: scratch::Rows = scratch::Rows::Projection;
     const BACK_TO_FRONT: bool = false;
 
     fn empty(_: usize) -> i32 {
@@ -46,40 +46,41 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
     }
 
     #[inline(always)]
-    fn fold<V: Lanes, T: Tap>(
+    fn fold<V: Lanes>(
         &self,
-        plan: &Plan,
-        plane: &Plane,
-        window: &Window<'_>,
+        at: &At<'_>,
         rows: Rows<'_, i32>,
         scratch: &mut [i32],
-        tap: &mut T,
-    ) {
-        let [slice_width, _, _] = plan.dims();
-        if scratch.len() < scratch_len::<Self>(slice_width) {
-            return;
+        mut tap: Option<&mut dyn Tap>,
+    ) -> Result<(), ScratchError> {
+        let (plan, plane) = (at.plan, &at.plane);
+        let [width, _, _] = plan.dims();
+        let Scratch { source, .. } = Scratch::cut(scratch, Self::SCRATCH, width, !V::SMALL)?;
+        if let Some(tap) = &mut tap {
+            tap.plane(plane);
         }
-        tap.plane(plane);
-        let meeting = Meeting::of(plan, plane);
-        let n = meeting.columns.len();
-        if n == 0 {
-            return;
-        }
+        let extent = Extent::of(plan, plane);
         let [base_width, _] = plan.base().map(|side| side as usize);
-        let (mut scratch, room) = aligned(scratch, Self::SCRATCH_ROWS, slice_width);
-        let mut sampler = Sampler::<P, false>::new(&mut scratch, slice_width, room);
-        for (row, data, voxel_row) in met_rows(&meeting, rows, base_width) {
-            sampler.make::<V>(&meeting, window, voxel_row);
-            let place = meeting.voxel + Sampler::<P, false>::FIRST;
-            let samples = part(sampler.row(voxel_row), place..place + n);
-            let at = Beam {
-                plane,
-                row,
-                column: meeting.columns.start as u32,
-            };
-            tap.samples(at, samples);
-            keep_row::<X, V>(part_mut(data, meeting.columns.clone()), samples);
+        let Some(count) = rows.data.len().checked_div(base_width) else {
+            return Ok(());
+        };
+        if extent.columns.is_empty() {
+            return Ok(());
         }
+        let mut source = Sheared::<P, V, Unlit>::new(&extent, &at.window, plan.spacing(), source);
+        for row in extent.met(rows.first, count) {
+            let voxel_row = extent.voxel_row(row);
+            source.make(voxel_row);
+            let samples = source.samples(voxel_row);
+            if let Some(tap) = &mut tap {
+                let column = extent.columns.start as u32;
+                tap.row(Stage::Interpolation, Beam { plane, row, column }, &[&samples]);
+            }
+            let start = (row - rows.first) as usize * base_width;
+            let columns = start + extent.columns.start..start + extent.columns.end;
+            V::enter(|| keep_row::<X, V>(part_mut(rows.data, columns), samples));
+        }
+        Ok(())
     }
 
     fn pixel(&self, row: &[i32], column: usize) -> Pixel<ChannelOf<P>> {

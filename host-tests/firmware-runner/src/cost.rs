@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use slicecast_firmware_shared::boundary::STAGES;
+use slicecast::stage::Stage;
 use slicecast_scene::PrecisionName;
 
 use crate::References;
@@ -15,6 +15,9 @@ use crate::machines::Machine;
 use crate::proofs::{library, link};
 use crate::scenes::Kind;
 use crate::shell::{Failure, fail};
+
+/// The boundaries up to compositing.
+const FIRST: &[Stage] = Stage::ALL.split_at(7).0;
 
 /// The scene in which every sample goes through every stage, and the scene of the built-in picture.
 const DENSE: &str = "dense";
@@ -299,16 +302,20 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
              *stream* takes the slice (its check, its ranges, its copy) and loops; *colour* includes the search for \
              visible spans; in lit pipelines *gradient* includes the interpolation of the neighbouring row, which \
              *interpolate* then finds done.\n\n| core | pipeline | stream | {} |\n|---|---|---|{}",
-            STAGES[1..STAGES.len() - 2].join(" | ") + " | composite",
-            "---|".repeat(STAGES.len() - 2)
+            FIRST[1..]
+                .iter()
+                .map(|stage| stage.name())
+                .collect::<Vec<_>>()
+                .join(" | ")
+                + " | composite",
+            "---|".repeat(FIRST.len())
         );
         for row in rows {
             let places = counts(scene, row.kind).places as f64;
             let mut line = |name: &str, stages: &Stages| {
-                let each = |stage: &str| stages.get(stage).copied().unwrap_or(0) as f64 / places;
-                let (last, first) = (STAGES.len() - 2, &STAGES[..STAGES.len() - 2]);
-                let mut cells: String = first.iter().map(|stage| format!(" {:.1} |", each(stage))).collect();
-                let composite: f64 = STAGES[last..].iter().map(|stage| each(stage)).sum();
+                let each = |stage: Stage| stages.get(stage.name()).copied().unwrap_or(0) as f64 / places;
+                let mut cells: String = FIRST.iter().map(|stage| format!(" {:.1} |", each(*stage))).collect();
+                let composite = each(Stage::Before) + each(Stage::After);
                 let _ = write!(cells, " {composite:.1} |");
                 let _ = writeln!(out, "| {} | {name} |{cells}", row.machine.core);
             };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use slicecast_firmware_shared::boundary::STAGES;
+use slicecast::stage::Stage;
 
 use crate::machines::Machine;
 use crate::reference::Sums;
@@ -164,7 +164,7 @@ fn numbers<const N: usize>(text: &str) -> Option<[u64; N]> {
     list?.try_into().ok()
 }
 
-fn plane(text: &str) -> Option<((u32, u32, u32), [u32; STAGES.len()])> {
+fn plane(text: &str) -> Option<((u32, u32, u32), [u32; Stage::ALL.len()])> {
     let words: Vec<&str> = text.split(' ').collect();
     let (key, sums) = words.split_at_checked(3)?;
     let sums: Option<Vec<u32>> = sums.iter().map(|s| hex(s)).collect();
@@ -179,10 +179,11 @@ pub fn first_difference(device: &Sums, host: &Sums) -> Option<String> {
         let Some(got) = device.planes.get(key) else {
             return Some(format!("plane {index} of phase ({u}, {v}) is missing"));
         };
-        for (stage, (got, expected)) in STAGES.iter().zip(got.iter().zip(expected)) {
+        for (stage, (got, expected)) in Stage::ALL.iter().zip(got.iter().zip(expected)) {
             if got != expected {
                 return Some(format!(
-                    "first at stage \"{stage}\", plane {index}, phase ({u}, {v}): {got:08x}, host {expected:08x}"
+                    "first at stage \"{}\", plane {index}, phase ({u}, {v}): {got:08x}, host {expected:08x}",
+                    stage.name()
                 ));
             }
         }

@@ -6,14 +6,15 @@ use std::sync::mpsc::channel;
 use slicecast::composite::Channel;
 use slicecast::plane::Pipeline;
 use slicecast::slice::Slice;
+use slicecast::stage::Stage;
 use slicecast::stream::base_pixel;
-use slicecast::tap::{Beam, Tap};
+use slicecast::tap::{Beam, Bits, Tap};
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::new_image;
 use slicecast_engine::oriented::with_slices;
 use slicecast_engine::pipelines::Job;
 use slicecast_engine::tiles::fold_tiles_tapped;
-use slicecast_firmware_shared::boundary::{Boundaries, STAGES};
+use slicecast_firmware_shared::boundary::Boundaries;
 use slicecast_firmware_shared::image::add_rgb;
 use slicecast_firmware_shared::sum::Sum;
 
@@ -27,7 +28,7 @@ pub type PlaneKey = (u32, u32, u32);
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Sums {
     /// Every stage boundary of every plane.
-    pub planes: BTreeMap<PlaneKey, [u32; STAGES.len()]>,
+    pub planes: BTreeMap<PlaneKey, [u32; Stage::ALL.len()]>,
     /// The base-plane image.
     pub image: u32,
     /// The viewer's picture.
@@ -81,7 +82,7 @@ struct Fold<'a> {
 }
 
 impl Job for Fold<'_> {
-    type Output = (BTreeMap<PlaneKey, [u32; STAGES.len()]>, u32, Counts);
+    type Output = (BTreeMap<PlaneKey, [u32; Stage::ALL.len()]>, u32, Counts);
 
     fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
         let plan = &self.prepared.setup.plan;
@@ -157,10 +158,12 @@ fn places(plan: &slicecast::plan::Plan) -> u64 {
 struct Counter(Counts);
 
 impl Tap for Counter {
-    fn samples(&mut self, _: Beam<'_>, samples: &[i32]) {
-        self.0.samples += samples.len() as u64;
-    }
-    fn colours(&mut self, _: Beam<'_>, [red, ..]: [&[i32]; 3]) {
-        self.0.visible += red.len() as u64;
+    fn row(&mut self, stage: Stage, _: Beam<'_>, rows: &[&dyn Bits]) {
+        let len = rows.first().map_or(0, |row| row.len()) as u64;
+        match stage {
+            Stage::Interpolation => self.0.samples += len,
+            Stage::Colour => self.0.visible += len,
+            _ => {}
+        }
     }
 }

@@ -1,26 +1,13 @@
 //! A tap that sums up every stage boundary of every sample plane.
 
-use slicecast::composite::{Channel, PixelRow};
 use slicecast::locate::Plane;
 use slicecast::plan::Phase;
-use slicecast::tap::{Beam, Tap};
+use slicecast::stage::Stage;
+use slicecast::tap::{Beam, Bits, Tap};
 
 use crate::sum::Sum;
 
-/// The stage boundaries, in the order of the pipeline.
-pub const STAGES: [&str; 9] = [
-    "locate",
-    "interpolate",
-    "classify: opacity",
-    "classify: colour",
-    "gradient",
-    "normalise",
-    "shade",
-    "composite: before",
-    "composite: after",
-];
-
-/// The sums of one sample plane of one phase, in the order of [`STAGES`]. A stage that did nothing has 0.
+/// The sums of one sample plane of one phase, in the order of [`Stage::ALL`]. A stage that did nothing has 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlaneSums {
     /// The phase.
@@ -28,14 +15,14 @@ pub struct PlaneSums {
     /// Number of the plane.
     pub index: u32,
     /// One sum a stage.
-    pub sums: [u32; STAGES.len()],
+    pub sums: [u32; Stage::ALL.len()],
 }
 
 /// Sums up boundaries and hands over the sums of a plane when the next one begins.
 #[derive(Debug)]
 pub struct Boundaries<F: FnMut(PlaneSums)> {
     plane: Option<(Phase, u32)>,
-    sums: [Sum; STAGES.len()],
+    sums: [Sum; Stage::ALL.len()],
     done: F,
 }
 
@@ -44,7 +31,7 @@ impl<F: FnMut(PlaneSums)> Boundaries<F> {
     pub const fn new(done: F) -> Self {
         Self {
             plane: None,
-            sums: [Sum::new(); STAGES.len()],
+            sums: [Sum::new(); Stage::ALL.len()],
             done,
         }
     }
@@ -58,28 +45,7 @@ impl<F: FnMut(PlaneSums)> Boundaries<F> {
                 sums: self.sums.map(Sum::get),
             });
         }
-        self.sums = [Sum::new(); STAGES.len()];
-    }
-
-    fn rows<const N: usize>(&mut self, stage: usize, at: Beam<'_>, rows: [&[i32]; N]) {
-        if let Some(sum) = self.sums.get_mut(stage) {
-            sum.word(at.row);
-            sum.word(at.column);
-            for row in rows {
-                sum.row(row.iter().map(|v| *v as u32));
-            }
-        }
-    }
-
-    fn pixels<C: Channel>(&mut self, stage: usize, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        if let Some(sum) = self.sums.get_mut(stage) {
-            sum.word(at.row);
-            sum.word(at.column);
-            for run in &pixels.colour {
-                sum.row(run.iter().map(|c| c.bits()));
-            }
-            sum.row(pixels.transparency.iter().map(|t| t.bits()));
-        }
+        self.sums = [Sum::new(); Stage::ALL.len()];
     }
 }
 
@@ -94,35 +60,13 @@ impl<F: FnMut(PlaneSums)> Tap for Boundaries<F> {
         sum.row(positions.into_iter());
     }
 
-    fn samples(&mut self, at: Beam<'_>, samples: &[i32]) {
-        self.rows(1, at, [samples]);
-    }
-
-    fn opacities(&mut self, at: Beam<'_>, opacities: &[i32]) {
-        self.rows(2, at, [opacities]);
-    }
-
-    fn colours(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        self.rows(3, at, colours);
-    }
-
-    fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
-        self.rows(4, at, gradients);
-    }
-
-    fn normals(&mut self, at: Beam<'_>, [x, y, z]: [&[i32]; 3], r: &[i32]) {
-        self.rows(5, at, [x, y, z, r]);
-    }
-
-    fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        self.rows(6, at, colours);
-    }
-
-    fn before<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        self.pixels(7, at, pixels);
-    }
-
-    fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        self.pixels(8, at, pixels);
+    fn row(&mut self, stage: Stage, at: Beam<'_>, rows: &[&dyn Bits]) {
+        if let Some(sum) = self.sums.get_mut(stage as usize) {
+            sum.word(at.row);
+            sum.word(at.column);
+            for row in rows {
+                sum.row((0..row.len()).map(|index| row.bits(index)));
+            }
+        }
     }
 }

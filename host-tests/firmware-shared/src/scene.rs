@@ -1,12 +1,13 @@
 //! Scenes as a device holds them: numbers of the pipeline's own formats, in flash.
 
-use slicecast::classify::{AlphaCode, ENTRIES, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
+use slicecast::classify::{AlphaCode, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::FrontToBack;
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::plane::Composite;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Phong, PhongError, Shader, Unlit};
+use slicecast::table::ENTRIES;
 use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
 

@@ -2,7 +2,9 @@
 //! their order, their row structure and what they skip are those of slicecast; only the numbers differ, and the slices
 //! are read where they lie, without a ring.
 
-use slicecast::classify::{ENTRIES, Support, opacity_of_root};
+use slicecast::stage::Stage;
+use slicecast::classify::{Support, opacity_of_root};
+use slicecast::table::ENTRIES;
 use slicecast::locate::{Plane, cell, plane};
 use slicecast::plan::{Phase, Plan};
 use slicecast::slice::{RowRange, Slice};
@@ -73,9 +75,9 @@ struct Lamps<'a> {
     exponent_log2: u32,
 }
 
-/// Renders a scene; `mark` is told when a stage has done a row (numbers as in `boundary::STAGES`). False if the scene is
+/// Renders a scene; `mark` is called when a stage has done a row. False if the scene is
 /// out of range.
-pub fn render(scene: &SceneData, lit: bool, b: &mut Buffers, mark: &mut impl FnMut(usize)) -> bool {
+pub fn render(scene: &SceneData, lit: bool, b: &mut Buffers, mark: &mut impl FnMut(Stage)) -> bool {
     let Ok(plan) = scene.plan() else { return false };
     for (t, (entry, low)) in b.table.iter_mut().zip(scene.entries16.iter().zip(scene.plane16)) {
         let [red, green, blue, high] = entry.to_le_bytes();
@@ -130,7 +132,7 @@ pub fn render(scene: &SceneData, lit: bool, b: &mut Buffers, mark: &mut impl FnM
             }
             b.measured += 1;
         }
-        mark(0);
+        mark(Stage::Location);
         fold(
             scene,
             &plan,
@@ -169,7 +171,7 @@ fn fold(
     spacing: [f32; 3],
     (support, dark): (Support, f32),
     b: &mut Buffers,
-    mark: &mut impl FnMut(usize),
+    mark: &mut impl FnMut(Stage),
 ) {
     let [width, height, depth] = plan.dims().map(|d| d as usize);
     let (x, y, z) = (cell(plane.x), cell(plane.y), cell(plane.z));
@@ -224,7 +226,7 @@ fn fold(
         };
         need(here, b);
         let places = first + 1..first + 1 + n;
-        mark(1);
+        mark(Stage::Interpolation);
 
         for (o, s) in b.opacity.iter_mut().zip(&b.samples[here][places.clone()]) {
             if *s <= dark {
@@ -235,7 +237,7 @@ fn fold(
             let (p, q) = (b.table[i.min(ENTRIES - 1)][3], b.table[(i + 1).min(ENTRIES - 1)][3]);
             *o = p + (q - p) * f;
         }
-        mark(2);
+        mark(Stage::Opacity);
 
         let mut from = 0;
         loop {
@@ -256,7 +258,7 @@ fn fold(
                 *g = p[1] + (q[1] - p[1]) * f;
                 *bl = p[2] + (q[2] - p[2]) * f;
             }
-            mark(3);
+            mark(Stage::Colour);
             if let Some(lamps) = lamps {
                 need(here - 1, b);
                 need(here + 1, b);
@@ -271,23 +273,23 @@ fn fold(
                     &row_of,
                     b,
                 );
-                mark(4);
+                mark(Stage::Gradient);
                 let [gx, gy, gz] = &mut b.g;
                 for ((x, y), z) in gx[..len].iter_mut().zip(gy).zip(gz) {
                     let square = *x * *x + *y * *y + *z * *z;
                     let r = if square > 0.0 { -1.0 / root(square) } else { 0.0 };
                     (*x, *y, *z) = (*x * r, *y * r, *z * r);
                 }
-                mark(5);
+                mark(Stage::Normal);
                 shade(lamps, len, &b.g, &mut b.colour);
-                mark(6);
+                mark(Stage::Shading);
             }
             composite(
                 &mut b.image[pixels.clone()][start..end],
                 &b.opacity[start..end],
                 &b.colour,
             );
-            mark(8);
+            mark(Stage::After);
         }
     }
 }

@@ -3,7 +3,6 @@
 use semihosting::println;
 use slicecast::plane::ChannelOf;
 use slicecast::stream::{Memory, Needs, Stream};
-use slicecast::tap::NoTap;
 use slicecast_firmware_shared::image;
 use slicecast_firmware_shared::scene::{Lights, Model, SceneData, pipeline};
 use slicecast_firmware_shared::sum::Sum;
@@ -30,7 +29,7 @@ pub fn measure<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, Cha
     let mut total = 0u64;
     for slice in scene.voxels.chunks_exact((width * height) as usize) {
         let before = ticks();
-        let pushed = stream.push(slice, &mut NoTap);
+        let pushed = stream.push(slice);
         total += u64::from(ticks_between(before, ticks()));
         if pushed.is_err() {
             println!("error slice refused");

@@ -6,11 +6,12 @@ use slicecast::format::{Coefficient, Vector};
 use slicecast::normalise::{normalise, unit};
 use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::shade::{Highlight, Light, keep_vector};
+use slicecast::stage::Stage;
 use slicecast_engine::camera::Material;
 use slicecast_engine::frame::Layer;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, volume};
-use slicecast_host_tests::record::{Place, Stage, recorded};
+use slicecast_host_tests::record::{Place, recorded};
 use slicecast_scene::PrecisionName;
 use slicecast_volume::Volume;
 

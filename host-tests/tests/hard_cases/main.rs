@@ -9,11 +9,12 @@ mod compositing;
 mod fields;
 mod shading;
 
-use slicecast::classify::{Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt16, entry, opacity_of_root};
+use slicecast::classify::{Classifier, Linear, Nearest, PointTable, Sqrt16, entry, opacity_of_root};
 use slicecast::format::{Position, Sample12, Sample15, Step, Weight};
 use slicecast::interpolate::trilinear;
 use slicecast::locate::{Cell, cell, position};
 use slicecast::precision::{Compact, Paper, Wide};
+use slicecast::table::ENTRIES;
 
 /// `(p0 + k step + 2^15) >> 16`: start, step, k, 16.16 bits, cell, weight.
 #[test]

@@ -1,8 +1,9 @@
 //! Normalisation and powers.
 
 use slicecast::format::Cosine;
-use slicecast::normalise::{Normal, block, normalise, reciprocal_root, unit};
+use slicecast::normalise::{Normal, block, normalise, unit};
 use slicecast::precision::{Compact, Paper, Wide};
+use slicecast::root::reciprocal_root;
 use slicecast::shade::{dot, power};
 use slicecast_host_tests::random::Random;
 

@@ -1,11 +1,11 @@
 //! The model beside the pipeline, plane by plane, for the rows of one tile.
 
-use slicecast::composite::{Channel, PixelRow, Recurrence};
+use slicecast::composite::{Channel, Recurrence};
 use slicecast::format::{Coefficient, Opacity, Vector};
 use slicecast::locate::Plane;
 use slicecast::precision::{NormalForm, Precision};
 use slicecast::shade::{formed, formed_nearest, keep, keep_vector};
-use slicecast::tap::{Beam, Tap};
+use slicecast::tap::{Beam, Bits, Tap};
 
 use super::stages::{Stage, StageErrors, telescopes};
 use slicecast_engine::camera::{Material, Setup};
@@ -101,6 +101,8 @@ pub struct Formats {
     pub sample_one: f64,
     /// 1.0 of a colour.
     pub colour_one: f64,
+    /// 1.0 of a pixel's channel.
+    channel_one: f64,
     normal: NormalForm,
     read: fn(Opacity) -> Opacity,
     /// Transparency below this is 0, and whether that is more than the least one.
@@ -117,6 +119,7 @@ impl Formats {
             per_unit: Stage::ALL.map(Stage::per_unit::<P>),
             sample_one: f64::from(P::SAMPLE_BITS).exp2(),
             colour_one: f64::from(P::COLOUR_BITS).exp2(),
+            channel_one: f64::from(one.bits()),
             normal: P::NORMAL,
             read: <P::Pixel as Recurrence>::read,
             floor: f64::from(floor.bits()) / f64::from(one.bits()),
@@ -128,6 +131,22 @@ impl Formats {
     /// The opacity that a pixel reads.
     pub fn opacity(&self, bits: i32) -> f64 {
         f64::from((self.read)(Opacity::from_bits(bits as u32)).to_bits()) / 2147483648.0
+    }
+
+    /// A colour of the pipeline.
+    pub fn colour(&self, bits: [i32; 3]) -> [f64; 3] {
+        bits.map(|c| f64::from(c as u32) / self.colour_one)
+    }
+
+    /// The pixels of four rows of channels.
+    pub fn pixels(&self, rows: &[&dyn Bits]) -> Vec<Pixel> {
+        let value = |bits: i32| f64::from(bits as u32) / self.channel_one;
+        values(rows)
+            .map(|(_, [r, g, b, t])| Pixel {
+                colour: [r, g, b].map(value),
+                transparency: value(t),
+            })
+            .collect()
     }
 
     /// The normal that shading works with.
@@ -331,10 +350,30 @@ impl Tap for Lockstep<'_> {
         self.advance(plane);
     }
 
-    fn samples(&mut self, at: Beam<'_>, samples: &[i32]) {
+    fn row(&mut self, stage: slicecast::stage::Stage, at: Beam<'_>, rows: &[&dyn Bits]) {
+        use slicecast::stage::Stage as Boundary;
+        match stage {
+            Boundary::Location => {}
+            Boundary::Interpolation => self.samples(at, rows),
+            Boundary::Opacity => self.opacities(rows),
+            Boundary::Colour => self.colours(at, rows),
+            Boundary::Gradient => self.gradients(at, rows),
+            Boundary::Normal => self.normals(at, rows),
+            Boundary::Shading => self.shaded(at, rows),
+            Boundary::Before => self.before = self.formats.pixels(rows),
+            Boundary::After => {
+                self.after = self.formats.pixels(rows);
+                self.composited(at);
+            }
+        }
+    }
+}
+
+impl Lockstep<'_> {
+    fn samples(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.row = self.index(at);
         self.values.clear();
-        for (offset, &bits) in samples.iter().enumerate() {
+        for (offset, [bits]) in values(rows) {
             let fixed = f64::from(bits) / self.formats.sample_one;
             self.values.push(fixed);
             let local = fixed - self.model.value_at(fixed_position(at, offset));
@@ -343,9 +382,9 @@ impl Tap for Lockstep<'_> {
         }
     }
 
-    fn opacities(&mut self, _: Beam<'_>, opacities: &[i32]) {
+    fn opacities(&mut self, rows: &[&dyn Bits]) {
         self.opacities.clear();
-        for (offset, &bits) in opacities.iter().enumerate() {
+        for (offset, [bits]) in values(rows) {
             // As compositing will read it.
             let fixed = self.formats.opacity(bits);
             self.opacities.push(fixed);
@@ -355,21 +394,21 @@ impl Tap for Lockstep<'_> {
         }
     }
 
-    fn colours(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
+    fn colours(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.colours.clear();
-        for offset in 0..colours[0].len() {
+        for (offset, colour) in values(rows) {
             let index = self.index(at) + offset;
-            let fixed = colours.map(|c| f64::from(c[offset] as u32) / self.formats.colour_one);
+            let fixed = self.formats.colour(colour);
             self.colours.push(fixed);
             let exact = self.model.classify(self.values[index - self.row]).colour;
             self.add3(Stage::Colour, fixed, exact, self.visible(index).map(|v| v.colour));
         }
     }
 
-    fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
+    fn gradients(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.gradients.clear();
-        for offset in 0..gradients[0].len() {
-            let fixed = gradients.map(|g| f64::from(g[offset]) / self.formats.sample_one);
+        for (offset, gradient) in values::<3>(rows) {
+            let fixed = gradient.map(|g| f64::from(g) / self.formats.sample_one);
             self.gradients.push(fixed);
             let difference = self.model.difference_at(fixed_position(at, offset));
             let exact = [0, 1, 2].map(|a| difference[a] * self.spacing[a]);
@@ -378,10 +417,10 @@ impl Tap for Lockstep<'_> {
         }
     }
 
-    fn normals(&mut self, at: Beam<'_>, g: [&[i32]; 3], r: &[i32]) {
+    fn normals(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.normals.clear();
-        for (offset, r) in r.iter().copied().enumerate() {
-            let fixed = self.formats.normal(g.map(|g| g[offset]), r);
+        for (offset, [x, y, z, r]) in values(rows) {
+            let fixed = self.formats.normal([x, y, z], r);
             self.normals.push(fixed);
             let exact = normalise(self.gradients[offset]);
             let carried = self.visible(self.index(at) + offset).map(|v| v.normal);
@@ -389,9 +428,9 @@ impl Tap for Lockstep<'_> {
         }
     }
 
-    fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        for offset in 0..colours[0].len() {
-            let fixed = colours.map(|c| f64::from(c[offset] as u32) / self.formats.colour_one);
+    fn shaded(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
+        for (offset, colour) in values(rows) {
+            let fixed = self.formats.colour(colour);
             if let Some(lights) = &self.lights {
                 let exact = lights.shade(self.normals[offset], self.colours[offset]);
                 let carried = self.visible(self.index(at) + offset).map(|v| v.shaded);
@@ -400,19 +439,12 @@ impl Tap for Lockstep<'_> {
             self.colours[offset] = fixed;
         }
     }
+}
 
-    fn before<C: Channel>(&mut self, _: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        self.before.clear();
-        self.before
-            .extend((0..pixels.transparency.len()).map(|i| pixel_at(pixels, i)));
-    }
-
-    fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        self.after.clear();
-        self.after
-            .extend((0..pixels.transparency.len()).map(|i| pixel_at(pixels, i)));
-        self.composited(at);
-    }
+/// The values of `N` rows, side by side, each with its place.
+pub fn values<'a, const N: usize>(rows: &'a [&dyn Bits]) -> impl Iterator<Item = (usize, [i32; N])> + use<'a, N> {
+    let len = rows.first().map_or(0, |row| row.len());
+    (0..len).map(move |at| (at, std::array::from_fn(|row| rows[row].bits(at) as i32)))
 }
 
 /// The pipeline's own position of a sample, voxels.
@@ -423,13 +455,4 @@ fn fixed_position(at: Beam<'_>, offset: usize) -> [f64; 3] {
         position(at.plane.y.to_bits(), at.row),
         position(at.plane.z.to_bits(), 0),
     ]
-}
-
-/// A pixel of a row.
-pub fn pixel_at<C: Channel>(pixels: &PixelRow<'_, C>, index: usize) -> Pixel {
-    let value = |c: C| f64::from(c.bits()) / f64::from(C::ONE.bits());
-    Pixel {
-        colour: [0, 1, 2].map(|c| value(pixels.colour[c][index])),
-        transparency: value(pixels.transparency[index]),
-    }
 }

@@ -4,10 +4,12 @@
 //! lanes. A table of one colour is not asked for colours at all. 32 KiB, of which a sample reads 16 bytes.
 
 use fixed::traits::Fixed;
-use slicecast::classify::{AlphaCode, Classifier, ENTRIES, Linear, PointTable, Support, colour_of_entry, mix_colour};
+use slicecast::classify::{AlphaCode, Classifier, Linear, PointTable, Slab, Support, colour_of_entry, mix_colour};
 use slicecast::format::Opacity;
-use slicecast::lanes::{Coding, Lanes, Neighboured, places};
+use slicecast::lanes::{Lanes, places};
 use slicecast::precision::Precision;
+use slicecast::table::ENTRIES;
+use slicecast::table::{Coding, Neighboured};
 
 use slicecast_scene::LookupName;
 
@@ -92,14 +94,14 @@ fn mixed_colour<P: Precision, V: Lanes>(a: V, b: V, channel: u32, f: V) -> V {
 impl<P: Precision> Classifier<P> for &Expanded {
     fn opacity(&self, sample: P::Sample) -> Opacity {
         let mut out = [0];
-        Classifier::<P>::opacity_row::<i32>(self, &[sample.to_bits()], &mut out);
+        Classifier::<P>::opacity_row::<i32>(self, Slab::of(&[sample.to_bits()]), &mut out);
         Opacity::from_bits(out[0] as u32)
     }
 
     fn colour(&self, sample: P::Sample) -> [u32; 3] {
         let [mut red, mut green, mut blue] = [[0]; 3];
         let sample = [sample.to_bits()];
-        Classifier::<P>::colour_row::<i32>(self, &sample, [&mut red, &mut green, &mut blue]);
+        Classifier::<P>::colour_row::<i32>(self, Slab::of(&sample), [&mut red, &mut green, &mut blue]);
         [red, green, blue].map(|[c]| c as u32)
     }
 
@@ -114,7 +116,7 @@ impl<P: Precision> Classifier<P> for &Expanded {
     }
 
     #[inline(always)]
-    fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
+    fn opacity_row<V: Lanes>(&self, Slab { back: samples }: Slab<'_>, out: &mut [i32]) {
         // Its place does not change while rows are written.
         let opacities = &*self.opacities;
         for (samples, out) in samples.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
@@ -141,7 +143,7 @@ impl<P: Precision> Classifier<P> for &Expanded {
     }
 
     #[inline(always)]
-    fn colour_row<V: Lanes>(&self, samples: &[i32], out: [&mut [i32]; 3]) {
+    fn colour_row<V: Lanes>(&self, Slab { back: samples }: Slab<'_>, out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
         if let Some([r, g, b]) = Classifier::<P>::one_colour(self) {
             red.fill(r as i32);
@@ -196,10 +198,10 @@ mod tests {
         let samples: Vec<i32> = (0..=4095 << P::SAMPLE_BITS).step_by(step).collect();
         let mut rows = [(); 8].map(|()| vec![0; samples.len()]);
         let [a, r, g, b, found_a, found_r, found_g, found_b] = &mut rows;
-        Classifier::<P>::opacity_row::<i32>(&table, &samples, a);
-        Classifier::<P>::colour_row::<i32>(&table, &samples, [r, g, b]);
-        Classifier::<P>::opacity_row::<i32>(&expanded, &samples, found_a);
-        Classifier::<P>::colour_row::<i32>(&expanded, &samples, [found_r, found_g, found_b]);
+        Classifier::<P>::opacity_row::<i32>(&table, Slab::of(&samples), a);
+        Classifier::<P>::colour_row::<i32>(&table, Slab::of(&samples), [r, g, b]);
+        Classifier::<P>::opacity_row::<i32>(&expanded, Slab::of(&samples), found_a);
+        Classifier::<P>::colour_row::<i32>(&expanded, Slab::of(&samples), [found_r, found_g, found_b]);
         prop_assert!(a == found_a, "opacities");
         if let Some(colour) = Classifier::<P>::one_colour(&expanded) {
             for (row, c) in [&*r, &*g, &*b].into_iter().zip(colour) {

@@ -1,7 +1,6 @@
 //! A scene on a volume, and the frame that it renders to.
 
 use slicecast::plane::Pipeline;
-use slicecast::tap::NoTap;
 use slicecast_scene::Scene;
 use slicecast_volume::Volume;
 
@@ -12,7 +11,7 @@ use crate::oriented::{Oriented, with_slices};
 use crate::picture::picture;
 use crate::pipelines::{Job, compile, dispatch};
 use crate::simd::Simd;
-use crate::stream::stream_tapped;
+use crate::stream::fold_stream;
 use crate::table::Table;
 use crate::tiles::fold_oriented;
 
@@ -118,14 +117,7 @@ impl Job for Render<'_> {
                 let simd = self.prepared.simd;
                 fold_oriented(plan, pipeline, self.volume, &mut image, rows, simd, self.progress);
             }
-            Layer::Stream => stream_tapped(
-                plan,
-                pipeline,
-                self.volume.slices,
-                &mut image,
-                self.progress,
-                &mut NoTap,
-            )?,
+            Layer::Stream => fold_stream(plan, pipeline, self.volume.slices, &mut image, self.progress, None)?,
         }
         Ok(Frame {
             base: base_image(plan, pipeline, &image),

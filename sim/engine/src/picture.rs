@@ -307,7 +307,6 @@ struct Band<'a, 'i, L: Pipeline> {
 impl<L: Pipeline> OverLanes for Band<'_, '_, L> {
     type Output = ();
 
-    #[inline(always)]
     fn run<V: Lanes>(self) {
         let Shape {
             tile,
@@ -332,7 +331,7 @@ impl<L: Pipeline> OverLanes for Band<'_, '_, L> {
                     let exact = self.warp.exact(x as u32, y);
                     let at = [0, 1].map(|axis| exact[axis].wrapping_sub(first[axis] << 32));
                     row.collect(copy, width, at, step, out.len());
-                    row.show::<V>(out);
+                    V::enter(|| row.show::<V>(out));
                 } else {
                     out.fill(self.clear);
                 }

@@ -8,17 +8,17 @@ use slicecast::tap::Tap;
 
 use crate::oriented::packed;
 
-/// Renders through the stream layer under a tap.
+/// Renders through the stream layer, perhaps under a tap.
 ///
 /// # Errors
 /// [`StreamError`] if a slice is refused.
-pub fn stream_tapped<L: Pipeline>(
+pub fn fold_stream<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
     slices: &[Slice<'_>],
     image: &mut [L::Element],
     progress: &(dyn Fn(usize, usize) + Sync),
-    tap: &mut impl Tap,
+    mut tap: Option<&mut dyn Tap>,
 ) -> Result<(), StreamError> {
     let needs = Needs::of::<L>(plan);
     let (mut ring, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
@@ -33,7 +33,10 @@ pub fn stream_tapped<L: Pipeline>(
     let mut pushed = 0;
     while let Some(wanted) = stream.wanted() {
         let slice = slices.get(wanted as usize).ok_or(StreamError::Complete)?;
-        stream.push(&packed(slice), tap)?;
+        match &mut tap {
+            Some(tap) => stream.push_tapped(&packed(slice), *tap)?,
+            None => stream.push(&packed(slice))?,
+        }
         pushed += 1;
         progress(pushed, slices.len());
     }

@@ -6,11 +6,12 @@
 //! costs at most one more half step in a single entry.
 
 use slicecast::classify::{
-    Classifier, ENTRIES, Linear, Nearest, PointTable, Sqrt8, Sqrt16, Support, entry, opacity_of_root,
+    Classifier, Linear, Nearest, PointTable, Slab, Sqrt8, Sqrt16, Support, entry, opacity_of_root,
 };
 use slicecast::format::Opacity;
 use slicecast::lanes::Lanes;
 use slicecast::precision::Precision;
+use slicecast::table::ENTRIES;
 
 use crate::expanded::Expanded;
 use slicecast_scene::{AlphaCodeName, LookupName, TransferFunction};
@@ -222,11 +223,11 @@ impl<P: Precision> Classifier<P> for AnyTable<'_> {
         with_table!(self, table => Classifier::<P>::support(table))
     }
 
-    fn opacity_row<V: Lanes>(&self, samples: &[i32], out: &mut [i32]) {
-        with_table!(self, table => Classifier::<P>::opacity_row::<V>(table, samples, out));
+    fn opacity_row<V: Lanes>(&self, slab: Slab<'_>, out: &mut [i32]) {
+        with_table!(self, table => Classifier::<P>::opacity_row::<V>(table, slab, out));
     }
 
-    fn colour_row<V: Lanes>(&self, samples: &[i32], out: [&mut [i32]; 3]) {
-        with_table!(self, table => Classifier::<P>::colour_row::<V>(table, samples, out));
+    fn colour_row<V: Lanes>(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
+        with_table!(self, table => Classifier::<P>::colour_row::<V>(table, slab, out));
     }
 }

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 use slicecast::lanes::Lanes;
-use slicecast::locate::{Plane, cell, plane};
+use slicecast::locate::{cell, plane};
 use slicecast::plan::Plan;
-use slicecast::plane::{Pipeline, Rows, scratch_len};
+use slicecast::plane::{At, Pipeline, Rows, ScratchError, blocks_scratch_len};
 use slicecast::slice::{Slice, Window};
-use slicecast::tap::{NoTap, Tap};
+use slicecast::tap::Tap;
 
 use crate::occupancy::Sight;
 use crate::oriented::Oriented;
@@ -37,22 +37,19 @@ pub fn fold_oriented<L: Pipeline>(
     simd: Simd,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) {
-    let slices = volume.slices;
-    let Some(sight) = volume.sight(plan, pipeline, simd) else {
-        return fold_tiles(plan, pipeline, slices, image, tile_rows, simd, progress);
-    };
+    let sight = volume.sight(plan, pipeline, simd);
     each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {
-        scratch.resize(scratch.len().max(L::SEEN_SCRATCH), 0);
         let fold = FoldTile {
             plan,
             pipeline,
-            slices,
-            how: Blocks(&sight),
+            slices: volume.slices,
+            seen: sight.as_ref(),
             tile,
             data,
             scratch,
+            tap: None,
         };
-        with_lanes(simd, fold);
+        enough(with_lanes(simd, fold));
     });
 }
 
@@ -71,12 +68,13 @@ pub fn fold_tiles<L: Pipeline>(
             plan,
             pipeline,
             slices,
-            how: Whole(&mut NoTap),
+            seen: None,
             tile,
             data,
             scratch,
+            tap: None,
         };
-        with_lanes(simd, fold);
+        enough(with_lanes(simd, fold));
     });
 }
 
@@ -93,18 +91,14 @@ pub fn fold_tiles_tapped<L: Pipeline, T: Tap + Send>(
 ) -> Vec<T> {
     each_tile::<L, T>(plan, image, tile_rows, progress, |tile, data, scratch| {
         let mut tap = tap(tile);
-        let fold = FoldTile {
-            plan,
-            pipeline,
-            slices,
-            how: Whole(&mut tap),
-            tile,
-            data,
-            scratch,
-        };
-        fold.run::<i32>();
+        enough(fold_tile(plan, pipeline, slices, tile, data, scratch, &mut tap));
         tap
     })
+}
+
+/// [`each_tile`] lends as much scratch memory as pipelines ask for.
+fn enough(folded: Result<(), ScratchError>) {
+    folded.unwrap_or_else(|error| unreachable!("{error}"));
 }
 
 /// The tiles of an image whose rows have `row_len` elements, and what each holds: the same rows of all phases one after the
@@ -146,7 +140,7 @@ fn each_tile<L: Pipeline, R: Send>(
         .with_max_len(1)
         .map_init(
             // Room for rows that begin with a line of the cache.
-            || vec![0; scratch_len::<L>(slice_width + 32)],
+            || vec![0; blocks_scratch_len::<L>(slice_width.max(1024) + 32)],
             |scratch, (tile, data)| {
                 let result = work(tile, data, scratch);
                 progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
@@ -158,27 +152,30 @@ fn each_tile<L: Pipeline, R: Send>(
     by_phase.filter_map(|place| results.get_mut(place)?.take()).collect()
 }
 
-/// Folds all planes into the rows of a tile by the scalar definitions, under a tap. `scratch` holds at least
-/// [`scratch_len`] words.
-pub fn fold_tile<L: Pipeline, T: Tap>(
+/// Folds all planes into the rows of a tile by the scalar definitions, under a tap.
+///
+/// # Errors
+/// [`ScratchError`] if `scratch` holds fewer words than [`scratch_len`](slicecast::plane::scratch_len).
+pub fn fold_tile<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
     slices: &[Slice<'_>],
     tile: Tile,
     data: &mut [L::Element],
     scratch: &mut [i32],
-    tap: &mut T,
-) {
+    tap: &mut dyn Tap,
+) -> Result<(), ScratchError> {
     let fold = FoldTile {
         plan,
         pipeline,
         slices,
-        how: Whole(tap),
+        seen: None,
         tile,
         data,
         scratch,
+        tap: Some(tap),
     };
-    fold.run::<i32>();
+    fold.run::<i32>()
 }
 
 /// How many slices ahead of a plane memory is asked for.
@@ -187,67 +184,23 @@ pub const AHEAD: i32 = 3;
 /// After how many planes a tile is asked whether its rays are all finished.
 const FINISHED_EVERY: u32 = 16;
 
-/// How the planes of a tile are folded.
-trait How<L: Pipeline> {
-    /// Folds the plane at a slice, or between it and the next.
-    fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]);
-    /// Whether no further plane can change these rows.
-    fn finished<V: Lanes>(&self, pipeline: &L, plan: &Plan, data: &[L::Element]) -> bool;
-}
-
-/// A plane and what is around it.
-struct At<'a> {
-    plan: &'a Plan,
-    plane: Plane,
-    slice: usize,
-    window: Window<'a>,
-}
-
-/// Rows as a whole, under a tap, which sees every plane: finished rows are left out one by one.
-struct Whole<'t, T>(&'t mut T);
-
-/// The blocks that can be seen.
-struct Blocks<'a>(&'a Sight);
-
-impl<L: Pipeline, T: Tap> How<L> for Whole<'_, T> {
-    #[inline(always)]
-    fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]) {
-        pipeline.fold::<V, T>(at.plan, &at.plane, &at.window, rows, scratch, self.0);
-    }
-
-    #[inline(always)]
-    fn finished<V: Lanes>(&self, _: &L, _: &Plan, _: &[L::Element]) -> bool {
-        false
-    }
-}
-
-impl<L: Pipeline> How<L> for Blocks<'_> {
-    #[inline(always)]
-    fn fold<V: Lanes>(&mut self, pipeline: &L, at: At<'_>, rows: Rows<'_, L::Element>, scratch: &mut [i32]) {
-        pipeline.fold_seen::<V>(at.plan, &at.plane, &at.window, self.0.at(at.slice), rows, scratch);
-    }
-
-    #[inline(always)]
-    fn finished<V: Lanes>(&self, pipeline: &L, plan: &Plan, data: &[L::Element]) -> bool {
-        pipeline.finished::<V>(plan, data)
-    }
-}
-
 /// A tile on its way through all planes.
-struct FoldTile<'a, 's, L: Pipeline, H> {
+struct FoldTile<'a, 's, L: Pipeline> {
     plan: &'a Plan,
     pipeline: &'a L,
     slices: &'a [Slice<'s>],
-    how: H,
+    /// The blocks that can be seen; none: rows are made as a whole.
+    seen: Option<&'a Sight>,
     tile: Tile,
     data: &'a mut [L::Element],
     scratch: &'a mut [i32],
+    /// Sees every plane, those of finished tiles too.
+    tap: Option<&'a mut dyn Tap>,
 }
 
-impl<L: Pipeline, H: How<L>> FoldTile<'_, '_, L, H> {
+impl<L: Pipeline> FoldTile<'_, '_, L> {
     /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`, and those that
     /// gradients look at beyond.
-    #[inline(always)]
     fn prefetch(&self, slice: &Slice<'_>, offset: i32) {
         let first = (i64::from(self.tile.first) + i64::from(offset)).max(1) as usize;
         for row in first - 1..(first + self.tile.rows as usize + 2).min(slice.height()) {
@@ -256,11 +209,10 @@ impl<L: Pipeline, H: How<L>> FoldTile<'_, '_, L, H> {
     }
 }
 
-impl<L: Pipeline, H: How<L>> OverLanes for FoldTile<'_, '_, L, H> {
-    type Output = ();
+impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {
+    type Output = Result<(), ScratchError>;
 
-    #[inline(always)]
-    fn run<V: Lanes>(mut self) {
+    fn run<V: Lanes>(mut self) -> Self::Output {
         let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
         let planes = self.plan.planes();
         let mut ahead = None;
@@ -276,21 +228,27 @@ impl<L: Pipeline, H: How<L>> OverLanes for FoldTile<'_, '_, L, H> {
                 }
             }
             if let Some(window) = Window::at(z, slice) {
+                let at = At {
+                    plan: self.plan,
+                    plane,
+                    window,
+                    seen: self.seen.map(|sight| sight.at(z as usize)),
+                };
                 let rows = Rows {
                     first: self.tile.first,
                     data: &mut *self.data,
                 };
-                let at = At {
-                    plan: self.plan,
-                    plane,
-                    slice: z as usize,
-                    window,
+                let tap: Option<&mut dyn Tap> = match &mut self.tap {
+                    Some(tap) => Some(&mut **tap),
+                    None => None,
                 };
-                self.how.fold::<V>(self.pipeline, at, rows, self.scratch);
+                self.pipeline.fold::<V>(&at, rows, self.scratch, tap)?;
             }
-            if step % FINISHED_EVERY == 0 && self.how.finished::<V>(self.pipeline, self.plan, self.data) {
+            // Rows as a whole are left out one by one.
+            if self.seen.is_some() && step % FINISHED_EVERY == 0 && self.pipeline.finished::<V>(self.plan, self.data) {
                 break;
             }
         }
+        Ok(())
     }
 }

@@ -6,8 +6,9 @@
 //! | [`Plain16`] | α 0.16: the high byte in the entry, the low byte in a plane of its own | q / 65536 |
 //! | core's `Sqrt8`, `Sqrt16` | √α 0.8, √α 0.16 | their square |
 
-use slicecast::classify::{AlphaCode, ENTRIES, Sqrt8, Sqrt16};
+use slicecast::classify::{AlphaCode, Sqrt8, Sqrt16};
 use slicecast::format::Opacity;
+use slicecast::table::ENTRIES;
 
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::table::Filled;
@@ -117,7 +118,7 @@ mod tests {
     use super::super::formats::{Blend, CompactPixel, CompactSurface, Sample4, Sample6, Sample8, Sample10, Study};
     use super::*;
     use fixed::traits::Fixed;
-    use slicecast::classify::{Classifier, Linear, Lookup, Nearest, PointTable};
+    use slicecast::classify::{Classifier, Linear, Lookup, Nearest, PointTable, Slab};
     use slicecast::format::{Sample12, Sample15};
 
     /// Every opacity comes back within half a step of its code (as the code's own scale has it).
@@ -178,12 +179,12 @@ mod tests {
         let samples: Vec<i32> = (0..=4095 << S::FRAC_NBITS).step_by(7).collect();
         let row = || vec![0; samples.len()];
         let (mut expected, mut found) = (row(), row());
-        Classifier::<P<S>>::opacity_row::<i32>(&table, &samples, &mut expected);
-        Classifier::<P<S>>::opacity_row::<i32>(&expanded, &samples, &mut found);
+        Classifier::<P<S>>::opacity_row::<i32>(&table, Slab::of(&samples), &mut expected);
+        Classifier::<P<S>>::opacity_row::<i32>(&expanded, Slab::of(&samples), &mut found);
         assert!(expected == found, "{} {lookup:?} {}", A::NAME, S::FRAC_NBITS);
         let [mut expected, mut found] = [(); 2].map(|()| [row(), row(), row()]);
-        Classifier::<P<S>>::colour_row::<i32>(&table, &samples, expected.each_mut().map(|r| &mut r[..]));
-        Classifier::<P<S>>::colour_row::<i32>(&expanded, &samples, found.each_mut().map(|r| &mut r[..]));
+        Classifier::<P<S>>::colour_row::<i32>(&table, Slab::of(&samples), expected.each_mut().map(|r| &mut r[..]));
+        Classifier::<P<S>>::colour_row::<i32>(&expanded, Slab::of(&samples), found.each_mut().map(|r| &mut r[..]));
         assert!(expected == found, "{} {lookup:?} {}", A::NAME, S::FRAC_NBITS);
     }
 

@@ -7,12 +7,12 @@ use rayon::prelude::*;
 use slicecast::classify::Lookup;
 use slicecast::composite::{self, Channel, FrontToBack};
 use slicecast::lanes::Lanes;
-use slicecast::locate::{Plane, plane};
+use slicecast::locate::plane;
 use slicecast::plan::Plan;
-use slicecast::plane::{ChannelOf, Composite, Pipeline, Rows, clear, scratch_len};
+use slicecast::plane::{At, ChannelOf, Composite, Pipeline, Rows, ScratchError, ScratchRows, clear, scratch_len};
 use slicecast::precision::Precision;
 use slicecast::shade::{Shader, Unlit};
-use slicecast::slice::{Slice, Window};
+use slicecast::slice::Slice;
 use slicecast::tap::Tap;
 
 use super::codes::Coded;
@@ -49,8 +49,8 @@ const LANES: usize = 8;
 /// The vectors that render a study's frames, where a scene would be rendered with these.
 pub fn narrowed(simd: Simd) -> Simd {
     match simd {
-        Simd::Avx512 => Simd::Avx2,
-        Simd::Avx2 | Simd::Scalar => simd,
+        Simd::Avx512(token) => Simd::Avx2(token.narrower()),
+        Simd::Avx2(_) | Simd::Scalar | Simd::Small => simd,
     }
 }
 
@@ -94,7 +94,7 @@ impl<L: Pipeline> Pipeline for Narrow<'_, L> {
     type Element = L::Element;
     const CHANNELS: usize = L::CHANNELS;
     const SLICES: usize = L::SLICES;
-    const SCRATCH_ROWS: usize = L::SCRATCH_ROWS;
+    const SCRATCH: ScratchRows = L::SCRATCH;
     const BACK_TO_FRONT: bool = L::BACK_TO_FRONT;
 
     fn empty(channel: usize) -> Self::Element {
@@ -102,18 +102,17 @@ impl<L: Pipeline> Pipeline for Narrow<'_, L> {
     }
 
     #[inline(always)]
-    fn fold<V: Lanes, T: Tap>(
+    fn fold<V: Lanes>(
         &self,
-        plan: &Plan,
-        plane: &Plane,
-        window: &Window<'_>,
+        at: &At<'_>,
         rows: Rows<'_, Self::Element>,
         scratch: &mut [i32],
-        tap: &mut T,
-    ) {
+        tap: Option<&mut dyn Tap>,
+    ) -> Result<(), ScratchError> {
         if const { V::COUNT <= LANES } {
-            self.0.fold::<V, T>(plan, plane, window, rows, scratch, tap);
+            self.0.fold::<V>(at, rows, scratch, tap)?;
         }
+        Ok(())
     }
 
     fn pixel(&self, row: &[Self::Element], column: usize) -> composite::Pixel<ChannelOf<L::Precision>> {
@@ -174,7 +173,8 @@ where
         let mut data = vec![L::empty(0); L::CHANNELS * width as usize * tile.rows as usize];
         clear::<L>(plan, &mut data);
         let mut scratch = vec![0; scratch_len::<L>(slice_width)];
-        fold_tile(plan, self, bench.slices, tile, &mut data, &mut scratch, &mut lockstep);
+        fold_tile(plan, self, bench.slices, tile, &mut data, &mut scratch, &mut lockstep)
+            .unwrap_or_else(|error| unreachable!("{error}"));
         let (tile, errors, model) = lockstep.finish();
         Compared {
             tile,

@@ -82,7 +82,7 @@ impl Field {
         let fixed = PrecisionName::ALL.into_iter().rev().map(Engine::Fixed);
         let rays = [PrecisionName::Compact, PrecisionName::Wide].map(Engine::Rays);
         let mut subjects = Vec::new();
-        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+        for simd in Simd::available() {
             for engine in fixed.clone().chain([Engine::Float]).chain(rays) {
                 for all_threads in [false, true] {
                     let subject = Subject {
@@ -152,7 +152,7 @@ impl Machine {
             let value = lines.next().and_then(|line| line.split(':').nth(1));
             value.map_or_else(|| "unknown".to_owned(), |value| value.trim().to_owned())
         };
-        let available = Simd::ALL.into_iter().filter(|simd| simd.available());
+        let available = Simd::available();
         Self {
             processor: format!(
                 "{}, family {} model {}",

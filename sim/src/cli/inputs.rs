@@ -361,14 +361,11 @@ pub struct ThreadArgs {
 
 /// A vector width by its name, if this processor has it.
 fn simd(name: &str) -> Result<Simd, String> {
-    let names = Simd::ALL.map(Simd::name).join(", ");
-    let found = Simd::ALL.into_iter().find(|simd| simd.name() == name);
-    let simd = found.ok_or_else(|| format!("accepted: {names}"))?;
-    if simd.available() {
-        Ok(simd)
-    } else {
-        Err(format!("this processor has no {name}"))
+    if !Simd::NAMES.contains(&name) {
+        return Err(format!("accepted: {}", Simd::NAMES.join(", ")));
     }
+    let found = Simd::every().find(|simd| simd.name() == name);
+    found.ok_or_else(|| format!("this processor has no {name}"))
 }
 
 impl ThreadArgs {

@@ -8,7 +8,6 @@ use slicecast::composite::Unorm16;
 use slicecast::precision::Compact;
 use slicecast::shade::Phong;
 use slicecast::stream::{Needs, Stream};
-use slicecast::tap::NoTap;
 use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
 use slicecast_firmware::memory::Reserved;
 use slicecast_firmware::scenes::{LARGE, LARGE_COMPACT_LIT};
@@ -54,7 +53,7 @@ fn main() -> ! {
         };
         for slice in LARGE.voxels.chunks_exact((width * height) as usize) {
             let before = ticks();
-            let pushed = stream.push(slice, &mut NoTap);
+            let pushed = stream.push(slice);
             total += u64::from(ticks_between(before, ticks()));
             if pushed.is_err() {
                 println!("error slice refused");

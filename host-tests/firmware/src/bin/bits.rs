@@ -85,7 +85,7 @@ fn run<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, ChannelOf<P
     });
     let [width, height, _] = plan.dims();
     for slice in scene.voxels.chunks_exact((width * height) as usize) {
-        if let Err(error) = stream.push(slice, &mut tap) {
+        if let Err(error) = stream.push_tapped(slice, &mut tap) {
             println!("error {error}");
         }
     }

@@ -15,7 +15,6 @@ use slicecast::composite::Unorm16;
 use slicecast::precision::Compact;
 use slicecast::shade::Phong;
 use slicecast::stream::Stream;
-use slicecast::tap::NoTap;
 use slicecast_firmware::machine::finish;
 use slicecast_firmware::memory::Reserved;
 use slicecast_firmware::scenes::{DENSE, DENSE_COMPACT_LIT};
@@ -130,7 +129,7 @@ fn main() -> ! {
             timer::sleep();
             continue;
         };
-        if stream.push(buffer, &mut NoTap).is_err() {
+        if stream.push(buffer).is_err() {
             println!("error slice refused");
         }
         let _ = give.enqueue(buffer);

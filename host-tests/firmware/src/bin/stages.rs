@@ -4,18 +4,17 @@
 
 use semihosting::println;
 use slicecast::composite::Unorm16;
-use slicecast::composite::{Channel, PixelRow};
 use slicecast::locate::Plane;
 use slicecast::plane::ChannelOf;
 use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::shade::{Phong, Unlit};
+use slicecast::stage::Stage;
 use slicecast::stream::{Memory, Stream};
-use slicecast::tap::{Beam, Tap};
+use slicecast::tap::{Beam, Bits, Tap};
 use slicecast_firmware::float::{self, Buffers};
 use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
 use slicecast_firmware::memory::{Reserved, with_image};
 use slicecast_firmware::scenes::COSTED;
-use slicecast_firmware_shared::boundary::STAGES;
 use slicecast_firmware_shared::scene::{Lights, Model, SceneData, pipeline};
 use static_cell::ConstStaticCell;
 
@@ -81,32 +80,32 @@ fn run<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, ChannelOf<P
     let [width, height, _] = plan.dims();
     let mut clock = Clock::new();
     for slice in scene.voxels.chunks_exact((width * height) as usize) {
-        if stream.push(slice, &mut clock).is_err() {
+        if stream.push_tapped(slice, &mut clock).is_err() {
             println!("error slice refused");
         }
     }
-    clock.mark(0);
+    clock.mark(Stage::Location);
     clock.report();
 }
 
-/// Charges the time since the last boundary to the stage that ends at this one; stage 0 is what lies between planes.
+/// Charges the time since the last boundary to the stage that ends at this one; location is what lies between planes.
 struct Clock {
     last: u32,
-    stages: [u64; STAGES.len()],
+    stages: [u64; Stage::ALL.len()],
 }
 
 impl Clock {
     fn new() -> Self {
         Self {
             last: ticks(),
-            stages: [0; STAGES.len()],
+            stages: [0; Stage::ALL.len()],
         }
     }
 
     #[inline(always)]
-    fn mark(&mut self, stage: usize) {
+    fn mark(&mut self, stage: Stage) {
         let now = ticks();
-        if let Some(sum) = self.stages.get_mut(stage) {
+        if let Some(sum) = self.stages.get_mut(stage as usize) {
             *sum += u64::from(ticks_between(self.last, now));
         }
         // Read again: the bookkeeping is nobody's.
@@ -115,38 +114,17 @@ impl Clock {
 
     fn report(&self) {
         let tick = instructions_a_tick();
-        for (name, count) in STAGES.iter().zip(self.stages) {
-            println!("stage {} {name}", count * tick);
+        for (stage, count) in Stage::ALL.iter().zip(self.stages) {
+            println!("stage {} {}", count * tick, stage.name());
         }
     }
 }
 
 impl Tap for Clock {
     fn plane(&mut self, _: &Plane) {
-        self.mark(0);
+        self.mark(Stage::Location);
     }
-    fn samples(&mut self, _: Beam<'_>, _: &[i32]) {
-        self.mark(1);
-    }
-    fn opacities(&mut self, _: Beam<'_>, _: &[i32]) {
-        self.mark(2);
-    }
-    fn colours(&mut self, _: Beam<'_>, _: [&[i32]; 3]) {
-        self.mark(3);
-    }
-    fn gradients(&mut self, _: Beam<'_>, _: [&[i32]; 3]) {
-        self.mark(4);
-    }
-    fn normals(&mut self, _: Beam<'_>, _: [&[i32]; 3], _: &[i32]) {
-        self.mark(5);
-    }
-    fn shaded(&mut self, _: Beam<'_>, _: [&[i32]; 3]) {
-        self.mark(6);
-    }
-    fn before<C: Channel>(&mut self, _: Beam<'_>, _: &PixelRow<'_, C>) {
-        self.mark(7);
-    }
-    fn after<C: Channel>(&mut self, _: Beam<'_>, _: &PixelRow<'_, C>) {
-        self.mark(8);
+    fn row(&mut self, stage: Stage, _: Beam<'_>, _: &[&dyn Bits]) {
+        self.mark(stage);
     }
 }

@@ -1,8 +1,9 @@
 //! The opponent's transfer-function table: the same entries as the fixed-point one, opacities as floats.
 
-use slicecast::classify::{Classifier, ENTRIES, Support};
-use slicecast::lanes::Neighboured;
+use slicecast::classify::{Classifier, Support};
 use slicecast::precision::Compact;
+use slicecast::table::ENTRIES;
+use slicecast::table::Neighboured;
 
 use slicecast_engine::simd::floats::Floats;
 use slicecast_engine::table::Table;

@@ -18,7 +18,7 @@ fn difference(scene: &Scene, volume: &Volume) -> f64 {
     let opponent = Opponent::of(&prepared);
     let mut worst = 0.0f64;
     let mut seen = 0.0f64;
-    for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+    for simd in Simd::available() {
         let mut image = vec![f32::NAN; Opponent::image_len(plan)];
         Opponent::clear(plan, &mut image);
         with_slices(volume, plan.view(), |slices| {

@@ -1,12 +1,13 @@
 //! What the pipeline had on every plane of one ray, by a tap.
 
-use slicecast::composite::{Channel, PixelRow};
+use slicecast::composite::Channel;
 use slicecast::locate::plane;
 use slicecast::plane::{ChannelOf, Pipeline, clear, scratch_len};
 use slicecast::slice::Slice;
-use slicecast::tap::{Beam, Tap};
+use slicecast::stage::Stage;
+use slicecast::tap::{Beam, Bits, Tap};
 
-use crate::lockstep::{Formats, pixel_at};
+use crate::lockstep::Formats;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::pipelines::Job;
 use slicecast_engine::tiles::{Tile, fold_tile};
@@ -48,51 +49,23 @@ impl Tap for Recorder {
         self.plane = plane.index as usize;
     }
 
-    fn samples(&mut self, at: Beam<'_>, samples: &[i32]) {
-        let one = self.formats.sample_one;
-        if let Some((offset, step)) = self.here(at, samples.len()) {
-            step.value = Some(f64::from(samples[offset]) / one);
-        }
-    }
-
-    fn opacities(&mut self, at: Beam<'_>, opacities: &[i32]) {
+    fn row(&mut self, stage: Stage, at: Beam<'_>, rows: &[&dyn Bits]) {
         let formats = self.formats;
-        if let Some((offset, step)) = self.here(at, opacities.len()) {
-            step.opacity = Some(formats.opacity(opacities[offset]));
-        }
-    }
-
-    fn colours(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        let one = self.formats.colour_one;
-        if let Some((offset, step)) = self.here(at, colours[0].len()) {
-            step.colour = Some(colours.map(|c| f64::from(c[offset] as u32) / one));
-        }
-    }
-
-    fn gradients(&mut self, at: Beam<'_>, gradients: [&[i32]; 3]) {
-        let one = self.formats.sample_one;
-        if let Some((offset, step)) = self.here(at, gradients[0].len()) {
-            step.gradient = Some(gradients.map(|g| f64::from(g[offset]) / one));
-        }
-    }
-
-    fn normals(&mut self, at: Beam<'_>, g: [&[i32]; 3], r: &[i32]) {
-        let formats = self.formats;
-        if let Some((offset, step)) = self.here(at, r.len()) {
-            step.normal = Some(formats.normal(g.map(|g| g[offset]), r[offset]));
-        }
-    }
-
-    fn shaded(&mut self, at: Beam<'_>, colours: [&[i32]; 3]) {
-        let one = self.formats.colour_one;
-        if let Some((offset, step)) = self.here(at, colours[0].len()) {
-            step.shaded = Some(colours.map(|c| f64::from(c[offset] as u32) / one));
-        }
-    }
-
-    fn after<C: Channel>(&mut self, at: Beam<'_>, pixels: &PixelRow<'_, C>) {
-        if let Some((offset, step)) = self.here(at, pixels.transparency.len()) {
-            step.after = Some(pixel_at(pixels, offset));
+        let len = rows.first().map_or(0, |row| row.len());
+        let Some((offset, step)) = self.here(at, len) else {
+            return;
+        };
+        let bits = |row: usize| rows[row].bits(offset) as i32;
+        let three = || [0, 1, 2].map(bits);
+        match stage {
+            Stage::Location | Stage::Before => {}
+            Stage::Interpolation => step.value = Some(f64::from(bits(0)) / formats.sample_one),
+            Stage::Opacity => step.opacity = Some(formats.opacity(bits(0))),
+            Stage::Colour => step.colour = Some(formats.colour(three())),
+            Stage::Gradient => step.gradient = Some(three().map(|g| f64::from(g) / formats.sample_one)),
+            Stage::Normal => step.normal = Some(formats.normal(three(), bits(3))),
+            Stage::Shading => step.shaded = Some(formats.colour(three())),
+            Stage::After => step.after = formats.pixels(rows).get(offset).copied(),
         }
     }
 }
@@ -155,7 +128,8 @@ impl Job for Record<'_> {
             &mut data,
             &mut scratch,
             &mut recorder,
-        );
+        )
+        .unwrap_or_else(|error| unreachable!("{error}"));
         let pixel = pipeline.pixel(&data, column);
         let value = |c: ChannelOf<L::Precision>| {
             f64::from(c.bits()) / f64::from(<ChannelOf<L::Precision> as Channel>::ONE.bits())

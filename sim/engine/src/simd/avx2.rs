@@ -6,12 +6,13 @@ use std::arch::x86_64::*;
 use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
-use slicecast::lanes::{Coding, Lanes, Neighboured, Wide};
+use slicecast::lanes::{Lanes, Wide};
+use slicecast::table::{Coding, Neighboured};
 
 use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
-/// Eight 32-bit lanes. Of use only where the processor has AVX2, FMA and BMI1; see [`super::with_lanes`].
+/// Eight 32-bit lanes. The type can be named only by [`super::with_lanes`], which holds the token of AVX2.
 #[derive(Clone, Copy)]
 pub struct Avx2(__m256i);
 
@@ -206,6 +207,11 @@ fn too_large(r: __m256d, s: __m256d) -> __m256i {
 impl Lanes for Avx2 {
     type Wide = Products;
     const COUNT: usize = 8;
+
+    #[inline(always)]
+    fn enter<R>(kernel: impl FnOnce() -> R) -> R {
+        super::entry::avx2(kernel)
+    }
 
     #[inline(always)]
     fn splat(bits: i32) -> Self {

@@ -6,13 +6,13 @@ use std::arch::x86_64::*;
 use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
-use slicecast::lanes::{Coding, Lanes, Neighboured, Wide};
+use slicecast::lanes::{Lanes, Wide};
+use slicecast::table::{Coding, Neighboured};
 
 use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::ROOT_SCALE;
 
-/// Sixteen 32-bit lanes. A value exists only where the processor has AVX-512 (F, BW, CD, DQ, VL): nothing but the
-/// entry point [`super::with_lanes`], which asks for it, can make the first one useful.
+/// Sixteen 32-bit lanes. The type can be named only by [`super::with_lanes`], which holds the token of AVX-512.
 #[derive(Clone, Copy)]
 pub struct Avx512(__m512i);
 
@@ -153,6 +153,11 @@ fn too_large(r: __m512i, s: __m512i) -> __mmask8 {
 impl Lanes for Avx512 {
     type Wide = Products;
     const COUNT: usize = 16;
+
+    #[inline(always)]
+    fn enter<R>(kernel: impl FnOnce() -> R) -> R {
+        super::entry::avx512(kernel)
+    }
 
     #[inline(always)]
     fn splat(bits: i32) -> Self {

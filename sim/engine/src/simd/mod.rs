@@ -1,72 +1,70 @@
-//! The processor's vectors as core's lanes: chosen once a frame, the same bits with any of them.
+//! The processor's vectors as core's lanes: chosen once per frame, the same bits with any of them.
+//!
+//! A choice of vectors holds a token that only detection makes, and the lanes themselves cannot be named outside this
+//! module: safe code therefore runs no instruction that the processor lacks. All `unsafe` code of the program is here.
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod avx2;
+mod avx2;
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod avx512;
+mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod entry;
 pub mod floats;
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod partial;
+mod partial;
 #[cfg(target_arch = "x86_64")]
 mod root;
 #[cfg(test)]
 mod tests;
+mod token;
 
-use slicecast::lanes::Lanes;
+use slicecast::lanes::{Lanes, Small};
+
+pub use self::token::{Avx2Token, Avx512Token};
 
 /// Which vectors do the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Simd {
     /// One lane: the scalar definition.
     Scalar,
+    /// One lane as machines without vectors run it, and the whole pipeline compiled as one: to be tested here.
+    Small,
     /// Eight lanes of AVX2 (and FMA, BMI1, BMI2).
-    Avx2,
+    Avx2(Avx2Token),
     /// Sixteen lanes of AVX-512 (F, BW, CD, DQ, VL), on processors that have the former too.
-    Avx512,
+    Avx512(Avx512Token),
 }
 
 impl Simd {
-    /// All of them, narrowest first.
-    pub const ALL: [Self; 3] = [Self::Scalar, Self::Avx2, Self::Avx512];
+    /// The names on the command line and in reports, narrowest first.
+    pub const NAMES: [&'static str; 4] = ["small", "scalar", "avx2", "avx512"];
 
-    /// The name on the command line and in reports.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Scalar => "scalar",
-            Self::Avx2 => "avx2",
-            Self::Avx512 => "avx512",
-        }
+    /// All that this processor can run.
+    pub fn every() -> impl Iterator<Item = Self> {
+        [Self::Small].into_iter().chain(Self::available())
     }
 
-    /// Whether this processor has it.
-    pub fn available(self) -> bool {
-        match self {
-            Self::Scalar => true,
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => {
-                is_x86_feature_detected!("avx2")
-                    && is_x86_feature_detected!("fma")
-                    && is_x86_feature_detected!("bmi1")
-                    && is_x86_feature_detected!("bmi2")
-            }
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => {
-                is_x86_feature_detected!("avx512f")
-                    && is_x86_feature_detected!("avx512bw")
-                    && is_x86_feature_detected!("avx512cd")
-                    && is_x86_feature_detected!("avx512dq")
-                    && is_x86_feature_detected!("avx512vl")
-                    && Self::Avx2.available()
-            }
-            #[cfg(not(target_arch = "x86_64"))]
-            _ => false,
-        }
+    /// Those that are of use to a host with this processor, narrowest first.
+    pub fn available() -> impl DoubleEndedIterator<Item = Self> {
+        let avx2 = Avx2Token::detect().map(Self::Avx2);
+        let avx512 = Avx512Token::detect().map(Self::Avx512);
+        [Some(Self::Scalar), avx2, avx512].into_iter().flatten()
     }
 
     /// The widest that this processor has.
     pub fn widest() -> Self {
-        let mut all = Self::ALL.into_iter().rev();
-        all.find(|simd| simd.available()).unwrap_or(Self::Scalar)
+        Self::available().next_back().unwrap_or(Self::Scalar)
+    }
+
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        let [small, scalar, avx2, avx512] = Self::NAMES;
+        match self {
+            Self::Small => small,
+            Self::Scalar => scalar,
+            Self::Avx2(_) => avx2,
+            Self::Avx512(_) => avx512,
+        }
     }
 }
 
@@ -74,39 +72,23 @@ impl Simd {
 pub trait OverLanes {
     /// What comes of it.
     type Output;
-    /// Does it. An implementation is `#[inline(always)]`, and so is all that it calls: vectors stay in registers only
-    /// inside the function that is compiled for them.
+    /// Does it with these lanes. Kernels enter code for the processor's instructions by [`Lanes::enter`].
     fn run<V: Lanes>(self) -> Self::Output;
 }
 
-/// Does some work with these vectors; with the scalar definition where the processor has not got them.
+/// Does some work with these vectors.
 pub fn with_lanes<W: OverLanes>(simd: Simd, work: W) -> W::Output {
     match simd {
+        Simd::Scalar => work.run::<i32>(),
+        Simd::Small => work.run::<Small>(),
         #[cfg(target_arch = "x86_64")]
-        Simd::Avx512 if simd.available() => {
-            #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi1,bmi2,fma")]
-            fn entry<W: OverLanes>(work: W) -> W::Output {
-                work.run::<avx512::Avx512>()
-            }
-            #[expect(unsafe_code, reason = "the one entry to code for AVX-512")]
-            // SAFETY: the processor has it.
-            unsafe {
-                entry(work)
-            }
-        }
+        Simd::Avx2(_) => work.run::<avx2::Avx2>(),
         #[cfg(target_arch = "x86_64")]
-        Simd::Avx2 if simd.available() => {
-            #[target_feature(enable = "avx2,bmi1,bmi2,fma")]
-            fn entry<W: OverLanes>(work: W) -> W::Output {
-                work.run::<avx2::Avx2>()
-            }
-            #[expect(unsafe_code, reason = "the one entry to code for AVX2")]
-            // SAFETY: the processor has it.
-            unsafe {
-                entry(work)
-            }
-        }
-        _ => work.run::<i32>(),
+        Simd::Avx512(_) => work.run::<avx512::Avx512>(),
+        #[cfg(not(target_arch = "x86_64"))]
+        Simd::Avx2(never) => never.absurd(),
+        #[cfg(not(target_arch = "x86_64"))]
+        Simd::Avx512(never) => never.absurd(),
     }
 }
 

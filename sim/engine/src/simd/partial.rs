@@ -10,9 +10,9 @@ use std::arch::x86_64::{
     __m128i, _bextr2_u32, _bextr2_u64, _mm_castpd_si128, _mm_castsi128_pd, _mm_loadh_pd, _mm_loadl_epi64,
 };
 
-use slicecast::classify::ENTRIES;
 use slicecast::composite::Unorm16;
-use slicecast::lanes::{Coding, Neighboured};
+use slicecast::table::ENTRIES;
+use slicecast::table::{Coding, Neighboured};
 
 /// The values at the codes of two neighbouring samples, each with the next one behind it. Loads, not a gather, which takes
 /// longer; the samples are loaded together.

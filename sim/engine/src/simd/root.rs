@@ -1,4 +1,4 @@
-//! What the vectors' reciprocal roots share (`slicecast::normalise::reciprocal_root`).
+//! What the vectors' reciprocal roots share (`slicecast::root::reciprocal_root`).
 //!
 //! `floor(2^35 / sqrt(s))` is estimated in f32. 2^35 / sqrt(s) is at most 2^21, of which f32 has eighths: roundings of s,
 //! of 1 - s y^2, of the scale and of the result cost 1/16 each, so the estimate to nearest is the floor or one more, and

@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use slicecast::composite::Unorm16;
-use slicecast::lanes::{Coding, Lanes, Neighboured, Wide};
+use slicecast::lanes::{Lanes, Wide};
+use slicecast::table::{Coding, Neighboured};
 
 use super::{OverLanes, Simd, with_lanes};
 
@@ -27,8 +28,14 @@ struct Rows {
 impl OverLanes for &Rows {
     type Output = Vec<Vec<i32>>;
 
-    #[inline(always)]
     fn run<V: Lanes>(self) -> Vec<Vec<i32>> {
+        V::enter(|| self.results::<V>())
+    }
+}
+
+impl Rows {
+    #[inline(always)]
+    fn results<V: Lanes>(&self) -> Vec<Vec<i32>> {
         const OPERATIONS: usize = 48;
         let n = self.any.len();
         let mut out = vec![vec![0; n]; OPERATIONS];
@@ -213,7 +220,7 @@ proptest! {
     #[test]
     fn every_width_does_what_one_lane_does(rows in rows()) {
         let expected = with_lanes(Simd::Scalar, &rows);
-        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+        for simd in Simd::every() {
             let found = with_lanes(simd, &rows);
             for (operation, (expected, found)) in expected.iter().zip(&found).enumerate() {
                 prop_assert_eq!(expected, found, "operation {} of {}", operation, simd.name());
@@ -228,12 +235,13 @@ fn reciprocal_roots_are_the_definition() {
     struct Roots(Vec<i32>);
     impl OverLanes for &Roots {
         type Output = Vec<i32>;
-        #[inline(always)]
         fn run<V: Lanes>(self) -> Vec<i32> {
             let mut out = vec![0; self.0.len()];
-            for at in (0..out.len()).step_by(V::COUNT) {
-                V::load(&self.0, at).reciprocal_root().store(&mut out, at);
-            }
+            V::enter(|| {
+                for at in (0..out.len()).step_by(V::COUNT) {
+                    V::load(&self.0, at).reciprocal_root().store(&mut out, at);
+                }
+            });
             out
         }
     }
@@ -243,7 +251,7 @@ fn reciprocal_roots_are_the_definition() {
         .chain(last - 2000..=last);
     let roots = Roots(squares.map(|s| s as i32).collect());
     let expected = with_lanes(Simd::Scalar, &roots);
-    for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+    for simd in Simd::every() {
         assert!(with_lanes(simd, &roots) == expected, "{}", simd.name());
     }
 }
@@ -257,8 +265,14 @@ struct Packing<'a> {
 impl OverLanes for Packing<'_> {
     type Output = [Vec<i32>; 2];
 
-    #[inline(always)]
     fn run<V: Lanes>(self) -> [Vec<i32>; 2] {
+        V::enter(|| self.packed_and_spread::<V>())
+    }
+}
+
+impl Packing<'_> {
+    #[inline(always)]
+    fn packed_and_spread<V: Lanes>(self) -> [Vec<i32>; 2] {
         let n = self.row.len();
         let (mut packed, mut spread) = (vec![0; n + V::COUNT], vec![0; n]);
         let (mut end, mut from) = (0, 0);
@@ -288,7 +302,7 @@ proptest! {
         let (row, chosen): (Vec<i32>, Vec<i32>) = rows.iter().copied().unzip();
         let kept: Vec<i32> = rows.iter().filter(|(_, chosen)| *chosen != 0).map(|(c, _)| *c).collect();
         let back: Vec<i32> = rows.iter().map(|(c, chosen)| if *chosen != 0 { *c } else { 0 }).collect();
-        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+        for simd in Simd::every() {
             let [packed, spread] = with_lanes(simd, Packing { row: &row, chosen: &chosen });
             prop_assert_eq!(&packed, &kept, "packed by {}", simd.name());
             prop_assert_eq!(&spread, &back, "spread by {}", simd.name());
@@ -308,7 +322,7 @@ fn every_choice_of_lanes_is_packed() {
             .filter(|(_, c)| **c != 0)
             .map(|(v, _)| *v)
             .collect();
-        for simd in Simd::ALL.into_iter().filter(|simd| simd.available()) {
+        for simd in Simd::every() {
             let [packed, spread] = with_lanes(
                 simd,
                 Packing {

@@ -5,7 +5,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
-use slicecast::lanes::Neighboured;
+use slicecast::table::Neighboured;
 
 use super::{AS_IT_IS, Floats};
 use crate::simd::avx512::look_up;

@@ -7,7 +7,8 @@ mod avx512;
 
 use std::ops::{Add, Mul, Sub};
 
-use slicecast::lanes::{Coding, Lanes, Neighboured};
+use slicecast::lanes::Lanes;
+use slicecast::table::{Coding, Neighboured};
 
 use crate::simd::Simd;
 
@@ -144,33 +145,17 @@ pub trait OverFloats {
     fn run<F: Floats>(self) -> Self::Output;
 }
 
-/// Does some work with vectors of this width; with `f32` where the processor has not got them.
+/// Does some work with vectors of this width.
 pub fn with_floats<W: OverFloats>(simd: Simd, work: W) -> W::Output {
     match simd {
+        Simd::Scalar | Simd::Small => work.run::<f32>(),
         #[cfg(target_arch = "x86_64")]
-        Simd::Avx512 if simd.available() => {
-            #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi1,bmi2,fma")]
-            fn entry<W: OverFloats>(work: W) -> W::Output {
-                work.run::<avx512::Avx512>()
-            }
-            #[expect(unsafe_code, reason = "the one entry to code for AVX-512")]
-            // SAFETY: the processor has it.
-            unsafe {
-                entry(work)
-            }
-        }
+        Simd::Avx2(_) => super::entry::avx2(|| work.run::<avx2::Avx2>()),
         #[cfg(target_arch = "x86_64")]
-        Simd::Avx2 if simd.available() => {
-            #[target_feature(enable = "avx2,bmi1,bmi2,fma")]
-            fn entry<W: OverFloats>(work: W) -> W::Output {
-                work.run::<avx2::Avx2>()
-            }
-            #[expect(unsafe_code, reason = "the one entry to code for AVX2")]
-            // SAFETY: the processor has it.
-            unsafe {
-                entry(work)
-            }
-        }
-        _ => work.run::<f32>(),
+        Simd::Avx512(_) => super::entry::avx512(|| work.run::<avx512::Avx512>()),
+        #[cfg(not(target_arch = "x86_64"))]
+        Simd::Avx2(never) => never.absurd(),
+        #[cfg(not(target_arch = "x86_64"))]
+        Simd::Avx512(never) => never.absurd(),
     }
 }

@@ -1,16 +1,18 @@
-//! Where a sample plane meets the image, and which rows of it can show something.
+//! The extent of a sample plane: which pixels have a sample in it, and which rows of them can be visible.
+//!
+//! Every pixel inside counts with a whole step. Crop boxes and border fractions change this file: the ranges, and a fraction
+//! for the columns and rows at their ends.
 
 use core::ops::Range;
 
-use super::Rows;
 use crate::classify::Support;
 use crate::format::Weight;
 use crate::locate::{Cell, Plane, cell, inside};
 use crate::plan::Plan;
 use crate::slice::{RowRange, Slice, Window};
 
-/// Where a plane meets the image: its cells, and the pixels whose samples lie inside the volume.
-pub(super) struct Meeting {
+/// The cells of a plane, and the pixels whose samples lie inside the volume.
+pub(super) struct Extent {
     pub(super) x: Cell,
     pub(super) y: Cell,
     pub(super) z: Cell,
@@ -21,7 +23,7 @@ pub(super) struct Meeting {
     pub(super) height: i32,
 }
 
-impl Meeting {
+impl Extent {
     pub(super) fn of(plan: &Plan, plane: &Plane) -> Self {
         let [width, height, _] = plan.dims();
         let [base_width, base_height] = plan.base();
@@ -48,26 +50,24 @@ impl Meeting {
         [self.x.weight, self.y.weight]
     }
 
-    /// The voxel rows around a row of samples: its own and the next, which is itself behind the last.
+    /// The voxel row before the samples of a row of the image.
+    pub(super) fn voxel_row(&self, row: u32) -> i32 {
+        (row as i32).wrapping_add(self.y.index)
+    }
+
+    /// The voxel rows around the samples behind a voxel row: that row and the next, which is the last one itself behind it.
     pub(super) fn voxel_rows(&self, row: i32) -> (usize, usize) {
         let last = self.height - 1;
         // Not `clamp`, which may panic.
         (row.min(last).max(0) as usize, (row + 1).min(last).max(0) as usize)
     }
-}
 
-/// The rows of the image that the plane meets: number of the row, its elements, and the voxel row before its samples.
-///
-/// No closure does the work: a vector of the processor stays one only in functions that are always inlined.
-#[inline(always)]
-pub(super) fn met_rows<'m, E>(
-    meeting: &'m Meeting,
-    rows: Rows<'m, E>,
-    row_len: usize,
-) -> impl Iterator<Item = (u32, &'m mut [E], i32)> {
-    let numbered = (rows.first..).zip(rows.data.chunks_exact_mut(row_len.max(1)));
-    let met = numbered.filter(|(row, _)| meeting.rows.contains(row));
-    met.map(|(row, data)| (row, data, row as i32 + meeting.y.index))
+    /// Rows of the image that the plane meets, among `count` from `first` on.
+    pub(super) fn met(&self, first: u32, count: usize) -> Range<u32> {
+        let end = first.saturating_add(u32::try_from(count).unwrap_or(u32::MAX));
+        let start = self.rows.start.max(first);
+        start..self.rows.end.min(end).max(start)
+    }
 }
 
 /// Whether samples between these voxel rows can be visible.

@@ -1,0 +1,235 @@
+//! The canvas: rows of pixels that samples are folded into, with the kernels that read and write pixels.
+
+use core::marker::PhantomData;
+use core::ops::Range;
+
+use super::blocks::Places;
+use super::extent::Extent;
+use crate::composite::{Channel, Colours, Dither, Order, PixelRow, Recurrence, fold_at, fold_row, fold_visible_row};
+use crate::lanes::Lanes;
+use crate::rows::part;
+use crate::tap::Bits;
+
+/// Pixels of some rows of the image under one plane. Columns and spans are counted from the plane's first column.
+pub(super) trait Canvas<W> {
+    /// Whether all rays of a row have terminated.
+    fn finished(&self, row: u32) -> bool;
+    /// The next span of visible samples at or after `from`, in whole vectors: an invisible sample among them changes
+    /// nothing.
+    fn visible(&self, row: u32, opacities: &[W], from: usize) -> Option<Range<usize>>;
+    /// Folds a sample into each pixel of a span.
+    fn fold(&mut self, row: u32, span: Range<usize>, colours: &Colours<'_, W>, opacities: &[W]);
+    /// Shows red, green, blue and transparency of a span.
+    fn look(&self, row: u32, span: Range<usize>, see: &mut dyn FnMut(&[&dyn Bits]));
+
+    /// Drops the fresh places under which all rays have terminated; the number of those left.
+    fn unfinished(&self, places: &mut Places<'_>, fresh: Range<usize>) -> usize;
+    /// Moves vectors with a visible sample to the front, and visible samples side by side; how many there are of both.
+    /// Invisible samples get an opacity of 0.
+    fn pack(&self, places: &mut Places<'_>, count: usize, samples: &mut [W], opacities: &mut [W]) -> (usize, usize);
+    /// Folds packed samples.
+    fn fold_packed(&mut self, places: &Places<'_>, count: usize, colours: &Colours<'_, W>, opacities: &[W]);
+}
+
+/// Rows of an image whose channels lie in runs.
+pub(super) struct Image<'a, R: Recurrence, O, V> {
+    data: &'a mut [R::Channel],
+    /// Number of the first row.
+    first: u32,
+    /// Pixels of a row.
+    width: usize,
+    columns: Range<usize>,
+    dither: Dither,
+    floor: R::Channel,
+    kinds: PhantomData<(O, V)>,
+}
+
+impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
+    #[inline(always)]
+    pub(super) fn new(
+        (first, data): (u32, &'a mut [R::Channel]),
+        width: usize,
+        extent: &Extent,
+        dither: Dither,
+        floor: R::Channel,
+    ) -> Self {
+        Self {
+            data,
+            first,
+            width,
+            columns: extent.columns.clone(),
+            dither,
+            floor,
+            kinds: PhantomData,
+        }
+    }
+
+    /// Where the elements of a row begin.
+    #[inline(always)]
+    fn start(&self, row: u32) -> usize {
+        4 * self.width * row.saturating_sub(self.first) as usize
+    }
+
+    /// The columns of one of a row's four runs.
+    #[inline(always)]
+    fn run(&self, row: u32, channel: usize) -> &[R::Channel] {
+        let start = self.start(row) + channel * self.width;
+        let columns = start + self.columns.start..start + self.columns.end;
+        self.data.get(columns).unwrap_or(&[])
+    }
+
+    /// Some columns of the image's pixels in the row that begins at an element.
+    #[inline(always)]
+    fn pixels(&mut self, start: usize, columns: Range<usize>) -> PixelRow<'_, R::Channel> {
+        let row = self.data.get_mut(start..start + 4 * self.width).unwrap_or(&mut []);
+        PixelRow::of_runs(row, self.width, columns)
+    }
+
+    /// The transparencies under the vector at a place; a ray that has terminated is 0.
+    #[inline(always)]
+    fn left(&self, places: &Places<'_>, (row, column): (usize, usize)) -> V {
+        let pixels = places.pixels(column);
+        let start = (4 * row + 3) * self.width;
+        let run = self.data.get(start..start + pixels.end).unwrap_or(&[]);
+        V::load_as(run, pixels.start, Channel::bits)
+    }
+}
+
+impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
+    #[inline(always)]
+    fn finished(&self, row: u32) -> bool {
+        !O::BACK_TO_FRONT && V::enter(|| all_finished::<_, V>(self.run(row, 3)))
+    }
+
+    #[inline(always)]
+    fn visible(&self, row: u32, opacities: &[i32], from: usize) -> Option<Range<usize>> {
+        V::enter(|| visible_span::<O, _, V>(opacities, self.run(row, 3), from))
+    }
+
+    #[inline(always)]
+    fn fold(&mut self, row: u32, span: Range<usize>, colours: &Colours<'_, i32>, opacities: &[i32]) {
+        let (dither, floor) = (self.dither, self.floor);
+        let columns = self.columns.start + span.start..self.columns.start + span.end;
+        V::enter(|| {
+            let mut pixels = self.pixels(self.start(row), columns);
+            match colours.one {
+                Some(colour) => fold_visible_row::<R, O, V>(&mut pixels, colour, opacities, dither, floor),
+                None => fold_row::<R, O, V>(&mut pixels, colours.rows(), opacities, dither, floor),
+            }
+        });
+    }
+
+    fn look(&self, row: u32, span: Range<usize>, see: &mut dyn FnMut(&[&dyn Bits])) {
+        let [r, g, b, t] = [0, 1, 2, 3].map(|channel| self.run(row, channel).get(span.clone()).unwrap_or(&[]));
+        see(&[&r, &g, &b, &t]);
+    }
+
+    #[inline(always)]
+    fn unfinished(&self, places: &mut Places<'_>, fresh: Range<usize>) -> usize {
+        if O::BACK_TO_FRONT {
+            return fresh.end;
+        }
+        V::enter(|| {
+            let mut kept = fresh.start;
+            for number in fresh {
+                let place = places.get(number);
+                // Branch-free, because the outcome is unpredictable.
+                places.set(kept, place);
+                kept += usize::from(!self.left(places, place).all_zero());
+            }
+            kept
+        })
+    }
+
+    #[inline(always)]
+    fn pack(
+        &self,
+        places: &mut Places<'_>,
+        count: usize,
+        samples: &mut [i32],
+        opacities: &mut [i32],
+    ) -> (usize, usize) {
+        V::enter(|| {
+            let (mut kept, mut packed) = (0, 0);
+            for number in 0..count {
+                let place = places.get(number);
+                let at = number * V::COUNT;
+                let opacity = if O::BACK_TO_FRONT {
+                    // Lanes beyond the block see nothing.
+                    V::load(part(opacities, at..at + places.pixels(place.1).len()), 0)
+                } else {
+                    self.left(places, place).nonzero_then(V::load(opacities, at))
+                };
+                V::load(samples, at).packed(opacity).store(samples, packed);
+                packed += opacity.count();
+                opacity.store(opacities, kept * V::COUNT);
+                places.set(kept, place);
+                kept += usize::from(!opacity.all_zero());
+            }
+            (kept, packed)
+        })
+    }
+
+    #[inline(always)]
+    fn fold_packed(&mut self, places: &Places<'_>, count: usize, colours: &Colours<'_, i32>, opacities: &[i32]) {
+        let (dither, floor, width) = (self.dither, self.floor, self.width);
+        V::enter(|| {
+            let floor = V::splat(floor.bits() as i32);
+            let [red, green, blue] = colours.rows();
+            let mut at = 0;
+            for number in 0..count {
+                let (row, column) = places.get(number);
+                let opacity = V::load(opacities, number * V::COUNT);
+                let colour = [
+                    V::load(red, at).spread(opacity),
+                    V::load(green, at).spread(opacity),
+                    V::load(blue, at).spread(opacity),
+                ];
+                at += opacity.count();
+                let mut pixels = self.pixels(4 * row * width, places.pixels(column));
+                fold_at::<R, O, V>(&mut pixels, 0, (colour, opacity), dither, floor);
+            }
+        });
+    }
+}
+
+/// Whether any of the `V::COUNT` samples at `at` is visible.
+#[inline(always)]
+fn any_visible<O: Order, C: Channel, V: Lanes>(opacities: &[i32], transparencies: &[C], at: usize) -> bool {
+    let opacity = V::load(opacities, at);
+    let visible = if O::BACK_TO_FRONT {
+        opacity
+    } else {
+        V::load_as(transparencies, at, C::bits).nonzero_then(opacity)
+    };
+    !visible.all_zero()
+}
+
+#[inline(always)]
+fn visible_span<O: Order, C: Channel, V: Lanes>(
+    opacities: &[i32],
+    transparencies: &[C],
+    from: usize,
+) -> Option<Range<usize>> {
+    let transparencies = transparencies.get(..opacities.len())?;
+    let mut start = from;
+    while start < opacities.len() && !any_visible::<O, C, V>(opacities, transparencies, start) {
+        start += V::COUNT;
+    }
+    let mut end = start;
+    while end < opacities.len() && any_visible::<O, C, V>(opacities, transparencies, end) {
+        end += V::COUNT;
+    }
+    (start < end).then_some(start..end.min(opacities.len()))
+}
+
+/// Whether all rays of a row have terminated.
+#[inline(always)]
+pub(super) fn all_finished<C: Channel, V: Lanes>(transparencies: &[C]) -> bool {
+    for at in (0..transparencies.len()).step_by(V::COUNT) {
+        if !V::load_as(transparencies, at, C::bits).all_zero() {
+            return false;
+        }
+    }
+    true
+}

@@ -1,0 +1,212 @@
+//! The driver: takes batches of samples of a plane through the stages.
+//!
+//! The way through the plane ([`Batches`]) is whole rows or the blocks that can be seen; the stages are the same for both.
+//! A small machine compiles this function with its pipeline, as one. Elsewhere the slots are trait objects: the driver is
+//! compiled once, and each kernel once for what it reads.
+
+use core::ops::Range;
+
+use super::canvas::Canvas;
+use super::extent::{Extent, meets};
+use super::kernels::{ClassifierRows, ShaderRows};
+use super::scratch::BatchRows;
+use super::source::Source;
+use crate::classify::{Slab, Support};
+use crate::composite::Colours;
+use crate::locate::Plane;
+use crate::rows::{part, part_mut};
+use crate::slice::Window;
+use crate::stage::Stage;
+use crate::tap::{Beam, Bits, Tap};
+
+/// A way through the samples of a plane, batch by batch.
+pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
+    /// Whether a batch is a row, of which not all samples need be visible.
+    const WHOLE_ROWS: bool;
+    /// Makes the samples of the next batch; how many they are.
+    fn next(&mut self, canvas: &mut X) -> Option<usize>;
+    /// The samples of the batch.
+    fn samples(&self) -> &[W];
+    /// The next visible samples of the batch, side by side.
+    fn visible(&mut self, canvas: &mut X, opacities: &mut [W]) -> Option<Range<usize>>;
+    /// Their gradients, spaced.
+    fn gradients(&mut self, visible: Range<usize>, opacities: &[W], out: [&mut [W]; 3]);
+    /// Folds them into their pixels.
+    fn fold(&mut self, canvas: &mut X, visible: Range<usize>, colours: &Colours<'_, W>, opacities: &[W]);
+    /// Where a sample of the batch lies, for observers.
+    fn beam(&self, offset: usize) -> Option<Beam<'_>>;
+}
+
+/// Folds all batches of a plane.
+#[inline(always)]
+pub(super) fn fold<B, C, S, X>(
+    batches: &mut B,
+    (classifier, shader): (&C, &S),
+    canvas: &mut X,
+    rows: BatchRows<'_, i32>,
+    mut tap: Option<&mut dyn Tap>,
+) where
+    B: Batches<i32, X>,
+    C: ClassifierRows<i32> + ?Sized,
+    S: ShaderRows<i32> + ?Sized,
+    X: Canvas<i32> + ?Sized,
+{
+    let BatchRows {
+        opacities,
+        colours: [red, green, blue],
+        g: [gx, gy, gz],
+        r,
+    } = rows;
+    // One colour needs no rows, unless they are looked at.
+    let one = classifier.one_colour().filter(|_| tap.is_none());
+    while let Some(len) = batches.next(canvas) {
+        let opacities = part_mut(opacities, 0..len);
+        classifier.opacity_row(Slab::of(part(batches.samples(), 0..len)), opacities);
+        if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0)) {
+            tap.row(Stage::Interpolation, at, &[&batches.samples()]);
+            tap.row(Stage::Opacity, at, &[&&*opacities]);
+        }
+        // Unlit, it needs no spans either.
+        if B::WHOLE_ROWS && one.is_some() && !shader.lit() {
+            let colours = Colours {
+                one,
+                rows: [&mut [], &mut [], &mut []],
+            };
+            batches.fold(canvas, 0..len, &colours, opacities);
+            continue;
+        }
+        while let Some(visible) = batches.visible(canvas, opacities) {
+            let n = visible.len();
+            let mut colours = Colours {
+                one: one.filter(|_| shader.lit()),
+                rows: [&mut *red, &mut *green, &mut *blue].map(|row| part_mut(row, 0..n)),
+            };
+            if colours.one.is_none() {
+                let [r, g, b] = &mut colours.rows;
+                classifier.colour_row(Slab::of(part(batches.samples(), visible.clone())), [r, g, b]);
+            }
+            if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {
+                see(*tap, Stage::Colour, at, &colours.rows);
+            }
+            if shader.lit() {
+                let [gx, gy, gz] = [&mut *gx, &mut *gy, &mut *gz].map(|row| part_mut(row, 0..n));
+                let r = part_mut(r, 0..n);
+                batches.gradients(visible.clone(), opacities, [&mut *gx, &mut *gy, &mut *gz]);
+                if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {
+                    see(*tap, Stage::Gradient, at, &[&mut *gx, &mut *gy, &mut *gz]);
+                    shader.normalise([&mut *gx, &mut *gy, &mut *gz], &mut *r);
+                    tap.row(Stage::Normal, at, &[&&*gx, &&*gy, &&*gz, &&*r]);
+                    shader.shade([&*gx, &*gy, &*gz], &*r, &mut colours);
+                    see(*tap, Stage::Shading, at, &colours.rows);
+                } else {
+                    shader.normalise_and_shade([gx, gy, gz], r, &mut colours);
+                }
+            }
+            if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {
+                canvas.look(at.row, visible.clone(), &mut |rows| tap.row(Stage::Before, at, rows));
+            }
+            batches.fold(canvas, visible.clone(), &colours, opacities);
+            if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {
+                canvas.look(at.row, visible, &mut |rows| tap.row(Stage::After, at, rows));
+            }
+        }
+    }
+}
+
+/// Shows three rows to a tap.
+fn see(tap: &mut dyn Tap, stage: Stage, at: Beam<'_>, [a, b, c]: &[&mut [i32]; 3]) {
+    let rows: [&dyn Bits; 3] = [&&**a, &&**b, &&**c];
+    tap.row(stage, at, &rows);
+}
+
+/// Whole rows, one after the other: a row is left out when all its rays have terminated or all voxels around it are
+/// transparent.
+pub(super) struct WholeRows<'s, 'w, S: ?Sized> {
+    plane: &'s Plane,
+    extent: &'s Extent,
+    window: &'s Window<'w>,
+    support: Support,
+    source: &'s mut S,
+    rows: Range<u32>,
+    row: u32,
+    from: usize,
+}
+
+impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
+    /// Some rows of the image.
+    pub(super) fn new(
+        plane: &'s Plane,
+        extent: &'s Extent,
+        window: &'s Window<'w>,
+        support: Support,
+        source: &'s mut S,
+        rows: Range<u32>,
+    ) -> Self {
+        Self {
+            plane,
+            extent,
+            window,
+            support,
+            source,
+            rows,
+            row: 0,
+            from: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn voxel_row(&self) -> i32 {
+        self.extent.voxel_row(self.row)
+    }
+}
+
+impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for WholeRows<'_, '_, S> {
+    const WHOLE_ROWS: bool = true;
+
+    #[inline(always)]
+    fn next(&mut self, canvas: &mut X) -> Option<usize> {
+        loop {
+            self.row = self.rows.next()?;
+            if canvas.finished(self.row) {
+                continue;
+            }
+            let voxel_row = self.voxel_row();
+            if meets(self.support, self.window, self.extent.voxel_rows(voxel_row)) {
+                self.source.make(voxel_row);
+                self.from = 0;
+                return Some(self.extent.columns.len());
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn samples(&self) -> &[i32] {
+        self.source.samples(self.voxel_row())
+    }
+
+    #[inline(always)]
+    fn visible(&mut self, canvas: &mut X, opacities: &mut [i32]) -> Option<Range<usize>> {
+        let span = canvas.visible(self.row, opacities, self.from)?;
+        self.from = span.end;
+        Some(span)
+    }
+
+    #[inline(always)]
+    fn gradients(&mut self, visible: Range<usize>, _: &[i32], out: [&mut [i32]; 3]) {
+        self.source.gradients(self.voxel_row(), visible, out);
+    }
+
+    #[inline(always)]
+    fn fold(&mut self, canvas: &mut X, visible: Range<usize>, colours: &Colours<'_, i32>, opacities: &[i32]) {
+        canvas.fold(self.row, visible.clone(), colours, part(opacities, visible));
+    }
+
+    #[inline(always)]
+    fn beam(&self, offset: usize) -> Option<Beam<'_>> {
+        Some(Beam {
+            plane: self.plane,
+            row: self.row,
+            column: (self.extent.columns.start + offset) as u32,
+        })
+    }
+}

@@ -1,0 +1,85 @@
+//! Row kernels of classifiers and shaders, with their lanes fixed: what the driver calls.
+
+use core::marker::PhantomData;
+
+use crate::classify::{Classifier, Slab};
+use crate::composite::Colours;
+use crate::lanes::Lanes;
+use crate::normalise::normalise_row;
+use crate::precision::Precision;
+use crate::shade::Shader;
+
+/// Row kernels of a classifier.
+pub(super) trait ClassifierRows<W> {
+    /// The colour of every sample, where rows of it need not be made.
+    fn one_colour(&self) -> Option<[u32; 3]>;
+    /// Opacities of a row.
+    fn opacity_row(&self, slab: Slab<'_, W>, out: &mut [W]);
+    /// Colours of a row.
+    fn colour_row(&self, slab: Slab<'_, W>, out: [&mut [W]; 3]);
+}
+
+/// Row kernels of a shader.
+pub(super) trait ShaderRows<W> {
+    /// Whether normals are read.
+    fn lit(&self) -> bool;
+    /// Block-normalises gradients and makes their reciprocal lengths.
+    fn normalise(&self, g: [&mut [W]; 3], r: &mut [W]);
+    /// Shades colours.
+    fn shade(&self, g: [&[W]; 3], r: &[W], colours: &mut Colours<'_, W>);
+    /// Both, in one kernel.
+    fn normalise_and_shade(&self, g: [&mut [W]; 3], r: &mut [W], colours: &mut Colours<'_, W>);
+}
+
+/// A classifier or shader in a precision, compiled for lanes.
+pub(super) struct Kernels<'a, T, P, V>(&'a T, PhantomData<(P, V)>);
+
+impl<'a, T, P, V> Kernels<'a, T, P, V> {
+    pub(super) const fn of(slot: &'a T) -> Self {
+        Self(slot, PhantomData)
+    }
+}
+
+impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'_, C, P, V> {
+    #[inline(always)]
+    fn one_colour(&self) -> Option<[u32; 3]> {
+        // One lane is faster without a decision at each sample.
+        if V::COUNT > 1 { self.0.one_colour() } else { None }
+    }
+
+    #[inline(always)]
+    fn opacity_row(&self, slab: Slab<'_>, out: &mut [i32]) {
+        V::enter(|| self.0.opacity_row::<V>(slab, out));
+    }
+
+    #[inline(always)]
+    fn colour_row(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
+        V::enter(|| self.0.colour_row::<V>(slab, out));
+    }
+}
+
+impl<S: Shader<P>, P: Precision, V: Lanes> ShaderRows<i32> for Kernels<'_, S, P, V> {
+    #[inline(always)]
+    fn lit(&self) -> bool {
+        S::LIT
+    }
+
+    #[inline(always)]
+    fn normalise(&self, g: [&mut [i32]; 3], r: &mut [i32]) {
+        V::enter(|| normalise_row::<V>(g, r));
+    }
+
+    #[inline(always)]
+    fn shade(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>) {
+        V::enter(|| self.0.shade_row::<V>(g, r, colours));
+    }
+
+    #[inline(always)]
+    fn normalise_and_shade(&self, g: [&mut [i32]; 3], r: &mut [i32], colours: &mut Colours<'_, i32>) {
+        V::enter(|| {
+            let [x, y, z] = g;
+            normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
+            self.0.shade_row::<V>([x, y, z], r, colours);
+        });
+    }
+}

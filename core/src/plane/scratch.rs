@@ -1,0 +1,160 @@
+//! Scratch memory: how many rows each kind of fold needs, how long they are, and their only cut.
+
+use crate::rows::{part_mut, take};
+
+/// What scratch memory is cut for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// Samples only.
+    Projection,
+    /// Samples, opacities and colours.
+    Unlit,
+    /// Gradients and normals besides.
+    Lit,
+}
+
+impl Rows {
+    /// Number of rows.
+    const fn count(self) -> usize {
+        match self {
+            Self::Projection => 3,
+            Self::Unlit => 7,
+            Self::Lit => 16,
+        }
+    }
+
+    /// Words for slices of this width: each row holds the voxels of a slice's row and one place at each end.
+    pub const fn len(self, width: u32) -> usize {
+        self.count() * (width as usize + 2)
+    }
+}
+
+/// Scratch memory is too short.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ScratchError {
+    /// Words needed.
+    pub needed: usize,
+    /// Words given.
+    pub given: usize,
+}
+
+impl core::fmt::Display for ScratchError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { needed, given } = self;
+        write!(f, "the scratch memory needs {needed} words, {given} given")
+    }
+}
+
+impl core::error::Error for ScratchError {}
+
+/// Words of a line of the cache.
+const LINE: usize = 16;
+
+/// Rows of scratch memory by their use; those that a kind of fold does not need are empty.
+pub(super) struct Scratch<'s, W> {
+    pub(super) source: SourceRows<'s, W>,
+    pub(super) batch: BatchRows<'s, W>,
+}
+
+/// Rows of a source of samples.
+pub(super) struct SourceRows<'s, W> {
+    /// Voxels interpolated along z, of an even and an odd voxel row.
+    pub(super) z: [&'s mut [W]; 2],
+    /// The row inside a face, from which the row beyond it is made.
+    pub(super) inner: &'s mut [W],
+    /// Samples; of three rows where gradients are needed.
+    pub(super) samples: [&'s mut [W]; 3],
+    /// Derivatives along z, interpolated along z, of an even and an odd voxel row.
+    pub(super) derivatives: [&'s mut [W]; 2],
+}
+
+/// Rows of a batch on its way through the stages.
+pub(super) struct BatchRows<'s, W> {
+    pub(super) opacities: &'s mut [W],
+    pub(super) colours: [&'s mut [W]; 3],
+    pub(super) g: [&'s mut [W]; 3],
+    pub(super) r: &'s mut [W],
+}
+
+impl<'s, W> Scratch<'s, W> {
+    /// Cuts memory into rows for slices of this width. With `aligned`, and where there is enough, rows begin with a line of
+    /// the cache, so that vectors are not stored across two.
+    ///
+    /// # Errors
+    /// [`ScratchError`] with the length of [`Rows::len`].
+    #[inline]
+    pub(super) fn cut(memory: &'s mut [W], kind: Rows, width: u32, aligned: bool) -> Result<Self, ScratchError> {
+        let (needed, given) = (kind.len(width), memory.len());
+        if given < needed {
+            return Err(ScratchError { needed, given });
+        }
+        let len = width as usize + 2;
+        let (mut rest, mut stride) = (memory, len);
+        if aligned {
+            let wide = len.next_multiple_of(LINE);
+            let first = rest.as_ptr().align_offset(size_of::<W>() * LINE);
+            if given >= first.saturating_add(kind.count() * wide) {
+                (rest, stride) = (rest.get_mut(first..).unwrap_or(&mut []), wide);
+            }
+        }
+        let mut row = |wanted: bool| -> &'s mut [W] {
+            if wanted {
+                part_mut(take(&mut rest, stride), 0..len)
+            } else {
+                &mut []
+            }
+        };
+        let (classified, lit) = (kind != Rows::Projection, kind == Rows::Lit);
+        Ok(Self {
+            source: SourceRows {
+                z: [row(true), row(true)],
+                inner: row(lit),
+                samples: [row(true), row(lit), row(lit)],
+                derivatives: [row(lit), row(lit)],
+            },
+            batch: BatchRows {
+                opacities: row(classified),
+                colours: [row(classified), row(classified), row(classified)],
+                g: [row(lit), row(lit), row(lit)],
+                r: row(lit),
+            },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec;
+
+    #[test]
+    fn every_length_is_cut_as_counted() {
+        for kind in [Rows::Projection, Rows::Unlit, Rows::Lit] {
+            for width in [1, 2, 15, 64, 65] {
+                let needed = kind.len(width);
+                for spare in [0, 1, 700] {
+                    let mut memory = vec![0i32; needed + spare];
+                    let Scratch { source, batch } = Scratch::cut(&mut memory, kind, width, true).unwrap();
+                    let rows = [
+                        source.z.as_slice(),
+                        &source.samples,
+                        &source.derivatives,
+                        &batch.colours,
+                        &batch.g,
+                    ];
+                    let rows = rows.into_iter().flatten().map(|row| row.len());
+                    let rest = [&source.inner, &batch.opacities, &batch.r].map(|row| row.len());
+                    let mut made = 0;
+                    for len in rows.chain(rest).filter(|len| *len > 0) {
+                        assert_eq!(len, width as usize + 2);
+                        made += 1;
+                    }
+                    assert_eq!(made * (width as usize + 2), needed);
+                }
+                let given = needed - 1;
+                let refused = Scratch::cut(&mut vec![0i32; given], kind, width, true).err();
+                assert_eq!(refused, Some(ScratchError { needed, given }));
+            }
+        }
+    }
+}

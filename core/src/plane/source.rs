@@ -1,0 +1,281 @@
+//! The source of samples and gradients: what a plane finds between the voxels.
+//!
+//! [`Sheared`] makes rows of parallel rays through 12-bit voxels, as a whole, and keeps them while their neighbours may need
+//! them. [`Probes`](super::probe::Probes) makes single vectors of them. Voxels of another type, or rays that spread, are
+//! further implementations of these two traits.
+
+use core::marker::PhantomData;
+use core::ops::Range;
+
+use super::blocks::Places;
+use super::extent::Extent;
+use super::scratch::SourceRows;
+use crate::format::Intensity;
+use crate::gradient::{coarsen_row, difference_row, space_row};
+use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, yx_row_in_slice, z_difference_row, z_row};
+use crate::lanes::Lanes;
+use crate::precision::Precision;
+use crate::rows::{part, part_mut};
+use crate::shade::Shader;
+use crate::slice::{Slice, Window};
+
+/// Rows of samples and gradients of one plane, in words `W`. A row is named by the voxel row before its samples.
+pub(super) trait Source<W> {
+    /// Makes the samples of a row, one for each column of the plane's extent.
+    fn make(&mut self, row: i32);
+    /// The samples of the row that was made last.
+    fn samples(&self, row: i32) -> &[W];
+    /// The gradients of a span of the row's samples, spaced and coarsened. Three rows, as long as the span.
+    fn gradients(&mut self, row: i32, span: Range<usize>, out: [&mut [W]; 3]);
+}
+
+/// Samples and gradients of single vectors of one plane.
+pub(super) trait SourceAt<W> {
+    /// The samples of the first `count` places, one vector behind the other.
+    fn samples_at(&self, places: &Places<'_>, count: usize, out: &mut [W]);
+    /// The gradients where `chosen` is not 0, packed side by side; `chosen` holds a vector per place.
+    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[W], out: [&mut [W]; 3]);
+}
+
+/// A row number that no row has.
+const NO_ROW: i32 = i32::MIN;
+
+/// Sheared rays: all samples of a plane share their weights, and rows are contiguous.
+///
+/// In lit scenes every buffer has a place for the voxel before the first and one for the voxel behind the last (the volume
+/// continued linearly), because gradients look one sample beyond the row.
+pub(super) struct Sheared<'s, 'w, P, V, S> {
+    extent: &'s Extent,
+    window: &'s Window<'w>,
+    spacing: [Intensity; 3],
+    z: [&'s mut [i32]; 2],
+    z_row: [i32; 2],
+    inner: &'s mut [i32],
+    samples: [&'s mut [i32]; 3],
+    sample_row: [i32; 3],
+    derivatives: [&'s mut [i32]; 2],
+    /// Which row and which of its columns the derivatives are of.
+    made: [(usize, Range<usize>); 2],
+    kinds: PhantomData<(P, V, S)>,
+}
+
+impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
+    /// Place of the first voxel, and of the sample behind it, in a row.
+    const FIRST: usize = S::LIT as usize;
+
+    #[inline(always)]
+    pub(super) fn new(
+        extent: &'s Extent,
+        window: &'s Window<'w>,
+        spacing: [Intensity; 3],
+        rows: SourceRows<'s, i32>,
+    ) -> Self {
+        let len = window.near.width() + 2 * Self::FIRST;
+        let cut = |row: &'s mut [i32]| {
+            let len = len.min(row.len());
+            part_mut(row, 0..len)
+        };
+        Self {
+            extent,
+            window,
+            spacing,
+            z: rows.z.map(cut),
+            z_row: [NO_ROW; 2],
+            inner: cut(rows.inner),
+            samples: rows.samples.map(cut),
+            sample_row: [NO_ROW; 3],
+            derivatives: rows.derivatives,
+            made: [(0, 0..0), (0, 0..0)],
+            kinds: PhantomData,
+        }
+    }
+
+    /// Where the samples of a row are kept.
+    #[inline(always)]
+    fn slot(row: i32) -> usize {
+        if S::LIT { (row + 1).rem_euclid(3) as usize } else { 0 }
+    }
+
+    /// A row of samples with its places beyond the volume.
+    #[inline(always)]
+    fn whole(&self, row: i32) -> &[i32] {
+        self.samples.get(Self::slot(row)).map_or(&[], |s| s)
+    }
+
+    /// Places of the samples of a plane's extent.
+    #[inline(always)]
+    fn places(&self) -> Range<usize> {
+        let first = self.extent.voxel + Self::FIRST;
+        first..first + self.extent.columns.len()
+    }
+
+    #[inline(always)]
+    fn make_row(&mut self, row: i32) {
+        if self.sample_row.get(Self::slot(row)) == Some(&row) {
+            return;
+        }
+        if V::SMALL {
+            self.make_once(row);
+        } else {
+            self.make_anew(row);
+        }
+    }
+
+    /// Small machines have the code once: it may be called, because it holds no vectors.
+    #[inline(never)]
+    fn make_once(&mut self, row: i32) {
+        self.make_anew(row);
+    }
+
+    /// Makes the samples between voxel rows `row` and `row + 1`; a lit scene may ask for one row beyond each face.
+    #[inline(always)]
+    fn make_anew(&mut self, row: i32) {
+        let extent = self.extent;
+        let slot = Self::slot(row);
+        let beyond = if S::LIT { extent.height } else { extent.height - 1 };
+        // Behind the last row there is none; its weight is zero.
+        let next = if row < beyond { row + 1 } else { row };
+        if !S::LIT && !V::SMALL && extent.in_slice() {
+            let voxels = |row: i32| self.window.near.row(row.max(0) as usize);
+            if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
+                yx_row_in_slice::<P, V>(voxels(row), voxels(next), extent.weights(), out);
+                *key = row;
+            }
+            return;
+        }
+        self.make_z(row);
+        self.make_z(next);
+        let [even, odd] = &self.z;
+        let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
+        if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
+            yx_row::<P, V>(pick(row), pick(next), extent.in_slice(), extent.weights(), out);
+            *key = row;
+        }
+    }
+
+    /// Makes the z interpolation of a voxel row.
+    #[inline(always)]
+    fn make_z(&mut self, row: i32) {
+        let [even, odd] = &mut self.z;
+        let [even_row, odd_row] = &mut self.z_row;
+        let (out, key) = if row & 1 == 0 { (even, even_row) } else { (odd, odd_row) };
+        if *key == row {
+            return;
+        }
+        *key = row;
+        let (window, weight) = (self.window, self.extent.z.weight);
+        let voxels = Self::FIRST..out.len().saturating_sub(Self::FIRST);
+        let far = window.far_or_near();
+        let last = self.extent.height - 1;
+        let edge = row.min(last).max(0);
+        let rows = |row: i32| (window.near.row(row as usize), far.row(row as usize));
+        let (near_row, far_row) = rows(edge);
+        z_row::<P, V>(near_row, far_row, weight, part_mut(out, voxels.clone()));
+        if S::LIT {
+            if edge != row {
+                // One row beyond a face: twice the edge less the row inside it.
+                let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
+                let (near_row, far_row) = rows(inner);
+                z_row::<P, V>(near_row, far_row, weight, part_mut(self.inner, voxels.clone()));
+                extend_row(part_mut(out, voxels.clone()), part(self.inner, voxels));
+            }
+            extend_ends(out);
+        }
+    }
+
+    /// Makes some columns of the z interpolation of a voxel row's derivatives along z.
+    #[inline(always)]
+    fn make_derivatives(&mut self, row: usize, columns: &Range<usize>) {
+        let ([even, odd], [even_made, odd_made]) = (&mut self.derivatives, &mut self.made);
+        let (out, made) = if row & 1 == 0 {
+            (even, even_made)
+        } else {
+            (odd, odd_made)
+        };
+        if made.0 == row && made.1.start <= columns.start && columns.end <= made.1.end {
+            return;
+        }
+        *made = (row, columns.clone());
+        let (near, far) = derivatives(self.window, row);
+        let (near, far) = (near.columns(columns.clone()), far.columns(columns.clone()));
+        z_difference_row::<P, V>(near, far, self.extent.z.weight, part_mut(out, columns.clone()));
+    }
+
+    #[inline(always)]
+    fn make_gradients(&mut self, row: i32, span: Range<usize>, [gx, gy, gz]: [&mut [i32]; 3]) {
+        self.make_row(row - 1);
+        self.make_row(row + 1);
+        let first = self.places().start;
+        let places = first + span.start..first + span.end;
+        // Along z: derivatives in place of voxels, one column more than the span where there is one.
+        let columns = places.start.saturating_sub(1)..places.end.min(self.window.near.width());
+        let (this, next) = self.extent.voxel_rows(row);
+        self.make_derivatives(this, &columns);
+        self.make_derivatives(next, &columns);
+        let [even, odd] = &self.derivatives;
+        let pick = |row: usize| part(if row & 1 == 0 { even } else { odd }, columns.clone());
+        let (whole, weights) = (self.extent.in_slice(), self.extent.weights());
+        yx_row::<P, V>(pick(this), pick(next), whole, weights, gz);
+        let here = self.whole(row);
+        // A row has a place before its first voxel, so there is one to the left of every sample.
+        let (right, left) = (
+            places.start + 1..places.end + 1,
+            places.start.saturating_sub(1)..places.end - 1,
+        );
+        difference_row::<V>(part(here, right), part(here, left), gx);
+        let (next, previous) = (self.whole(row + 1), self.whole(row - 1));
+        difference_row::<V>(part(next, places.clone()), part(previous, places), gy);
+        spaced::<P, V>([gx, gy, gz], self.spacing);
+    }
+}
+
+/// Gradients with the spacing factors, and with the bits that a precision keeps.
+#[inline(always)]
+pub(super) fn spaced<P: Precision, V: Lanes>([gx, gy, gz]: [&mut [i32]; 3], [fx, fy, fz]: [Intensity; 3]) {
+    space_row::<V>(gx, fx);
+    space_row::<V>(gy, fy);
+    space_row::<V>(gz, fz);
+    if P::GRADIENT_BITS < 15 {
+        coarsen_row::<V>([gx, gy, gz], P::GRADIENT_BITS);
+    }
+}
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sheared<'_, '_, P, V, S> {
+    #[inline(always)]
+    fn make(&mut self, row: i32) {
+        V::enter(|| self.make_row(row));
+    }
+
+    #[inline(always)]
+    fn samples(&self, row: i32) -> &[i32] {
+        part(self.whole(row), self.places())
+    }
+
+    #[inline(always)]
+    fn gradients(&mut self, row: i32, span: Range<usize>, out: [&mut [i32]; 3]) {
+        V::enter(|| self.make_gradients(row, span, out));
+    }
+}
+
+/// Derivatives along z at the slices before and behind a plane, for a voxel row.
+#[inline(always)]
+pub(super) fn derivatives<'a>(window: &Window<'a>, row: usize) -> (Difference<'a>, Difference<'a>) {
+    let of = |scale, minuend: Slice<'a>, subtrahend: Slice<'a>| Difference {
+        scale,
+        minuend: minuend.row(row),
+        subtrahend: subtrahend.row(row),
+    };
+    let near = match (window.before, window.far) {
+        (Some(before), Some(far)) => of(1, far, before),
+        (None, Some(far)) => of(2, far, window.near),
+        (Some(before), None) => of(2, window.near, before),
+        (None, None) => of(0, window.near, window.near),
+    };
+    let far = match (window.far, window.after) {
+        (Some(_), Some(after)) => of(1, after, window.near),
+        (Some(far), None) => of(2, far, window.near),
+        // Behind the last slice there is none; its weight is zero.
+        (None, _) => near,
+    };
+    (near, far)
+}
