@@ -253,7 +253,10 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sheared<'_, '_, P, V,
 
     #[inline(always)]
     fn gradients(&mut self, row: i32, span: Range<usize>, out: [&mut [i32]; 3]) {
-        V::enter(|| self.make_gradients(row, span, out));
+        // Unlit pipelines have no such code.
+        if S::LIT {
+            V::enter(|| self.make_gradients(row, span, out));
+        }
     }
 }
 

@@ -57,7 +57,7 @@ pub struct Oriented<'a> {
 /// nothing by short ways through many samples, and from back to front no ray is finished that blocks could leave out.
 fn dense<L: Pipeline>(simd: Simd) -> f64 {
     match (simd, L::BACK_TO_FRONT) {
-        (Simd::Scalar | Simd::Small, _) => 0.125,
+        (Simd::Scalar, _) => 0.125,
         (Simd::Avx2(_) | Simd::Avx512(_), true) => 0.4,
         (Simd::Avx2(_) | Simd::Avx512(_), false) => 0.5,
     }

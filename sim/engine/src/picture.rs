@@ -103,6 +103,14 @@ impl Shape {
 /// A pixel's red, green, blue and transparency, side by side.
 type Channels<L> = [ChannelOf<<L as Pipeline>::Precision>; 4];
 
+/// Where the pixels of a base plane come from: all that the picture asks of a pipeline, so that it is compiled once per
+/// channel format.
+trait BasePixels<C>: Sync {
+    /// Copies the pixels from `first` on, in rows of `width`, clear ones where none exist; `phase` is room for a row of one
+    /// phase. Whether any of them is not clear; if not, the copy may hold anything.
+    fn copy(&self, first: [i64; 2], width: usize, copy: &mut [[C; 4]], phase: &mut [[C; 4]]) -> bool;
+}
+
 #[inline(always)]
 fn channels<C>(pixel: Pixel<C>) -> [C; 4] {
     let [red, green, blue] = pixel.colour;
@@ -135,9 +143,29 @@ impl<'a, L: Pipeline> Base<'a, L> {
         }
     }
 
-    /// Copies the pixels from `first` on, clear ones where none exist. Whether any of them is not clear; if not, the copy
-    /// may hold anything.
+    /// Pixels of a row of one phase, from a column on. The bits in which any of them differs from a clear one.
     #[inline(always)]
+    fn pixels(&self, row: &[L::Element], column: usize, out: &mut [Channels<L>]) -> u32 {
+        let width = row.len() / L::CHANNELS;
+        // A pipeline with fewer channels does not look at the others.
+        let [first, second, third, fourth] = [0, 1, 2, 3].map(|run| {
+            let start = run % L::CHANNELS * width + column;
+            &row[start..start + out.len()]
+        });
+        let clear = channels(Pixel::<ChannelOf<L::Precision>>::clear());
+        let mut seen = 0;
+        for ((((out, a), b), c), d) in out.iter_mut().zip(first).zip(second).zip(third).zip(fourth) {
+            // As a row of one pixel, in which the compiler knows every place.
+            *out = channels(self.pipeline.pixel(&[*a, *b, *c, *d][..L::CHANNELS], 0));
+            for (channel, clear) in out.iter().zip(clear) {
+                seen |= channel.bits() ^ clear.bits();
+            }
+        }
+        seen
+    }
+}
+
+impl<L: Pipeline> BasePixels<ChannelOf<L::Precision>> for Base<'_, L> {
     fn copy(&self, first: [i64; 2], width: usize, copy: &mut [Channels<L>], phase: &mut [Channels<L>]) -> bool {
         let clear = channels(Pixel::clear());
         let existing = |axis: usize, side: usize| -> Range<usize> {
@@ -175,27 +203,6 @@ impl<'a, L: Pipeline> Base<'a, L> {
             }
         }
         seen != 0
-    }
-
-    /// Pixels of a row of one phase, from a column on. The bits in which any of them differs from a clear one.
-    #[inline(always)]
-    fn pixels(&self, row: &[L::Element], column: usize, out: &mut [Channels<L>]) -> u32 {
-        let width = row.len() / L::CHANNELS;
-        // A pipeline with fewer channels does not look at the others.
-        let [first, second, third, fourth] = [0, 1, 2, 3].map(|run| {
-            let start = run % L::CHANNELS * width + column;
-            &row[start..start + out.len()]
-        });
-        let clear = channels(Pixel::<ChannelOf<L::Precision>>::clear());
-        let mut seen = 0;
-        for ((((out, a), b), c), d) in out.iter_mut().zip(first).zip(second).zip(third).zip(fourth) {
-            // As a row of one pixel, in which the compiler knows every place.
-            *out = channels(self.pipeline.pixel(&[*a, *b, *c, *d][..L::CHANNELS], 0));
-            for (channel, clear) in out.iter().zip(clear) {
-                seen |= channel.bits() ^ clear.bits();
-            }
-        }
-        seen
     }
 }
 
@@ -290,8 +297,8 @@ impl<C: Channel> Row<C> {
 }
 
 /// A row of tiles.
-struct Band<'a, 'i, L: Pipeline> {
-    base: &'a Base<'i, L>,
+struct Band<'a, C> {
+    base: &'a dyn BasePixels<C>,
     warp: &'a Warp,
     shape: &'a Shape,
     /// A clear pixel in front of the background.
@@ -301,10 +308,10 @@ struct Band<'a, 'i, L: Pipeline> {
     /// Picture pixels across.
     width: usize,
     out: &'a mut [u8],
-    memory: &'a mut Memory<ChannelOf<L::Precision>>,
+    memory: &'a mut Memory<C>,
 }
 
-impl<L: Pipeline> OverLanes for Band<'_, '_, L> {
+impl<C: Channel> OverLanes for Band<'_, C> {
     type Output = ();
 
     fn run<V: Lanes>(self) {

@@ -50,7 +50,7 @@ const LANES: usize = 8;
 pub fn narrowed(simd: Simd) -> Simd {
     match simd {
         Simd::Avx512(token) => Simd::Avx2(token.narrower()),
-        Simd::Avx2(_) | Simd::Scalar | Simd::Small => simd,
+        Simd::Avx2(_) | Simd::Scalar => simd,
     }
 }
 

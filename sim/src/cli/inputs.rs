@@ -364,7 +364,7 @@ fn simd(name: &str) -> Result<Simd, String> {
     if !Simd::NAMES.contains(&name) {
         return Err(format!("accepted: {}", Simd::NAMES.join(", ")));
     }
-    let found = Simd::every().find(|simd| simd.name() == name);
+    let found = Simd::available().find(|simd| simd.name() == name);
     found.ok_or_else(|| format!("this processor has no {name}"))
 }
 

@@ -18,7 +18,7 @@ mod root;
 mod tests;
 mod token;
 
-use slicecast::lanes::{Lanes, Small};
+use slicecast::lanes::Lanes;
 
 pub use self::token::{Avx2Token, Avx512Token};
 
@@ -27,8 +27,6 @@ pub use self::token::{Avx2Token, Avx512Token};
 pub enum Simd {
     /// One lane: the scalar definition.
     Scalar,
-    /// One lane as machines without vectors run it, and the whole pipeline compiled as one: to be tested here.
-    Small,
     /// Eight lanes of AVX2 (and FMA, BMI1, BMI2).
     Avx2(Avx2Token),
     /// Sixteen lanes of AVX-512 (F, BW, CD, DQ, VL), on processors that have the former too.
@@ -37,14 +35,9 @@ pub enum Simd {
 
 impl Simd {
     /// The names on the command line and in reports, narrowest first.
-    pub const NAMES: [&'static str; 4] = ["small", "scalar", "avx2", "avx512"];
+    pub const NAMES: [&'static str; 3] = ["scalar", "avx2", "avx512"];
 
-    /// All that this processor can run.
-    pub fn every() -> impl Iterator<Item = Self> {
-        [Self::Small].into_iter().chain(Self::available())
-    }
-
-    /// Those that are of use to a host with this processor, narrowest first.
+    /// Those that this processor has, narrowest first.
     pub fn available() -> impl DoubleEndedIterator<Item = Self> {
         let avx2 = Avx2Token::detect().map(Self::Avx2);
         let avx512 = Avx512Token::detect().map(Self::Avx512);
@@ -58,9 +51,8 @@ impl Simd {
 
     /// The name on the command line and in reports.
     pub const fn name(self) -> &'static str {
-        let [small, scalar, avx2, avx512] = Self::NAMES;
+        let [scalar, avx2, avx512] = Self::NAMES;
         match self {
-            Self::Small => small,
             Self::Scalar => scalar,
             Self::Avx2(_) => avx2,
             Self::Avx512(_) => avx512,
@@ -80,7 +72,6 @@ pub trait OverLanes {
 pub fn with_lanes<W: OverLanes>(simd: Simd, work: W) -> W::Output {
     match simd {
         Simd::Scalar => work.run::<i32>(),
-        Simd::Small => work.run::<Small>(),
         #[cfg(target_arch = "x86_64")]
         Simd::Avx2(_) => work.run::<avx2::Avx2>(),
         #[cfg(target_arch = "x86_64")]

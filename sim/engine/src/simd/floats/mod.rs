@@ -148,7 +148,7 @@ pub trait OverFloats {
 /// Does some work with vectors of this width.
 pub fn with_floats<W: OverFloats>(simd: Simd, work: W) -> W::Output {
     match simd {
-        Simd::Scalar | Simd::Small => work.run::<f32>(),
+        Simd::Scalar => work.run::<f32>(),
         #[cfg(target_arch = "x86_64")]
         Simd::Avx2(_) => super::entry::avx2(|| work.run::<avx2::Avx2>()),
         #[cfg(target_arch = "x86_64")]
