@@ -34,8 +34,9 @@ impl Default for Sampling {
     }
 }
 
-/// Voxel spacing along x, y, z, as each spacing's share of the smallest: `smallest / spacing`, 1.15, so that the
-/// smallest has 32768. Gradients are multiplied by it; unlit scenes do not read it.
+/// Voxel spacing along x, y, z, as each spacing's share of the smallest: `smallest / spacing`, 1.15. Gradients are
+/// multiplied by it; unlit scenes do not read it. Only the ratios count, but factors of which none is 32768 give away
+/// bits of the gradient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Spacing(pub [Intensity; 3]);
 
