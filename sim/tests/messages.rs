@@ -22,6 +22,10 @@ fn a_wrong_scene_is_told_first_and_lists_the_right_ones() {
     let text = place.refuses("render no-such-volume.nrrd --scene bad.toml -o a.png");
     assert!(text.contains("'bad.toml'") && text.contains("`view.elevation` is 100, expected a number from -90 to 90"));
     assert!(!text.contains("no-such-volume"), "{text}");
+    place.write("bad.vp.json", "{}");
+    let text = place.refuses("render no-such-volume.nrrd --transfer bad.vp.json -o a.png");
+    assert!(text.contains("'bad.vp.json' for '--transfer <FILE>'"), "{text}");
+    assert!(!text.contains("no-such-volume"), "{text}");
     let text = place.refuses("plan --dims 8x8x8 --scene labels");
     assert!(
         text.contains("--scene labels: is fitted to the values of a volume"),

@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use slicecast_engine::simd::Simd;
 use slicecast_scene::View;
 use slicecast_scene::check;
-use slicecast_scene::import::{self, Shading};
+use slicecast_scene::import::Shading;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
 use slicecast_volume::dicom::Choice;
 use slicecast_volume::mapping::Window;
@@ -20,7 +20,7 @@ use slicecast_volume::statistics::Statistics;
 use slicecast_volume::values::{Decoded, Endian, Orientation, ValueType};
 
 use super::Failure;
-use super::named_scene::{NamedScene, is_fitted};
+use super::named_scene::{NamedScene, Transfer, is_fitted};
 
 /// The parser of a number that a scene's field may have.
 pub fn number_in(range: RangeInclusive<f64>) -> impl Fn(&str) -> Result<f64, String> + Clone {
@@ -219,8 +219,8 @@ pub struct SceneArgs {
     #[arg(long, value_parser = NamedScene::parser())]
     scene: Option<NamedScene>,
     /// The transfer function of another program in place of the scene's: 3D Slicer (.vp, .vp.json), ParaView (.json).
-    #[arg(long, value_name = "FILE")]
-    transfer: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Transfer::parser())]
+    transfer: Option<Transfer>,
     /// The side of the patient on which the viewer stands; without it, the scene's view.
     #[arg(long, value_name = "SIDE", value_parser = ["anterior", "posterior", "left", "right", "superior", "inferior"])]
     view: Option<String>,
@@ -311,15 +311,14 @@ impl SceneArgs {
 
     /// Applies the overrides.
     fn finish(&self, mut scene: Scene) -> Result<Scene, Failure> {
-        if let Some(path) = &self.transfer {
-            let imported = import::read(path).map_err(Failure::input)?;
+        if let Some(Transfer { path, imported }) = &self.transfer {
             imported
                 .notes
                 .iter()
                 .for_each(|note| eprintln!("note: {}: {note}", path.display()));
-            scene.transfer = imported.transfer;
-            match imported.shading {
-                Some(Shading::On(lighting)) => scene.lighting = Some(lighting),
+            scene.transfer = imported.transfer.clone();
+            match &imported.shading {
+                Some(Shading::On(lighting)) => scene.lighting = Some(lighting.clone()),
                 Some(Shading::Off) => scene.lighting = None,
                 None => {}
             }

@@ -1,4 +1,4 @@
-//! `--scene`: a scene file, or the name of a scene that comes with the program.
+//! `--scene`: a scene file, or the name of a scene that comes with the program; `--transfer`: another program's function.
 //!
 //! A file is read, and a name looked up, while the command line is read: a mistake in either is told before a volume is.
 
@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use slicecast_scene::Scene;
 use slicecast_scene::file;
+use slicecast_scene::import::{self, Imported};
 
 use crate::presets;
 
@@ -65,5 +66,25 @@ impl NamedScene {
                 .to_string_lossy()
                 .into_owned(),
         }
+    }
+}
+
+/// The transfer function of another program: the file, and what came out of it.
+#[derive(Clone)]
+pub struct Transfer {
+    pub path: PathBuf,
+    pub imported: Imported,
+}
+
+impl Transfer {
+    /// The parser of the command line.
+    pub fn parser() -> impl TypedValueParser<Value = Self> {
+        OsStringValueParser::new().try_map(|text| {
+            let path = PathBuf::from(text);
+            match import::read(&path) {
+                Ok(imported) => Ok(Self { path, imported }),
+                Err(error) => Err(error.fault.to_string()),
+            }
+        })
     }
 }
