@@ -34,8 +34,9 @@ impl Default for Sampling {
     }
 }
 
-/// Voxel spacing along x, y, z, as each spacing's share of the smallest: `smallest / spacing`, 1.15, so that the
-/// smallest has 32768. Gradients are multiplied by it; unlit scenes do not read it.
+/// Voxel spacing along x, y, z, as each spacing's share of the smallest: `smallest / spacing`, 1.15. Gradients are
+/// multiplied by it; unlit scenes do not read it. Only the ratios count, but factors of which none is 32768 give away
+/// bits of the gradient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Spacing(pub [Intensity; 3]);
 
@@ -44,7 +45,7 @@ impl Spacing {
     pub const CUBIC: Self = Self([Intensity::ONE; 3]);
 }
 
-/// Which of the n x n interleaved images a ray belongs to.
+/// Which of the n x n interleaved images a ray belongs to: u and v are below n ([`Plan::phase`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Phase {
     /// Offset along i, in 1/n voxel.
@@ -230,7 +231,7 @@ impl Plan {
         self.sampling.rays_per_voxel * self.sampling.rays_per_voxel
     }
 
-    /// The phase with this number, counted along i first.
+    /// The phase with this number, 0 to [`Plan::phases`] - 1, counted along i first.
     pub const fn phase(&self, index: u32) -> Phase {
         let n = self.sampling.rays_per_voxel;
         match (index.checked_rem(n), index.checked_div(n)) {

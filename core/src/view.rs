@@ -13,8 +13,10 @@
 //! Ties (45-degree views) go to z before y before x: the order in which volumes are stored.
 //!
 //! Rounding: the slopes are kept as the exact ratio of two direction components; `plan` rounds once, to 32.32.
-//! State: none. Floating point appears only in [`View::from_angles`], which a device may use to set up a view.
+//! State: none. Floating point appears only in `View::from_angles` (feature `angles`), which a device may use to set up a
+//! view.
 
+#[cfg(feature = "angles")]
 use micromath::F32Ext;
 
 use crate::format::{Direction, Step};
@@ -51,7 +53,18 @@ pub enum ViewError {
         /// The component's bits, s5.58.
         bits: i64,
     },
+    /// An angle is no number from -[`ANGLE_MAX`] to [`ANGLE_MAX`].
+    Angle,
+    /// A voxel spacing is no length: zero, negative, infinite, not a number, or below the least normal `f32`.
+    Spacing {
+        /// The axis that it belongs to.
+        axis: Axis,
+    },
 }
+
+/// The largest angle of `View::from_angles`, radians: 163 turns. At larger ones the steps between two `f32` are a part
+/// of its error.
+pub const ANGLE_MAX: f32 = 1024.0;
 
 impl core::fmt::Display for ViewError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -60,6 +73,11 @@ impl core::fmt::Display for ViewError {
             Self::TooLong { bits } => write!(
                 f,
                 "a component of the viewing direction is beyond -1 to 1 (bits {bits} of s5.58)"
+            ),
+            Self::Angle => f.write_str("a viewing angle is no number from -1024 to 1024 radians"),
+            Self::Spacing { axis } => write!(
+                f,
+                "the voxel spacing along {axis:?} is no length; accepted: 2^-126 and more"
             ),
         }
     }
@@ -104,12 +122,23 @@ impl View {
     /// precision, the same bits on every target); expect the direction to be off by up to 0.1 degrees.
     ///
     /// # Errors
-    /// [`ViewError::NoDirection`] if an angle or a spacing is not a usable number.
+    /// [`ViewError::Angle`] or [`ViewError::Spacing`], for the first number that is not usable.
+    #[cfg(feature = "angles")]
     #[expect(
         clippy::float_arithmetic,
         reason = "set-up of a view on a device, not part of the pipeline"
     )]
     pub fn from_angles(azimuth: f32, elevation: f32, spacing: [f32; 3]) -> Result<Self, ViewError> {
+        // NaN is in no range.
+        let usable = |angle: f32| (-ANGLE_MAX..=ANGLE_MAX).contains(&angle);
+        if !usable(azimuth) || !usable(elevation) {
+            return Err(ViewError::Angle);
+        }
+        for (axis, length) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(spacing) {
+            if !(length.is_normal() && length > 0.0) {
+                return Err(ViewError::Spacing { axis });
+            }
+        }
         let (sa, ca) = (F32Ext::sin(azimuth), F32Ext::cos(azimuth));
         let (se, ce) = (F32Ext::sin(elevation), F32Ext::cos(elevation));
         let [dx, dy, dz] = spacing;
@@ -118,10 +147,7 @@ impl View {
             let a = F32Ext::abs(*c);
             if a > m { a } else { m }
         });
-        if !longest.is_finite() || longest <= 0.0 {
-            return Err(ViewError::NoDirection);
-        }
-        // 2^30 fits an f32 exactly; float to integer casts saturate and take NaN to 0.
+        // 2^30 fits an f32 exactly.
         let component = |c: f32| Direction::from_bits(((c / longest * 1_073_741_824.0) as i64) << 28);
         Self::new(voxels.map(component))
     }
@@ -235,18 +261,42 @@ mod tests {
             View::new([Direction::ZERO, long, Direction::ZERO]),
             Err(ViewError::TooLong { bits: (1 << 58) + 1 })
         );
-        assert_eq!(View::from_angles(f32::NAN, 0.0, [1.0; 3]), Err(ViewError::NoDirection));
-        assert_eq!(
-            View::from_angles(0.0, 0.0, [1.0, 0.0, 1.0]),
-            Err(ViewError::NoDirection)
-        );
     }
 
+    #[cfg(feature = "angles")]
+    #[test]
+    fn angles_and_spacings_that_are_none_are_refused() {
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1025.0, -1025.0] {
+            assert_eq!(View::from_angles(bad, 0.0, [1.0; 3]), Err(ViewError::Angle), "{bad}");
+            assert_eq!(View::from_angles(0.0, bad, [1.0; 3]), Err(ViewError::Angle), "{bad}");
+        }
+        for bad in [f32::NAN, f32::INFINITY, -1.0, 0.0, -0.0, 1e-40] {
+            for (place, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
+                let mut spacing = [1.0; 3];
+                spacing[place] = bad;
+                let refused = Err(ViewError::Spacing { axis });
+                assert_eq!(View::from_angles(0.5, 0.2, spacing), refused, "{bad}");
+            }
+        }
+        // The extremes that are lengths have a view, whatever the others are.
+        for length in [f32::MIN_POSITIVE, f32::MAX] {
+            for place in 0..3 {
+                let mut spacing = [1.0; 3];
+                spacing[place] = length;
+                assert!(View::from_angles(0.5, 0.2, spacing).is_ok(), "{spacing:?}");
+            }
+            assert!(View::from_angles(0.5, 0.2, [length; 3]).is_ok(), "{length}");
+        }
+    }
+
+    #[cfg(feature = "angles")]
     #[test]
     fn angles_agree_with_f64_to_a_tenth_of_a_degree() {
-        for a in (-180..180).step_by(7) {
+        // The last are near the largest angle that is accepted.
+        for a in (-180..180).step_by(7).chain((58_300..58_660).step_by(7)) {
             for e in (-80..=80).step_by(20) {
-                let (a, e) = (f64::from(a).to_radians(), f64::from(e).to_radians());
+                let (a, e) = ((f64::from(a).to_radians() as f32), (f64::from(e).to_radians() as f32));
+                let (a, e) = (f64::from(a), f64::from(e));
                 let exact = [-a.sin() * e.cos(), a.cos() * e.cos(), -e.sin()];
                 let view = View::from_angles(a as f32, e as f32, [1.0; 3]).unwrap();
                 let [si, sj] = view.shear(1).map(|s| s.to_bits() as f64 / 4294967296.0);

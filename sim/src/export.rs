@@ -19,7 +19,7 @@ pub enum Language {
 
 /// The text of a table. `name` becomes the array's name; characters that no identifier has are replaced by `_`.
 ///
-/// Rust and C get 4096 words of 32 bits, `0xAARRGGBB` as [`slicecast::classify::entry`] packs them (AA is the square
+/// Rust and C get 4096 words of 32 bits, `0xAABBGGRR` as [`slicecast::classify::entry`] packs them (AA is the square
 /// root of the opacity or its high byte), and, for 16-bit roots, 4096 low bytes. A line of `$readmemh` is such a word,
 /// for 16-bit roots followed by two digits of the low byte (40 bits).
 pub fn table(table: &Table, name: &str, language: Language) -> String {
@@ -193,6 +193,8 @@ mod tests {
         for (line, entry) in lines[1..].iter().zip(eight.entries.iter()) {
             assert_eq!(u32::from_str_radix(line, 16).unwrap(), *entry);
         }
+        // Root, blue, green, red: the fog is orange.
+        assert_eq!(&lines[4096][2..], "0080ff");
         let text = table(&sixteen, "x", Language::Readmemh);
         let last = text.lines().last().unwrap();
         let expected = u64::from(sixteen.entries[4095]) << 8 | u64::from(sixteen.plane[4095]);

@@ -9,10 +9,8 @@ mod presets;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 fn main() -> ExitCode {
-    match cli::Cli::parse().run() {
+    match cli::Cli::of_command_line().run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("slicecast: {}", failure.message);

@@ -115,7 +115,7 @@ pub fn scene(name: &str, volume: &Volume, statistics: &Statistics) -> Result<Sce
         early_termination: None,
     };
     scene.check().map_err(|error| SceneError {
-        name: name.to_owned(),
+        name: format!("{}: the scene `{name}`", volume.name),
         fault: error.into(),
     })?;
     Ok(thrifty(scene, volume))
@@ -290,6 +290,9 @@ mod tests {
     fn values_beyond_scenes_are_refused_by_name() {
         let loaded = loaded(Values::F64(vec![0.0, 1e200]), None);
         let error = scene("mr", &loaded.volume, &Statistics::of(&loaded.volume)).unwrap_err();
-        assert!(error.to_string().starts_with("mr: `transfer.points"), "{error}");
+        assert!(
+            error.to_string().starts_with("t: the scene `mr`: `transfer.points"),
+            "{error}"
+        );
     }
 }

@@ -103,8 +103,9 @@ impl SlicecastError {
 impl From<ViewError> for SlicecastError {
     fn from(error: ViewError) -> Self {
         let given = match error {
-            ViewError::NoDirection => 0,
             ViewError::TooLong { bits } => bits,
+            // The last two are those of views from angles, which C does not make.
+            ViewError::NoDirection | ViewError::Angle | ViewError::Spacing { .. } => 0,
         };
         Self::numbers(SLICECAST_DIRECTION, 1 << 58, given)
     }

@@ -2,10 +2,11 @@
 //!
 //! What is timed is the folding of all sample planes into a cleared base-plane image: no reading, no preparation, no
 //! table, no final warp (those have figures of their own). All subjects take turns, frame by frame, in one process, and
-//! each keeps its shortest time, so that a busy machine disturbs all of them alike.
+//! each keeps its shortest time, so that a busy machine disturbs all of them alike; how far the others scatter is told.
 
 pub mod opponent;
 pub mod scenes;
+pub mod spread;
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -16,6 +17,7 @@ use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
 
 use crate::opponent::Opponent;
+use crate::spread::spread;
 use slicecast_engine::camera::CameraError;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
@@ -77,8 +79,13 @@ pub struct Row {
     pub nanoseconds: f64,
     /// Samples a second.
     pub samples_per_second: f64,
+    /// How far the times of the frames scatter: half the distance between their quartiles, as a share of the median;
+    /// `None` of fewer than four frames.
+    pub spread: Option<f64>,
     /// How many times as fast as `compact` of the same width and threads; `None` where that was not measured.
     pub against_compact: Option<f64>,
+    /// The same against f32.
+    pub against_f32: Option<f64>,
 }
 
 /// One thread, and all of them.
@@ -149,11 +156,11 @@ pub fn measure(
     // Floats look tables up linearly and need all of an entry's bits: those of Compact.
     let opponent = Opponent::of(of(PrecisionName::Compact));
     let mut floats = Vec::new();
-    let mut shortest = vec![Duration::MAX; subjects.len()];
+    let mut times = vec![Vec::with_capacity(frames); subjects.len()];
     with_slices(volume, plan.view(), |slices| {
         let oriented = Oriented::of(slices);
         for round in 0..frames {
-            for (subject, shortest) in subjects.iter().zip(&mut shortest) {
+            for (subject, times) in subjects.iter().zip(&mut times) {
                 let frame = || match subject.engine {
                     Engine::Fixed(precision) => of(precision).dispatch(Fold(&plan, &oriented, subject.simd))?,
                     Engine::Float => {
@@ -169,32 +176,36 @@ pub fn measure(
                         Ok(start.elapsed())
                     }
                 };
-                *shortest = (*shortest).min(threads.pool(subject.all_threads).install(frame)?);
+                times.push(threads.pool(subject.all_threads).install(frame)?.as_secs_f64());
             }
             progress(round + 1, frames);
         }
         Ok::<_, RenderError>(())
     })??;
     let samples = samples(&plan);
-    Ok((samples, rows(subjects, &shortest, samples, threads)))
+    Ok((samples, rows(subjects, &times, samples, threads)))
 }
 
-fn rows(subjects: &[Subject], shortest: &[Duration], samples: u64, threads: &Threads) -> Vec<Row> {
-    let seconds = |index: usize| shortest[index].as_secs_f64();
+/// The rows of subjects, from the seconds that each of their frames took.
+fn rows(subjects: &[Subject], times: &[Vec<f64>], samples: u64, threads: &Threads) -> Vec<Row> {
+    let shortest = |index: usize| times[index].iter().copied().fold(f64::INFINITY, f64::min);
     let row = |(index, subject): (usize, &Subject)| {
-        let compact = Subject {
-            engine: Engine::Fixed(PrecisionName::Compact),
-            ..*subject
+        let seconds = shortest(index);
+        let against = |engine| {
+            let other = Subject { engine, ..*subject };
+            let place = subjects.iter().position(|subject| *subject == other)?;
+            Some(shortest(place) / seconds)
         };
-        let compact = subjects.iter().position(|other| *other == compact);
         Row {
             engine: subject.engine.name(),
             width: subject.simd.name(),
             threads: threads.pool(subject.all_threads).current_num_threads(),
-            milliseconds: 1e3 * seconds(index),
-            nanoseconds: 1e9 * seconds(index) / samples as f64,
-            samples_per_second: samples as f64 / seconds(index),
-            against_compact: compact.map(|compact| seconds(compact) / seconds(index)),
+            milliseconds: 1e3 * seconds,
+            nanoseconds: 1e9 * seconds / samples as f64,
+            samples_per_second: samples as f64 / seconds,
+            spread: spread(&times[index]),
+            against_compact: against(Engine::Fixed(PrecisionName::Compact)),
+            against_f32: against(Engine::Float),
         }
     };
     subjects.iter().enumerate().map(row).collect()

@@ -7,6 +7,8 @@ pub mod lockstep;
 pub mod stages;
 pub mod statistics;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use slicecast::format::Position;
 use slicecast::locate::plane;
 use slicecast::plan::{Phase, Plan};
@@ -64,16 +66,31 @@ pub struct Split {
     pub both: ImageFigures,
 }
 
-/// Splits the error of a comparison; both references are taken at exact positions.
+/// Splits the error of a comparison; both references are taken at exact positions. `progress` is told how many rows of
+/// how many are done.
 ///
 /// # Errors
 /// [`RenderError`] if the scene is a projection, which integrates nothing.
-pub fn split(prepared: &Prepared<'_>, comparison: &Comparison) -> Result<Split, RenderError> {
+pub fn split(
+    prepared: &Prepared<'_>,
+    comparison: &Comparison,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Split, RenderError> {
     if !matches!(prepared.scene.blend, Blend::FrontToBack | Blend::BackToFront) {
         return Err(RenderError::Projection);
     }
     let exact = model(prepared, ModelPositions::Exact);
-    let (discrete, converged) = (exact.render(), exact.render_integral());
+    let size = exact.lattice().size;
+    let begun = AtomicUsize::new(0);
+    let image = |pixel: &(dyn Fn(usize, usize) -> Pixel + Sync)| {
+        ModelImage::from_fn(size, |u, v| {
+            if u == 0 {
+                progress(begun.fetch_add(1, Ordering::Relaxed), 2 * size[1]);
+            }
+            pixel(u, v)
+        })
+    };
+    let (discrete, converged) = (image(&|u, v| exact.ray(u, v)), image(&|u, v| exact.integral(u, v)));
     Ok(Split {
         arithmetic: base_figures(&comparison.frame.base, &discrete),
         algorithm: image::model_figures(&discrete, &converged),

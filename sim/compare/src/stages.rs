@@ -60,6 +60,21 @@ impl Stage {
         }
     }
 
+    /// The name that heads a narrow column.
+    pub const fn head(self) -> &'static str {
+        match self {
+            Self::Location => "place",
+            Self::Interpolation => "sample",
+            Self::Opacity => "opacity",
+            Self::Colour => "colour",
+            Self::Gradient => "gradient",
+            Self::Normal => "normal",
+            Self::Shading => "shading",
+            Self::Transparency => "T",
+            Self::Compositing => "C",
+        }
+    }
+
     /// The format of the stage's output, as error figures count it: its name, and how many ulp are 1.0.
     pub fn format<P: Precision>(self) -> (String, f64) {
         let fixed = |integer: u32, fraction: u32| (format!("{integer}.{fraction}"), f64::from(fraction).exp2());

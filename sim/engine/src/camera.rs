@@ -1,5 +1,7 @@
 //! From the scene's real numbers to the pipeline's: view, plan, warp, light vectors. Each is rounded once, here.
 
+use std::ops::RangeInclusive;
+
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
@@ -7,6 +9,7 @@ use slicecast::shade::{self, Phong, PhongError};
 use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
 
+use slicecast_scene::check::shown;
 use slicecast_scene::{CameraAxes, Frame, Highlight, Light, Lighting, Scene};
 use slicecast_volume::Volume;
 
@@ -19,6 +22,15 @@ pub enum CameraError {
     /// Sizes and sampling rates.
     #[error("the sampling: {0}")]
     Plan(#[from] PlanError),
+    /// Distances between voxels.
+    #[error(
+        "a voxel spacing of {}; accepted: {} to {} along each axis, none more than {SPACING_RATIO_MAX} times another",
+        .spacing.map(shown).join(" x "), shown(*SPACING.start()), shown(*SPACING.end())
+    )]
+    Spacing {
+        /// The spacing given, in its own unit.
+        spacing: [f64; 3],
+    },
     /// Lights and material.
     #[error("the lighting: {0}")]
     Lighting(#[from] PhongError),
@@ -35,11 +47,29 @@ pub enum CameraError {
 /// The longest side of a picture, pixels.
 pub const PICTURE_SIDE_MAX: u32 = 16384;
 
+/// Distances between voxels: lengths of steps and pixels are computed from them, and must be numbers too.
+pub const SPACING: RangeInclusive<f64> = 1e-100..=1e100;
+
+/// How many times as long as the shortest distance the longest may be: beyond, a spacing factor would be 0.
+pub const SPACING_RATIO_MAX: f64 = 32768.0;
+
+/// Refuses spacings that leave no view.
+fn check_spacing(spacing: [f64; 3]) -> Result<(), CameraError> {
+    let least = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let fits = |s: &f64| SPACING.contains(s) && *s <= SPACING_RATIO_MAX * least;
+    if spacing.iter().all(fits) {
+        Ok(())
+    } else {
+        Err(CameraError::Spacing { spacing })
+    }
+}
+
 /// The view of a scene on a volume.
 ///
 /// # Errors
-/// [`CameraError::View`] if a spacing is so extreme that no direction is left.
+/// [`CameraError::Spacing`] if the spacing leaves no direction.
 pub fn view(scene: &Scene, spacing: [f64; 3]) -> Result<View, CameraError> {
+    check_spacing(spacing)?;
     let forward = scene.view.axes().forward;
     let voxels = [0, 1, 2].map(|a| forward[a] / spacing[a]);
     let longest = voxels.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
@@ -52,21 +82,17 @@ pub fn view(scene: &Scene, spacing: [f64; 3]) -> Result<View, CameraError> {
 /// The plan of a scene on a volume of this shape.
 ///
 /// # Errors
-/// [`CameraError`] for a view or a sampling rate that the pipeline does not take.
+/// [`CameraError`] for a spacing, a view or a sampling rate that the pipeline does not take.
 pub fn plan(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> Result<Plan, CameraError> {
+    let view = view(scene, spacing)?;
     let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-    let factor = |s: f64| Intensity::from_bits((smallest / s * 32768.0).round().clamp(1.0, 32768.0) as u16);
+    let factor = |s: f64| Intensity::from_bits((smallest / s * 32768.0).round() as u16);
     let sampling = Sampling {
         planes_per_voxel: scene.sampling.planes_per_voxel,
         rays_per_voxel: scene.sampling.rays_per_voxel,
     };
     let dims = dims.map(|side| u32::try_from(side).unwrap_or(u32::MAX));
-    Ok(Plan::new(
-        view(scene, spacing)?,
-        dims,
-        Spacing(spacing.map(factor)),
-        sampling,
-    )?)
+    Ok(Plan::new(view, dims, Spacing(spacing.map(factor)), sampling)?)
 }
 
 /// The length of a ray's step between two sample planes, in the unit of the spacing.
@@ -271,4 +297,43 @@ pub fn set_up(scene: &Scene, volume: &Volume) -> Result<Setup, CameraError> {
         step_length: step_length(scene, &plan, volume.spacing),
         plan,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spacings_that_leave_no_view_are_named() {
+        let scene = slicecast_scene::file::built_in(slicecast_scene::file::DEFAULT).unwrap();
+        let planned = |spacing| plan(&scene, [4; 3], spacing);
+        for spacing in [
+            [1e-320; 3],
+            [1e-320, 1.0, 1.0],
+            [1.0, 1e308, 1.0],
+            [1.0, f64::NAN, 1.0],
+            [1.0, 1.0, 0.0],
+            [-1.0, 1.0, 1.0],
+            [1.0, 32769.0, 1.0],
+        ] {
+            let error = planned(spacing).unwrap_err();
+            assert!(matches!(error, CameraError::Spacing { .. }), "{spacing:?}: {error}");
+        }
+        let error = planned([1e-9, 1.0, 1.0]).unwrap_err().to_string();
+        assert!(
+            error.starts_with("a voxel spacing of 1e-9 x 1 x 1; accepted: 1e-100 to 1e100 along "),
+            "{error}"
+        );
+        for (spacing, factors) in [
+            ([1.0, 32768.0, 1.0], [32768, 1, 32768]),
+            ([1e-100; 3], [32768; 3]),
+            ([1e100; 3], [32768; 3]),
+        ] {
+            let plan = planned(spacing).unwrap();
+            let [i, j, k] = plan.spacing().map(Intensity::to_bits);
+            // The default scene looks along y.
+            assert_eq!([i, k, j], factors, "{spacing:?}");
+            assert!(step_length(&scene, &plan, spacing).is_normal());
+        }
+    }
 }

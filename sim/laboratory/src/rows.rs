@@ -57,6 +57,10 @@ pub struct Row {
     pub samples_per_second: f64,
     /// Speed over that of the base configuration, measured in turns with it.
     pub relative_speed: f64,
+    /// How far that ratio scatters over the rounds: half the distance between its quartiles, as a share of the median;
+    /// `None` of fewer than four rounds, and in rows of earlier versions.
+    #[serde(default)]
+    pub speed_spread: Option<f64>,
     /// Frames of which the fastest counts.
     pub rounds: u32,
     /// Threads that rendered them.
@@ -266,6 +270,7 @@ pub(crate) mod tests {
             stages: Vec::new(),
             samples_per_second: 1e8 * speed,
             relative_speed: speed,
+            speed_spread: None,
             rounds: 3,
             threads: 1,
             lanes: "scalar".into(),

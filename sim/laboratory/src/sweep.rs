@@ -3,13 +3,12 @@
 //! Configurations are taken in batches. The errors of a batch are gathered first, view by view; then its frames are
 //! rendered in turns, round after round, each after a frame of the base configuration, and the fastest of each counts. A
 //! speed is also related to that of the base's frames beside it, so that rows of several runs and machines can stand in
-//! one table.
-
-use std::time::Duration;
+//! one table, and how far that ratio scatters from round to round stands beside it.
 
 use super::catalogue::{BASE, Configuration};
 use super::measure::{Bench, Measured, narrowed, samples};
 use super::rows::{Row, StageRow};
+use slicecast_bench::spread::spread;
 use slicecast_compare::image::ImageFigures;
 use slicecast_compare::stages::StageErrors;
 use slicecast_compare::{ModelPositions, model};
@@ -179,17 +178,34 @@ fn stepped<'a>(prepared: &Prepared<'a>, configuration: &Configuration) -> Prepar
     stepped
 }
 
-/// The fastest frames of a configuration and of the base beside it.
-#[derive(Clone, Copy)]
+/// Seconds that the frames of a configuration, and those of the base beside them, took: one of each a round.
+#[derive(Clone, Default)]
 struct Times {
-    own: Duration,
-    base: Duration,
+    own: Vec<f64>,
+    base: Vec<f64>,
     /// Checksum of the configuration's frame.
     bits: u64,
 }
 
-/// The fastest frame of each configuration and of the base, in turns: each frame of a configuration follows one of the
-/// base.
+impl Times {
+    /// The fastest frame.
+    fn fastest(times: &[f64]) -> f64 {
+        times.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Speed over that of the base.
+    fn ratio(&self) -> f64 {
+        Self::fastest(&self.base) / Self::fastest(&self.own)
+    }
+
+    /// How far the ratio scatters from round to round. What disturbs both frames of a round alike is not in it.
+    fn spread(&self) -> Option<f64> {
+        let rounds = self.base.iter().zip(&self.own);
+        spread(&rounds.map(|(base, own)| base / own).collect::<Vec<_>>())
+    }
+}
+
+/// The frames of each configuration and of the base, in turns: each frame of a configuration follows one of the base.
 fn timed(
     (view, model): (&Prepared<'_>, &Model<'_>),
     all: &[Configuration],
@@ -202,12 +218,7 @@ fn timed(
     let stepped: Vec<_> = batch.iter().map(|(_, c)| (*c, stepped(view, c))).collect();
     let timed = on_threads(Some(options.timing_threads), || {
         with_slices(view.volume, view.setup.plan.view(), |slices| {
-            let slowest = Times {
-                own: Duration::MAX,
-                base: Duration::MAX,
-                bits: 0,
-            };
-            let mut fastest = vec![slowest; batch.len()];
+            let mut all_times = vec![Times::default(); batch.len()];
             let frame = |configuration: &Configuration, prepared: &Prepared<'_>| {
                 configuration.runner.time(Bench {
                     prepared,
@@ -216,18 +227,16 @@ fn timed(
                 })
             };
             for round in 0..options.rounds {
-                for (times, (configuration, prepared)) in fastest.iter_mut().zip(&stepped) {
+                for (times, (configuration, prepared)) in all_times.iter_mut().zip(&stepped) {
                     let before = frame(base, view)?;
                     let own = frame(configuration, prepared)?;
-                    *times = Times {
-                        own: times.own.min(own.time),
-                        base: times.base.min(before.time),
-                        bits: own.bits,
-                    };
+                    times.own.push(own.time.as_secs_f64());
+                    times.base.push(before.time.as_secs_f64());
+                    times.bits = own.bits;
                 }
                 steps(round as usize + 1);
             }
-            Ok::<_, RenderError>(fastest)
+            Ok::<_, RenderError>(all_times)
         })
         .map_err(RenderError::from)?
     })??;
@@ -262,8 +271,9 @@ fn row(
         image: ImageFigures::together(&found.images),
         views: found.images,
         stages: stages.collect(),
-        samples_per_second: samples(&first.setup.plan) as f64 / times.own.as_secs_f64(),
-        relative_speed: times.base.as_secs_f64() / times.own.as_secs_f64(),
+        samples_per_second: samples(&first.setup.plan) as f64 / Times::fastest(&times.own),
+        relative_speed: times.ratio(),
+        speed_spread: times.spread(),
         rounds: options.rounds,
         threads: options.timing_threads,
         lanes: narrowed(first.simd).name().to_owned(),
@@ -275,6 +285,23 @@ mod tests {
     use super::super::catalogue;
     use super::super::shards::{merge, shard};
     use super::*;
+
+    /// A machine that becomes slower disturbs both frames of a round, and their ratio not at all.
+    #[test]
+    fn the_spread_is_that_of_the_rounds_ratios() {
+        let times = Times {
+            own: vec![1.0, 1.5, 2.0, 4.0],
+            base: vec![2.0, 3.0, 4.0, 8.0],
+            bits: 0,
+        };
+        assert_eq!((times.ratio(), times.spread()), (2.0, Some(0.0)));
+        // Ratios of 2, 1.5, 2, 2.5: quartiles 1.875 and 2.125.
+        let scattered = Times {
+            base: vec![2.0, 2.25, 4.0, 10.0],
+            ..times
+        };
+        assert_eq!((scattered.ratio(), scattered.spread()), (2.0, Some(0.0625)));
+    }
     use slicecast_volume::mapping::Window;
     use slicecast_volume::open::load;
 

@@ -22,8 +22,8 @@ pub const PLANES_PER_VOXEL: RangeInclusive<i64> = 1..=16;
 pub const RAYS_PER_VOXEL: RangeInclusive<i64> = 1..=8;
 /// The length that opacities refer to, in the volume's unit.
 pub const UNIT_DISTANCE: RangeInclusive<f64> = 1e-6..=1e6;
-/// Data values of a transfer function's points.
-pub const VALUE: RangeInclusive<f64> = -1e12..=1e12;
+/// Data values of a transfer function's points: all of 64-bit integers and of single precision.
+pub const VALUE: RangeInclusive<f64> = -1e100..=1e100;
 /// Points of a transfer function.
 pub const POINTS: RangeInclusive<usize> = 1..=4096;
 /// Lights of a lit scene.
@@ -170,11 +170,17 @@ pub(super) fn number(field: &str, value: f64, range: RangeInclusive<f64>) -> Res
     if range.contains(&value) {
         return Ok(());
     }
-    Err(FieldError::new(
-        field,
-        value,
-        format!("a number from {} to {}", range.start(), range.end()),
-    ))
+    let expected = format!("a number from {} to {}", shown(*range.start()), shown(*range.end()));
+    Err(FieldError::new(field, shown(value), expected))
+}
+
+/// A number for a message: one of very many digits with its exponent.
+pub fn shown(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        v if !(1e-6..1e15).contains(&v) && v.is_finite() => format!("{value:e}"),
+        _ => value.to_string(),
+    }
 }
 
 /// A whole number in a range that fits 32 bits.
@@ -249,5 +255,21 @@ mod tests {
             "render.early_termination"
         );
         assert_eq!(refused(|s, _| s.transfer.points.swap(0, 1)), "transfer.points[1].value");
+    }
+
+    #[test]
+    fn values_of_64_bits_can_be_stated_and_those_beyond_are_shown_in_few_digits() {
+        let mut scene = file::built_in(file::DEFAULT).unwrap();
+        let last = scene.transfer.points.len() - 1;
+        let mut stated = |value| {
+            scene.transfer.points[last].value = value;
+            scene.check().map_err(|error| error.to_string())
+        };
+        assert_eq!(stated(u64::MAX as f64), Ok(()));
+        assert_eq!(stated(f64::from(f32::MAX)), Ok(()));
+        let expected = format!("`transfer.points[{last}].value` is 2.5e120, expected a number from -1e100 to 1e100");
+        assert_eq!(stated(2.5e120), Err(expected));
+        let numbers = [0.0, -0.5, 100.0, 1e-320, f64::INFINITY, 1e15].map(shown);
+        assert_eq!(numbers, ["0", "-0.5", "100", "1e-320", "inf", "1e15"]);
     }
 }

@@ -21,7 +21,8 @@ use super::tables;
 /// definitions ray by ray.
 ///
 /// Synthetic fog, in which nothing can be skipped, and a volume (the built-in head, or the one given) as bone. All
-/// subjects of a section take turns, and the shortest time of each counts. A frame is all sample planes folded into the
+/// subjects of a section take turns, and the shortest time of each counts; how far the others scatter is shown beside it.
+/// A frame is all sample planes folded into the
 /// base plane: no reading, no preparation, no final warp. Samples are all that lie in the volume, skipped or not.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -78,7 +79,8 @@ enum Field {
 }
 
 impl Field {
-    fn subjects(self) -> Vec<Subject> {
+    /// The subjects, where "all" are so many threads: of one thread, each only once.
+    fn subjects(self, threads: usize) -> Vec<Subject> {
         let fixed = PrecisionName::ALL.into_iter().rev().map(Engine::Fixed);
         let rays = [PrecisionName::Compact, PrecisionName::Wide].map(Engine::Rays);
         let mut subjects = Vec::new();
@@ -90,8 +92,12 @@ impl Field {
                         simd,
                         all_threads,
                     };
-                    if self.holds(subject) {
-                        subjects.push(subject);
+                    let measured = Subject {
+                        all_threads: all_threads && threads > 1,
+                        ..subject
+                    };
+                    if self.holds(subject) && !subjects.contains(&measured) {
+                        subjects.push(measured);
                     }
                 }
             }
@@ -181,7 +187,8 @@ impl Bench {
     fn section(&mut self, name: &str, scene: &Scene, volume: &Volume, field: Field) -> Result<(), Failure> {
         let field = if self.full { Field::Everybody } else { field };
         let (samples, rows) = with_bar(name, |progress| {
-            measure(scene, volume, &field.subjects(), self.frames, &self.threads, progress)
+            let subjects = field.subjects(self.threads.count());
+            measure(scene, volume, &subjects, self.frames, &self.threads, progress)
         })?;
         let millions = samples as f64 / 1e6;
         println!(
@@ -296,7 +303,8 @@ impl Args {
         let threads = Threads::start(self.threads)?;
         let machine = Machine::this(threads.count());
         println!(
-            "{}; {} threads; vectors: {}; shortest of {} frames each\n",
+            "{}; {} threads; vectors: {}; shortest of {} frames each;\n\
+             ±: half the distance between the quartiles of the frames' times, of the median\n",
             machine.processor,
             machine.threads,
             machine.widths.join(", "),
@@ -332,5 +340,34 @@ impl Args {
             println!("wrote {}", path.display());
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Wherever "all threads" are one, nothing is measured, and shown, twice; and nothing is left out.
+    #[test]
+    fn one_thread_gives_each_row_once() {
+        for field in [
+            Field::Vectors,
+            Field::Scalars,
+            Field::Widest,
+            Field::Growth,
+            Field::Everybody,
+        ] {
+            let of = |threads| field.subjects(threads);
+            let engines = |subjects: &[Subject]| {
+                let mut names: Vec<_> = subjects.iter().map(|s| (s.engine.name(), s.simd.name())).collect();
+                names.dedup();
+                names
+            };
+            let one = of(1);
+            assert!(one.iter().all(|subject| !subject.all_threads));
+            assert_eq!(engines(&one).len(), one.len());
+            assert_eq!(engines(&one), engines(&of(2)));
+        }
+        assert_eq!(Field::Widest.subjects(2).len(), 2 * Field::Widest.subjects(1).len());
     }
 }

@@ -136,7 +136,9 @@ impl Args {
         println!();
         let mut lines = tables::image_lines(scene.precision.name(), &comparison).to_vec();
         let split = if self.converged {
-            let split = on_threads(self.threads.count(), || split(&prepared, &comparison))??;
+            let split = with_bar("converging", |progress| {
+                on_threads(self.threads.count(), || split(&prepared, &comparison, progress))
+            })??;
             lines.extend(tables::split_lines(&split));
             Some(split)
         } else {
@@ -149,10 +151,11 @@ impl Args {
             );
         }
         if prepared.table.underflows > 0 {
-            println!(
-                "\nnote: {} table entries are visible in the transfer function and fall to 0 in the table",
+            let note = format!(
+                "note: {} table entries are visible in the transfer function and fall to 0 in the table",
                 prepared.table.underflows
             );
+            println!("\n{}", tables::paragraph(&note, "  "));
         }
         if let Some(path) = &self.json {
             let figures = Figured {

@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use slicecast_compare::explain::{ExplainError, Explanation, explain, ray_of};
+use slicecast_compare::explain::{ExplainError, Explanation, Sample, Values, explain, ray_of};
+use slicecast_compare::stages::Stage;
 use slicecast_engine::frame::Prepared;
 
 use super::Failure;
 use super::inputs::{SceneArgs, VolumeArgs};
 use super::output::{check_free, write_file};
-use super::tables::{header, short};
+use super::tables::{page_header, paragraph, short};
 
 impl From<ExplainError> for Failure {
     fn from(error: ExplainError) -> Self {
@@ -58,6 +59,10 @@ pub struct Args {
     force: bool,
 }
 
+/// What the columns of stages mean.
+const ERRORS: &str = "Errors of stages against the f64 model from the beginning, ulp of the stage's format. place: the \
+                      sample's position; T, C: transparency and colour of the pixel so far.";
+
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
@@ -97,37 +102,33 @@ impl Args {
             println!("Nothing on this ray is visible: it shows the background. --all lists its samples.");
             return;
         }
-        let mut names: Vec<&str> = Vec::new();
-        for values in explanation.samples.iter().flat_map(|sample| &sample.stages) {
-            if !names.contains(&values.stage) {
-                names.push(values.stage);
-            }
-        }
-        let mut columns = vec!["plane", "sample", "f64", "opacity", "f64"];
-        columns.extend(names.iter().copied());
-        let mut table = header(&columns);
-        for sample in explanation.samples.iter().filter(|sample| self.all || sample.folded) {
-            let find = |name: &str| sample.stages.iter().find(|values| values.stage == name);
+        let shown = || explanation.samples.iter().filter(|sample| self.all || sample.folded);
+        let mut table = page_header(&["plane", "sample", "f64", "opacity", "f64"]);
+        for sample in shown() {
             let mut cells = vec![sample.plane.to_string()];
-            for stage in ["interpolation", "classification: opacity"] {
-                let values = find(stage);
+            for stage in [Stage::Interpolation, Stage::Opacity] {
+                let values = find(sample, stage);
                 let number = |value: Option<&f64>| value.map_or("-".into(), |value| format!("{value:.6}"));
                 cells.push(number(values.and_then(|values| values.fixed.first())));
                 cells.push(number(values.and_then(|values| values.exact.first())));
             }
-            cells.extend(
-                names
-                    .iter()
-                    .map(|name| find(name).map_or("-".into(), |values| short(values.error_ulp))),
-            );
             table.add_row(cells);
         }
         println!("{table}");
-        println!(
-            "\nSamples: codes, 0 to 4095; opacities: of one step, 0 to 1. Stages: error against the f64 model from the \
-             beginning, ulp of the stage's format.\n"
-        );
-        let mut table = header(&["error came from", "red", "green", "blue"]);
+        println!("\nSamples: codes, 0 to 4095; opacities: of one step, 0 to 1.\n");
+        let any = |stage: &Stage| explanation.samples.iter().any(|sample| find(sample, *stage).is_some());
+        let stages: Vec<Stage> = Stage::ALL.into_iter().filter(any).collect();
+        let heads: Vec<&str> = stages.iter().map(|stage| stage.head()).collect();
+        let mut table = page_header(&[&["plane"], &heads[..]].concat());
+        for sample in shown() {
+            let error = |stage: &Stage| find(sample, *stage).map_or("-".into(), |values| short(values.error_ulp));
+            let mut cells = vec![sample.plane.to_string()];
+            cells.extend(stages.iter().map(error));
+            table.add_row(cells);
+        }
+        println!("{table}");
+        println!("\n{}\n", paragraph(ERRORS, ""));
+        let mut table = page_header(&["error came from", "red", "green", "blue"]);
         for share in &explanation.shares {
             let mut cells = vec![share.stage.to_owned()];
             cells.extend(share.lsb8.map(|value| format!("{value:+.5}")));
@@ -151,6 +152,11 @@ impl Args {
         line("pipeline", explanation.fixed);
         line("f64     ", explanation.exact);
     }
+}
+
+/// What a sample has of a stage.
+fn find(sample: &Sample, stage: Stage) -> Option<&Values> {
+    sample.stages.iter().find(|values| values.stage == stage.name())
 }
 
 /// A line a sample, stage and component.

@@ -8,7 +8,7 @@ use slicecast_laboratory::hard::{Case, Size, run};
 use super::Failure;
 use super::output::{check_free, write_file};
 use super::progress::with_bar;
-use super::tables::{header, short};
+use super::tables::{page_header, paragraph, short};
 
 /// Run the hard cases: what theory expects, what each precision gives, and whether it keeps to its limit.
 #[derive(clap::Args)]
@@ -49,23 +49,16 @@ impl Args {
 }
 
 fn print(cases: &[Case], all: bool) {
-    let mut columns = vec!["group", "case", "figure", "theory"];
+    let mut columns = vec!["case", "figure", "theory"];
     columns.extend(NAMED);
-    columns.extend(["verdict", "Squeeze", "study"]);
-    let mut table = header(&columns);
-    // Words, not figures: case, figure, and what Squeeze and the study say.
-    let last = columns.len() - 1;
-    for (_, column) in table
-        .column_iter_mut()
-        .enumerate()
-        .filter(|(place, _)| [1, 2, last - 1, last].contains(place))
-    {
-        column.set_cell_alignment(CellAlignment::Left);
+    columns.push("verdict");
+    let mut table = page_header(&columns);
+    if let Some(figure) = table.column_mut(1) {
+        figure.set_cell_alignment(CellAlignment::Left);
     }
     for case in cases {
         let mut cells = vec![
-            case.group.to_owned(),
-            case.name.clone(),
+            format!("{}: {}", case.group, case.name),
             case.quantity.to_owned(),
             short(case.expected),
         ];
@@ -74,13 +67,21 @@ fn print(cases: &[Case], all: bool) {
             cells.push(outcome.map_or("-".into(), |outcome| short(outcome.value)));
         }
         cells.push(if case.holds() { "holds" } else { "FAILS" }.into());
-        cells.extend([&case.paper, &case.study].map(|text| text.clone().unwrap_or_default()));
         table.add_row(cells);
     }
     println!("{table}\n");
+    for case in cases {
+        for (whose, says) in [("Squeeze", &case.paper), ("study", &case.study)] {
+            if let Some(says) = says {
+                let line = format!("{}: {}; {whose}: {says}", case.group, case.name);
+                println!("{}", paragraph(&line, "  "));
+            }
+        }
+    }
+    println!();
     let shown = |case: &&Case| all || !case.outcomes.iter().any(|o| NAMED.contains(&o.who.as_str()));
     for case in cases.iter().filter(shown) {
-        println!(
+        let heading = format!(
             "{}: {}; {}; theory: {} ({})",
             case.group,
             case.name,
@@ -88,6 +89,7 @@ fn print(cases: &[Case], all: bool) {
             short(case.expected),
             case.theory
         );
+        println!("{}", paragraph(&heading, "    "));
         for outcome in &case.outcomes {
             let limit = outcome
                 .allowed
@@ -95,12 +97,12 @@ fn print(cases: &[Case], all: bool) {
             println!("  {:<40} {:>12}{limit}", outcome.who, short(outcome.value));
         }
         if let Some(note) = &case.note {
-            println!("  note: {note}");
+            println!("{}", paragraph(&format!("  note: {note}"), "    "));
         }
     }
     for case in cases {
         for outcome in case.failures() {
-            println!(
+            let line = format!(
                 "FAILS: {}: {}: {}: {} instead of {} within {}",
                 case.group,
                 case.name,
@@ -109,6 +111,7 @@ fn print(cases: &[Case], all: bool) {
                 case.expected,
                 outcome.allowed.unwrap_or(f64::NAN)
             );
+            println!("{}", paragraph(&line, "  "));
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What several subcommands take: a volume, a scene and what overrides its fields.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -7,7 +8,8 @@ use crate::presets;
 use clap::ValueEnum;
 use slicecast_engine::simd::Simd;
 use slicecast_scene::View;
-use slicecast_scene::import::{self, Shading};
+use slicecast_scene::check;
+use slicecast_scene::import::Shading;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
 use slicecast_volume::dicom::Choice;
 use slicecast_volume::mapping::Window;
@@ -18,6 +20,25 @@ use slicecast_volume::statistics::Statistics;
 use slicecast_volume::values::{Decoded, Endian, Orientation, ValueType};
 
 use super::Failure;
+use super::named_scene::{NamedScene, Transfer, is_fitted};
+
+/// The parser of a number that a scene's field may have.
+pub fn number_in(range: RangeInclusive<f64>) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        let [low, high] = [range.start(), range.end()].map(|end| check::shown(*end));
+        number.ok_or_else(|| format!("expected a number from {low} to {high}"))
+    }
+}
+
+/// As [`number_in`], of a whole number.
+pub fn whole_in(range: RangeInclusive<i64>) -> impl Fn(&str) -> Result<u32, String> + Clone {
+    move |text| {
+        let number = text.parse::<i64>().ok().filter(|number| range.contains(number));
+        let number = number.and_then(|number| u32::try_from(number).ok());
+        number.ok_or_else(|| format!("expected a whole number from {} to {}", range.start(), range.end()))
+    }
+}
 
 /// Numbers separated by `x` or commas.
 fn numbers<T: FromStr, const N: usize>(text: &str, separator: char, example: &str) -> Result<[T; N], String> {
@@ -195,11 +216,11 @@ enum BlendArg {
 pub struct SceneArgs {
     /// A scene file (TOML), or a name: headsq, ct-bone, ct-soft-tissue, ct-vessels, ct-fog, ct-fog8, or, fitted to the
     /// volume's histogram, mr, labels, fog. Without it, the one that fits the volume.
-    #[arg(long)]
-    scene: Option<PathBuf>,
+    #[arg(long, value_parser = NamedScene::parser())]
+    scene: Option<NamedScene>,
     /// The transfer function of another program in place of the scene's: 3D Slicer (.vp, .vp.json), ParaView (.json).
-    #[arg(long, value_name = "FILE")]
-    transfer: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = Transfer::parser())]
+    transfer: Option<Transfer>,
     /// The side of the patient on which the viewer stands; without it, the scene's view.
     #[arg(long, value_name = "SIDE", value_parser = ["anterior", "posterior", "left", "right", "superior", "inferior"])]
     view: Option<String>,
@@ -216,34 +237,36 @@ pub struct SceneArgs {
     #[arg(long)]
     blend: Option<BlendArg>,
     /// Sample planes per voxel, 1 to 16; without it, the scene's.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole_in(check::PLANES_PER_VOXEL))]
     planes: Option<u32>,
     /// Rays per voxel along each side, 1 to 8; without it, the scene's.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole_in(check::RAYS_PER_VOXEL))]
     rays: Option<u32>,
     /// Turn of the viewer about the vertical axis, degrees; without it, the scene's.
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = number_in(check::TURN))]
     azimuth: Option<f64>,
     /// Height of the viewer, degrees; without it, the scene's.
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = number_in(check::ELEVATION))]
     elevation: Option<f64>,
 }
 
 impl SceneArgs {
     /// The scene as it was asked for, for headings.
     pub fn name(&self) -> String {
-        match &self.scene {
-            Some(path) => path
-                .file_name()
-                .unwrap_or(path.as_os_str())
-                .to_string_lossy()
-                .into_owned(),
-            None => "the fitting scene".into(),
-        }
+        let asked = self.scene.as_ref().map(NamedScene::name);
+        asked.unwrap_or_else(|| "the fitting scene".into())
     }
 
     /// Reads the scene and applies the overrides, without a volume.
     pub fn load(&self) -> Result<Scene, Failure> {
+        if let Some(NamedScene::Known(name)) = &self.scene
+            && is_fitted(name)
+        {
+            return Err(Failure::input(format!(
+                "--scene {name}: is fitted to the values of a volume, and there is none here; accepted: a TOML file, or one of {}",
+                slicecast_scene::file::BUILT_IN.map(|(known, _)| known).join(", ")
+            )));
+        }
         self.finish(self.read(slicecast_scene::file::DEFAULT, None)?)
     }
 
@@ -272,31 +295,30 @@ impl SceneArgs {
 
     /// The scene as named, before overrides.
     fn read(&self, default: &str, fitted: Option<(&Loaded, &Statistics)>) -> Result<Scene, Failure> {
-        let path = self.scene.clone().unwrap_or_else(|| default.into());
-        let name = path.to_str().unwrap_or("");
-        let built_in = slicecast_scene::file::BUILT_IN.iter().any(|(known, _)| *known == name);
+        let name = match &self.scene {
+            Some(NamedScene::File(_, scene)) => return Ok(Scene::clone(scene)),
+            Some(NamedScene::Known(name)) => name,
+            None => default,
+        };
         let read = match fitted {
-            _ if path.exists() && self.scene.is_some() => slicecast_scene::file::read(&path),
-            Some((loaded, statistics)) if presets::NAMES.contains(&name) && (self.scene.is_none() || !built_in) => {
+            Some((loaded, statistics)) if self.scene.is_none() || is_fitted(name) => {
                 presets::scene(name, &loaded.volume, statistics)
             }
-            _ if built_in => slicecast_scene::file::built_in(name),
-            _ => slicecast_scene::file::read(&path),
+            _ => slicecast_scene::file::built_in(name),
         };
         read.map_err(Failure::input)
     }
 
     /// Applies the overrides.
     fn finish(&self, mut scene: Scene) -> Result<Scene, Failure> {
-        if let Some(path) = &self.transfer {
-            let imported = import::read(path).map_err(Failure::input)?;
+        if let Some(Transfer { path, imported }) = &self.transfer {
             imported
                 .notes
                 .iter()
                 .for_each(|note| eprintln!("note: {}: {note}", path.display()));
-            scene.transfer = imported.transfer;
-            match imported.shading {
-                Some(Shading::On(lighting)) => scene.lighting = Some(lighting),
+            scene.transfer = imported.transfer.clone();
+            match &imported.shading {
+                Some(Shading::On(lighting)) => scene.lighting = Some(lighting.clone()),
                 Some(Shading::Off) => scene.lighting = None,
                 None => {}
             }

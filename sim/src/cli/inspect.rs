@@ -7,6 +7,7 @@ use serde::Serialize;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::pipelines::Job;
 use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_volume::Volume;
 use slicecast_volume::open::Loaded;
 use slicecast_volume::statistics::Statistics;
 use slicecast_volume::values::{Decoded, Modality};
@@ -28,27 +29,30 @@ pub struct Args {
     json: bool,
 }
 
-/// The figures of a volume, as JSON shows them.
+/// The figures of a volume, as JSON shows them. `docs/formats.md` lists the keys, and a test holds the two together.
 #[derive(Serialize)]
 struct Facts<'a> {
     name: &'a str,
     dims: [usize; 3],
     spacing: [f64; 3],
     orientation: String,
+    modality: &'static str,
     value_type: &'static str,
     value_scale: f64,
     value_offset: f64,
     range: [f64; 2],
     stated_window: Option<[f64; 2]>,
-    modality: &'static str,
-    /// CRC-32 of the stored values as little-endian bytes, x fastest, in the volume's axes.
     crc32: String,
+    mapping: String,
     mapped_window: [f64; 2],
     codes_per_unit: f64,
     lossless: bool,
     clipped: [u64; 2],
-    presets: &'a [&'static str],
+    scene: &'static str,
+    scene_reason: String,
+    presets: Vec<&'static str>,
     notes: &'a [String],
+    warnings: Vec<String>,
 }
 
 impl Args {
@@ -59,8 +63,7 @@ impl Args {
         let read = started.elapsed().as_secs_f64();
         let loaded = self.volume.map(&decoded)?;
         let statistics = Statistics::of(&loaded.volume);
-        let fitting = presets::fitting(&loaded, &statistics);
-        let facts = facts(&decoded, &loaded, &fitting);
+        let facts = facts(&decoded, &loaded, &statistics)?;
         if self.json {
             let text = serde_json::to_string_pretty(&facts).map_err(Failure::machine)?;
             println!("{text}");
@@ -94,45 +97,86 @@ impl Args {
             println!("file window  {low} to {high} (--window file)");
         }
         println!("checksum     {} (CRC-32 of the stored values)", facts.crc32);
-        println!(
-            "mapping      {}",
-            loaded.report.to_string().replace('\n', "\n             ")
-        );
+        println!("mapping      {}", facts.mapping.replace('\n', "\n             "));
         for note in facts.notes {
             println!("note         {note}");
         }
+        for warning in &facts.warnings {
+            println!("warning      {warning}");
+        }
         println!("\n{}", histogram(&loaded, &statistics));
-        let (first, reason) = presets::suggest(&loaded, &statistics);
-        println!("scenes       {} (the first by default: {reason})", fitting.join(", "));
-        cost(first, &loaded, &statistics)
+        println!(
+            "scenes       {} (the first by default: {})",
+            facts.presets.join(", "),
+            facts.scene_reason
+        );
+        cost(facts.scene, &loaded, &statistics)
     }
 }
 
-fn facts<'a>(decoded: &'a Decoded, loaded: &'a Loaded, presets: &'a [&'static str]) -> Facts<'a> {
-    Facts {
+fn facts<'a>(decoded: &'a Decoded, loaded: &Loaded, statistics: &Statistics) -> Result<Facts<'a>, Failure> {
+    let (scene, scene_reason) = presets::suggest(loaded, statistics);
+    Ok(Facts {
         name: decoded.name(),
         dims: decoded.dims(),
         spacing: decoded.spacing(),
         orientation: decoded.orientation().to_string(),
-        value_type: decoded.values().value_type().name(),
-        value_scale: decoded.value_scale(),
-        value_offset: decoded.value_offset(),
-        range: loaded.report.range,
-        stated_window: decoded.stated_window(),
         modality: match decoded.modality() {
             Some(Modality::Ct) => "CT",
             Some(Modality::Mr) => "MR",
             Some(Modality::Other) => "other",
             None => "not stated",
         },
+        value_type: decoded.values().value_type().name(),
+        value_scale: decoded.value_scale(),
+        value_offset: decoded.value_offset(),
+        range: loaded.report.range,
+        stated_window: decoded.stated_window(),
         crc32: format!("{:08x}", decoded.values().crc32()),
+        mapping: loaded.report.to_string(),
         mapped_window: loaded.report.window,
         codes_per_unit: loaded.report.codes_per_unit,
         lossless: loaded.report.lossless,
         clipped: [loaded.report.clipped_low, loaded.report.clipped_high],
-        presets,
+        scene,
+        scene_reason,
+        presets: presets::fitting(loaded, statistics),
         notes: decoded.notes(),
+        warnings: warnings(scene, loaded, statistics)?,
+    })
+}
+
+/// What may surprise in a picture of the volume by its default scene.
+fn warnings(scene: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Vec<String>, Failure> {
+    let mut warnings = Vec::new();
+    let Volume { dims, mapping, .. } = &loaded.volume;
+    if let Some(axis) = (0..3).find(|axis| dims[*axis] == 1) {
+        let axis = ["x", "y", "z"][axis];
+        warnings.push(format!(
+            "one voxel along {axis}: the volume has no thickness there, and is seen from {axis} alone"
+        ));
     }
+    for (count, side, window) in [
+        (loaded.report.clipped_low, "below", loaded.report.window[0]),
+        (loaded.report.clipped_high, "above", loaded.report.window[1]),
+    ] {
+        if count > 0 {
+            warnings.push(format!(
+                "{count} voxels {side} {window} are clipped (--window maps others)"
+            ));
+        }
+    }
+    let transfer = presets::scene(scene, &loaded.volume, statistics)
+        .map_err(Failure::input)?
+        .transfer;
+    let seen = |(code, count): (usize, &u64)| *count > 0 && transfer.evaluate(mapping.value(code as f64)).1 > 0.0;
+    if !statistics.counts().iter().enumerate().any(seen) {
+        let [low, high] = loaded.report.range;
+        warnings.push(format!(
+            "no value from {low} to {high} is visible in the scene `{scene}`"
+        ));
+    }
+    Ok(warnings)
 }
 
 /// MiB of the stored values.

@@ -7,6 +7,7 @@ mod explain;
 mod hard;
 mod inputs;
 mod inspect;
+mod named_scene;
 mod output;
 mod plan;
 mod progress;
@@ -18,6 +19,7 @@ mod table;
 mod tables;
 mod turntable;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 use slicecast_engine::error::RenderError;
 use slicecast_volume::open::LoadError;
@@ -103,6 +105,18 @@ enum Command {
 }
 
 impl Cli {
+    /// The command line; if it cannot be understood, or asks for help, the program ends here.
+    pub fn of_command_line() -> Self {
+        Self::try_parse().unwrap_or_else(|mut error| {
+            // clap takes any unknown flag for a value that was meant, which it never is here.
+            if let Some(ContextValue::StyledStrs(mut tips)) = error.remove(ContextKind::Suggested) {
+                tips.retain(|tip| !tip.to_string().contains("as a value, use"));
+                error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+            }
+            error.exit()
+        })
+    }
+
     /// Does what the command line asks.
     pub fn run(self) -> Result<(), Failure> {
         match self.command {

@@ -1,8 +1,10 @@
 //! `slicecast plan`.
 
+use serde::Serialize;
 use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
 use slicecast::stream::Needs;
+use slicecast::view::Axis;
 use slicecast_engine::camera::{Material, plan};
 use slicecast_engine::pipelines::{Job, compile, dispatch};
 use slicecast_scene::Blend;
@@ -13,8 +15,9 @@ use super::inputs::{SceneArgs, dims, spacing};
 
 /// Say what a scene needs in memory, before there is a volume.
 #[derive(clap::Args)]
-#[command(after_help = "Example:
-  slicecast plan --dims 64x64x64 --scene bone.toml --precision compact")]
+#[command(after_help = "Examples:
+  slicecast plan --dims 64x64x64 --scene bone.toml --precision compact
+  slicecast plan --dims 512x512x300 --spacing 0.5,0.5,1 --json")]
 pub struct Args {
     /// Sides of the volume, voxels.
     #[arg(long, value_name = "WxHxD", value_parser = dims)]
@@ -24,6 +27,30 @@ pub struct Args {
     spacing: [f64; 3],
     #[command(flatten)]
     scene: SceneArgs,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a scene needs, as JSON shows it. `docs/formats.md` lists the keys, and a test holds the two together.
+#[derive(Serialize)]
+struct Facts {
+    precision: &'static str,
+    shading: &'static str,
+    axis: &'static str,
+    reversed: bool,
+    slice: [u32; 2],
+    slices: u32,
+    base_plane: [u32; 2],
+    phases: u32,
+    planes: u32,
+    ring_slices: usize,
+    slices_bytes: usize,
+    ranges_bytes: usize,
+    scratch_bytes: usize,
+    image_bytes: usize,
+    ram_bytes: usize,
+    table_bytes: usize,
 }
 
 struct Count<'a>(&'a Plan);
@@ -54,35 +81,70 @@ impl Args {
         let needs = dispatch(&scene, &table, lights.as_ref(), Count(&plan)).map_err(Failure::input)?;
         let [slices, ranges, scratch, image] = needs.bytes();
         let [width, height, depth] = plan.dims();
-        let [base_width, base_height] = plan.base();
-        let lit = match (scene.blend, &lights) {
-            (Blend::Maximum | Blend::Minimum, _) => "projection",
-            (_, Some(_)) => "lit",
-            (_, None) => "unlit",
+        let view = plan.view();
+        let facts = Facts {
+            precision: scene.precision.name(),
+            shading: match (scene.blend, &lights) {
+                (Blend::Maximum | Blend::Minimum, _) => "projection",
+                (_, Some(_)) => "lit",
+                (_, None) => "unlit",
+            },
+            axis: match view.major() {
+                Axis::X => "x",
+                Axis::Y => "y",
+                Axis::Z => "z",
+            },
+            reversed: view.reversed(),
+            slice: [width, height],
+            slices: depth,
+            base_plane: plan.base(),
+            phases: plan.phases(),
+            planes: plan.planes(),
+            ring_slices: slices / (width as usize * height as usize * 2),
+            slices_bytes: slices,
+            ranges_bytes: ranges,
+            scratch_bytes: scratch,
+            image_bytes: image,
+            ram_bytes: slices + ranges + scratch + image,
+            table_bytes: table.bytes(),
         };
-        println!("precision          {}, {lit}", scene.precision.name());
+        if self.json {
+            let text = serde_json::to_string_pretty(&facts).map_err(Failure::machine)?;
+            println!("{text}");
+        } else {
+            facts.print();
+        }
+        Ok(())
+    }
+}
+
+impl Facts {
+    fn print(&self) {
+        let ([width, height], [base_width, base_height]) = (self.slice, self.base_plane);
+        println!("precision          {}, {}", self.precision, self.shading);
         println!(
-            "slices             {depth} of {width} x {height} voxels along {:?}",
-            plan.view().major()
+            "slices             {} of {width} x {height} voxels along {}{}",
+            self.slices,
+            self.axis,
+            if self.reversed { ", from its far end" } else { "" }
         );
         println!(
             "base plane         {base_width} x {base_height} pixels, {} phase(s), {} plane(s)",
-            plan.phases(),
-            plan.planes()
+            self.phases, self.planes
         );
         println!();
-        let ring = slices / (width as usize * height as usize * 2);
         for (name, bytes) in [
-            (format!("slices ({ring} in the ring)"), slices),
-            ("row ranges".to_owned(), ranges),
-            ("rows under way".to_owned(), scratch),
-            ("base-plane image".to_owned(), image),
+            (
+                format!("slices ({} in the ring)", self.ring_slices).as_str(),
+                self.slices_bytes,
+            ),
+            ("row ranges", self.ranges_bytes),
+            ("rows under way", self.scratch_bytes),
+            ("base-plane image", self.image_bytes),
+            ("RAM in all", self.ram_bytes),
         ] {
             println!("{name:<24}{bytes:>12} bytes");
         }
-        let ram = slices + ranges + scratch + image;
-        println!("{:<24}{ram:>12} bytes", "RAM in all");
-        println!("{:<24}{:>12} bytes (may lie in flash)", "table", table.bytes());
-        Ok(())
+        println!("{:<24}{:>12} bytes (may lie in flash)", "table", self.table_bytes);
     }
 }

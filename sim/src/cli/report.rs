@@ -14,7 +14,7 @@ use slicecast_scene::{Blend, PrecisionName, Scene};
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::output::{check_free, write_file};
-use super::progress::with_bar;
+use super::progress::with_titled_bar;
 use super::sweep::{merge_all, read_all};
 
 /// Write a report: one HTML page with pictures, errors, speed against error and the hard cases; it needs no network.
@@ -42,6 +42,9 @@ pub struct Args {
     /// Leave out the hard cases.
     #[arg(long)]
     no_hard: bool,
+    /// Leave out the error of the algorithm, against the converged integral.
+    #[arg(long)]
+    no_converged: bool,
     /// Replace a file that exists.
     #[arg(long)]
     force: bool,
@@ -68,22 +71,37 @@ impl Args {
                 ..scene.clone()
             };
             let prepared = Prepared::new(&scene, &loaded.volume)?;
-            let comparison = with_bar(&format!("{}: comparing", precision.name()), |progress| {
-                on_threads(self.threads.count(), || {
-                    compare(&prepared, ModelPositions::Pipeline, progress)
-                })
-            })??;
+            let comparison = with_titled_bar(
+                &format!("{}: comparing with the f64 model", precision.name()),
+                |progress| {
+                    on_threads(self.threads.count(), || {
+                        compare(&prepared, ModelPositions::Pipeline, progress)
+                    })
+                },
+            )??;
             comparisons.push((precision.name(), comparison));
         }
         let shown = PrecisionName::ALL
             .iter()
             .position(|p| *p == scene.precision)
             .unwrap_or(0);
-        let split = on_threads(self.threads.count(), || split(&prepared, &comparisons[shown].1))??;
+        let split = if self.no_converged {
+            None
+        } else {
+            let name = PrecisionName::ALL[shown].name();
+            Some(with_titled_bar(
+                &format!("{name}: comparing with the converged integral"),
+                |progress| {
+                    on_threads(self.threads.count(), || {
+                        split(&prepared, &comparisons[shown].1, progress)
+                    })
+                },
+            )??)
+        };
         let cases = if self.no_hard {
             Vec::new()
         } else {
-            with_bar("hard cases", |progress| hard::run(Size::Full, progress))?
+            with_titled_bar("hard cases", |progress| hard::run(Size::Full, progress))?
         };
         let contents = Contents {
             prepared: &prepared,
@@ -91,7 +109,7 @@ impl Args {
             mapping: loaded.report.to_string(),
             comparisons,
             shown,
-            split: Some(split),
+            split,
             rows,
             cases,
         };
@@ -130,7 +148,7 @@ impl Args {
             timing_threads: 1,
         };
         let mut rows = Vec::new();
-        with_bar("sweeping", |progress| {
+        with_titled_bar("sweeping", |progress| {
             on_threads(self.threads.count(), || {
                 sweep::run::<Failure>(
                     std::slice::from_ref(prepared),

@@ -5,18 +5,20 @@ use serde::Serialize;
 use slicecast_laboratory::catalogue::{BASE, Configuration};
 use slicecast_laboratory::ensemble::{Difference, spread};
 use slicecast_laboratory::parameters::Name;
-use slicecast_laboratory::pareto::on_front;
+use slicecast_laboratory::pareto::{Place, places};
 use slicecast_laboratory::rows::Row;
 
 use super::Failure;
-use super::tables::{header, short};
+use super::tables::{header, percent, short};
 
 /// What the columns mean.
 const LEGEND: &str = "\
 Errors: steps of 1/255 on the base plane against the f64 model at the positions of the full step. `worst stage`: the
 stage with the fewest right bits on its own inputs. Speeds: fastest frame of several, rendered by the host with these
-lanes and taken in turns with `compact`; `speed` is the ratio. Front: no configuration is at least as fast (to 1 %) and
-at least as exact in the mean, and clearly better in one of the two.";
+lanes and taken in turns with `compact`; `speed` is the ratio, and `± %` half the distance between its quartiles over the
+rounds. Front: no configuration is at least as fast and at least as exact in the mean, and clearly better in one of the
+two; speeds that differ by no more than they scatter (at least 1 %) are one speed. `~` would be on the front if they
+were exact.";
 
 /// What the columns of several views mean.
 const ENSEMBLE: &str = "\
@@ -59,9 +61,9 @@ pub fn table(rows: &[Row]) -> Table {
     if ensemble {
         columns.extend(["spread", "less compact", "better in"]);
     }
-    columns.extend(["PSNR dB", "worst stage", "bits", "lanes", "Msamples/s", "speed"]);
+    columns.extend(["PSNR dB", "worst stage", "bits", "lanes", "Msamples/s", "speed", "± %"]);
     let mut table = header(&columns);
-    for (row, front) in rows.iter().zip(on_front(rows)) {
+    for (row, place) in rows.iter().zip(places(rows)) {
         let worst = row
             .stages
             .iter()
@@ -69,7 +71,7 @@ pub fn table(rows: &[Row]) -> Table {
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let mut cells = vec![
             row.name.clone(),
-            if front { "*".into() } else { String::new() },
+            place.sign().into(),
             row.pixel_bytes.to_string(),
             row.table_bytes.to_string(),
             format!("{:.2}", row.image.equal_percent),
@@ -94,6 +96,7 @@ pub fn table(rows: &[Row]) -> Table {
             row.lanes.clone(),
             format!("{:.1}", row.samples_per_second / 1e6),
             format!("{:.2}", row.relative_speed),
+            percent(row.speed_spread),
         ]);
         table.add_row(cells);
     }
@@ -128,7 +131,7 @@ fn stages(rows: &[Row]) -> Vec<&str> {
 pub fn csv(rows: &[Row]) -> Result<Vec<u8>, Failure> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let stages = stages(rows);
-    let mut head: Vec<String> = ["configuration", "front"].map(str::to_owned).into();
+    let mut head: Vec<String> = ["configuration", "front", "within_spread"].map(str::to_owned).into();
     head.extend(Name::ALL.iter().map(|name| name.text().to_owned()));
     head.extend(
         [
@@ -162,6 +165,7 @@ pub fn csv(rows: &[Row]) -> Result<Vec<u8>, Failure> {
         [
             "samples_per_second",
             "relative_speed",
+            "speed_spread",
             "rounds",
             "threads",
             "lanes",
@@ -171,8 +175,9 @@ pub fn csv(rows: &[Row]) -> Result<Vec<u8>, Failure> {
     );
     writer.write_record(&head).map_err(Failure::machine)?;
     let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    for (row, front) in rows.iter().zip(on_front(rows)) {
-        let mut line = vec![row.name.clone(), u8::from(front).to_string()];
+    for (row, place) in rows.iter().zip(places(rows)) {
+        let mut line = vec![row.name.clone()];
+        line.extend([Place::Front, Place::WithinSpread].map(|asked| u8::from(place == asked).to_string()));
         for name in Name::ALL {
             let value = row.parameters.iter().find(|(n, _)| *n == name);
             line.push(value.map_or(String::new(), |(_, value)| value.clone()));
@@ -204,6 +209,7 @@ pub fn csv(rows: &[Row]) -> Result<Vec<u8>, Failure> {
             }
         }
         line.extend([row.samples_per_second, row.relative_speed].map(|value| value.to_string()));
+        line.push(optional(row.speed_spread));
         line.extend([
             row.rounds.to_string(),
             row.threads.to_string(),
@@ -215,10 +221,11 @@ pub fn csv(rows: &[Row]) -> Result<Vec<u8>, Failure> {
     writer.into_inner().map_err(Failure::machine)
 }
 
-/// A row and whether it is on the front.
+/// A row and whether it is on the front, or would be if speeds were exact.
 #[derive(Serialize)]
 struct Marked<'a> {
     front: bool,
+    within_spread: bool,
     #[serde(flatten)]
     row: &'a Row,
 }
@@ -227,8 +234,12 @@ struct Marked<'a> {
 pub fn json(rows: &[Row]) -> Result<Vec<u8>, Failure> {
     let marked: Vec<_> = rows
         .iter()
-        .zip(on_front(rows))
-        .map(|(row, front)| Marked { front, row })
+        .zip(places(rows))
+        .map(|(row, place)| Marked {
+            front: place == Place::Front,
+            within_spread: place == Place::WithinSpread,
+            row,
+        })
         .collect();
     serde_json::to_vec_pretty(&marked).map_err(Failure::machine)
 }

@@ -30,7 +30,7 @@ pub struct Args {
     /// Name of the array.
     #[arg(long, default_value = "table")]
     name: String,
-    /// Export to this file; without it the table is only shown.
+    /// Export to this file; without it the table is shown as a chart.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Warn of entries whose opacity is off by more than this share.
@@ -63,7 +63,15 @@ impl Args {
             Correction::Step(step),
             self.share,
         );
-        show(&prepared, &losses);
+        println!(
+            "{} entries, {} visible, {} bytes; opacities over a step of {step:.6}",
+            prepared.table.entries.len(),
+            losses.visible,
+            prepared.table.bytes()
+        );
+        if self.output.is_none() {
+            chart(&prepared);
+        }
         for warning in warnings(&losses, self.share) {
             eprintln!("warning: {warning}");
         }
@@ -104,16 +112,9 @@ fn warnings(losses: &Losses, share: f64) -> Vec<String> {
 }
 
 /// Runs of visible entries, at most 32 lines.
-fn show(prepared: &Prepared<'_>, losses: &Losses) {
+fn chart(prepared: &Prepared<'_>) {
     let table = &prepared.table;
     let value = |index: usize| prepared.volume.mapping.value(index as f64);
-    println!(
-        "{} entries, {} visible, {} bytes; opacities over a step of {:.6}",
-        table.entries.len(),
-        losses.visible,
-        table.bytes(),
-        prepared.setup.step_length
-    );
     println!("    code         value  colour   opacity a step");
     let visible: Vec<usize> = (0..table.entries.len())
         .filter(|&i| table.opacity(i).to_bits() > 0)

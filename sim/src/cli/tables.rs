@@ -1,6 +1,6 @@
 //! Error figures as text tables.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use slicecast_bench::Row;
 use slicecast_compare::image::ImageFigures;
 use slicecast_compare::stages::StageReport;
@@ -16,6 +16,31 @@ pub fn header(columns: &[&str]) -> Table {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table
+}
+
+/// Columns of a page: what is meant to be read as a whole, and fits.
+pub const PAGE: u16 = 100;
+
+/// As [`header`], of a table that breaks its words to fit the page.
+pub fn page_header(columns: &[&str]) -> Table {
+    let mut table = header(columns);
+    table
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_width(PAGE);
+    table
+}
+
+/// Text in lines that fit the page; those behind the first begin with `indent`.
+pub fn paragraph(text: &str, indent: &str) -> String {
+    textwrap::fill(
+        text,
+        textwrap::Options::new(usize::from(PAGE)).subsequent_indent(indent),
+    )
+}
+
+/// How far measurements scatter, in percent.
+pub fn percent(spread: Option<f64>) -> String {
+    spread.map_or("-".into(), |spread| format!("{:.1}", 100.0 * spread))
 }
 
 /// A figure with three significant digits, in few characters.
@@ -34,78 +59,49 @@ fn bits(figures: &Figures) -> String {
     figures.bits.map_or("exact".into(), |bits| format!("{bits:.1}"))
 }
 
-/// Errors of every stage on its own inputs, beside what Squeeze requires.
+/// What a stage's figures are shown by; JSON has the number of samples and the root mean square as well.
+const FIGURES: [&str; 6] = ["max ulp", "mean", "bias", "exact %", "bits", "Squeeze"];
+
+fn figures(f: &Figures) -> [String; 5] {
+    [
+        short(f.max_ulp),
+        short(f.mean_ulp),
+        short(f.bias_ulp),
+        format!("{:.2}", f.exact_percent),
+        bits(f),
+    ]
+}
+
+/// Errors of every stage on its own inputs, beside the bits that Squeeze requires.
 pub fn local(stages: &[StageReport]) -> Table {
-    let mut table = header(&[
-        "stage, local error",
-        "format",
-        "samples",
-        "max ulp",
-        "mean",
-        "rms",
-        "bias",
-        "exact %",
-        "bits",
-        "Squeeze",
-        "met",
-    ]);
+    let mut table = page_header(&[&["stage, local error", "format"], &FIGURES[..]].concat());
     for stage in stages {
-        let f = &stage.local;
-        table.add_row([
-            stage.name.to_owned(),
-            stage.format.clone(),
-            f.samples.to_string(),
-            short(f.max_ulp),
-            short(f.mean_ulp),
-            short(f.rms_ulp),
-            short(f.bias_ulp),
-            format!("{:.2}", f.exact_percent),
-            bits(f),
-            stage.required_bits.map_or("-".into(), |bits| bits.to_string()),
-            match stage.meets_required {
-                Some(true) => "yes",
-                Some(false) => "no",
-                None => "-",
-            }
-            .to_owned(),
-        ]);
+        let mut cells = vec![stage.name.to_owned(), stage.format.clone()];
+        cells.extend(figures(&stage.local));
+        cells.push(match (stage.required_bits, stage.meets_required) {
+            (Some(bits), Some(true)) => format!("{bits}: met"),
+            (Some(bits), _) => format!("{bits}: no"),
+            (None, _) => "-".into(),
+        });
+        table.add_row(cells);
     }
     table
 }
 
 /// Errors of every stage against the model from the beginning.
 pub fn carried(stages: &[StageReport]) -> Table {
-    let mut table = header(&[
-        "stage, carried error",
-        "format",
-        "samples",
-        "max ulp",
-        "mean",
-        "rms",
-        "bias",
-        "exact %",
-        "bits",
-    ]);
+    let mut table = page_header(&[&["stage, carried error", "format"], &FIGURES[..5]].concat());
     for stage in stages {
-        let f = &stage.carried;
-        table.add_row([
-            stage.name.to_owned(),
-            stage.format.clone(),
-            f.samples.to_string(),
-            short(f.max_ulp),
-            short(f.mean_ulp),
-            short(f.rms_ulp),
-            short(f.bias_ulp),
-            format!("{:.2}", f.exact_percent),
-            bits(f),
-        ]);
+        let mut cells = vec![stage.name.to_owned(), stage.format.clone()];
+        cells.extend(figures(&stage.carried));
+        table.add_row(cells);
     }
     table
 }
 
 /// Errors of pictures, a line each.
 pub fn images(lines: &[(String, ImageFigures)]) -> Table {
-    let mut table = header(&["8-bit values", "values", "equal %", "max step", "mean step", "PSNR dB"]);
+    let mut table = page_header(&["8-bit values", "values", "equal %", "max step", "mean step", "PSNR dB"]);
     for (name, f) in lines {
         table.add_row([
             name.clone(),
@@ -144,9 +140,12 @@ pub fn speed(rows: &[Row]) -> Table {
         "threads",
         "ms a frame",
         "M samples/s",
+        "± %",
         "ns a sample",
-        "against compact",
+        "to compact",
+        "to f32",
     ]);
+    let ratio = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}"));
     for row in rows {
         table.add_row([
             row.engine.clone(),
@@ -154,8 +153,10 @@ pub fn speed(rows: &[Row]) -> Table {
             row.threads.to_string(),
             format!("{:.2}", row.milliseconds),
             format!("{:.1}", row.samples_per_second / 1e6),
+            percent(row.spread),
             format!("{:.3}", row.nanoseconds),
-            row.against_compact.map_or("-".into(), |ratio| format!("{ratio:.2}")),
+            ratio(row.against_compact),
+            ratio(row.against_f32),
         ]);
     }
     table

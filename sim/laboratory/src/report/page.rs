@@ -5,7 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::{Contents, machine, picture, plots};
 use crate::ensemble::spread;
 use crate::hard::Case;
-use crate::pareto::on_front;
+use crate::pareto::{Place, places};
 use crate::rows::Row;
 use slicecast_compare::image::{ImageFigures, heat_map, model_picture};
 use slicecast_engine::image::Rgb;
@@ -250,7 +250,7 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
         return Ok(html! {});
     }
     let plot = plots::front(rows, "Speed against error of every configuration").map_err(|error| error.to_string())?;
-    let marked = on_front(rows);
+    let marked = places(rows);
     let mut lanes: Vec<&str> = rows.iter().map(|row| row.lanes.as_str()).collect();
     lanes.dedup();
     let most = |of: fn(&Row) -> usize| rows.iter().map(of).max().unwrap_or(1) as u64;
@@ -260,9 +260,10 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
         section {
             h2 { "Speed against error" }
             p {
-                "One point a configuration. On the line: nothing is at least as fast (to 1 %) and at least as exact in the mean, "
-                "and clearly better in one of the two. Errors are of " (views) ". Speeds are the fastest of several frames on "
-                (threads) " with " (lanes.join(", ")) ", each taken in turn with one of compact."
+                "One point a configuration. On the line, and * in the table: nothing is at least as fast and at least as exact in "
+                "the mean, and clearly better in one of the two. Speeds that differ by no more than they scatter (±, at least "
+                "1 %) are one speed; ~ would be on the line if they were exact. Errors are of " (views) ". Speeds are the fastest "
+                "of several frames on " (threads) " with " (lanes.join(", ")) ", each taken in turn with one of compact."
             }
             (PreEscaped(plot))
             div.scroll tabindex="0" role="region" aria-label="All configurations" {
@@ -270,13 +271,13 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
                     thead {
                         tr {
                             th { "configuration" } th { "bytes a pixel" } th { "table" } th { "equal %" } th { "max step" }
-                            th { "mean step" } th { "spread of views" } th { "PSNR dB" } th { "Msamples/s" } th { "speed" }
+                            th { "mean step" } th { "spread of views" } th { "PSNR dB" } th { "Msamples/s" } th { "speed" } th { "± %" }
                         }
                     }
                     tbody {
-                        @for (row, on) in rows.iter().zip(marked) {
-                            tr.front[on] {
-                                td { (row.name) }
+                        @for (row, place) in rows.iter().zip(marked) {
+                            tr.front[place == Place::Front] {
+                                td { (row.name) @if place != Place::Beaten { " " (place.sign()) } }
                                 td { (row.pixel_bytes) }
                                 td { (row.table_bytes) }
                                 td { (format!("{:.2}", row.image.equal_percent)) }
@@ -286,6 +287,7 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
                                 td { @match row.image.psnr_db { Some(db) => (format!("{db:.1}")), None => "exact" } }
                                 td { (format!("{:.1}", row.samples_per_second / 1e6)) }
                                 td { (format!("{:.2}", row.relative_speed)) }
+                                td { @match row.speed_spread { Some(share) => (format!("{:.1}", 100.0 * share)), None => "-" } }
                             }
                         }
                     }
@@ -384,7 +386,7 @@ mod tests {
         scene.sampling.rays_per_voxel = 1;
         let prepared = Prepared::new(&scene, &volume).unwrap();
         let comparison = compare(&prepared, ModelPositions::Pipeline, &|_, _| ()).unwrap();
-        let split = split(&prepared, &comparison).unwrap();
+        let split = split(&prepared, &comparison, &|_, _| ()).unwrap();
         let contents = Contents {
             prepared: &prepared,
             scene_name: "headsq",

@@ -5,7 +5,7 @@
 
 use plotters::prelude::*;
 
-use crate::pareto::on_front;
+use crate::pareto::{Place, places};
 use crate::rows::Row;
 use slicecast_compare::stages::StageReport;
 
@@ -40,6 +40,16 @@ fn finish(svg: &str, label: &str) -> String {
     svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
 }
 
+/// The label of a place on an axis: as many digits as tell it from its neighbours, and none of the noise of its sum.
+fn tick(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        0.0 => "0".into(),
+        v if v < 0.001 => format!("{rounded:e}"),
+        _ => rounded.to_string(),
+    }
+}
+
 /// Bits that every value of a stage has right on its own inputs, by precision, and what Squeeze requires.
 pub fn stages(reports: &[(&str, &[StageReport])], label: &str) -> Result<String, PlotError> {
     let mut names: Vec<(&str, Option<u32>)> = Vec::new();
@@ -65,7 +75,7 @@ pub fn stages(reports: &[(&str, &[StageReport])], label: &str) -> Result<String,
             .y_labels(0)
             .x_labels(9)
             .x_desc("fraction bits that every value has right")
-            .x_label_formatter(&|x| format!("{x:.0}"))
+            .x_label_formatter(&|x| tick(*x))
             .label_style(("sans-serif", 13).into_font().color(&INK))
             .axis_style(INK)
             .bold_line_style(FAINT)
@@ -126,14 +136,14 @@ pub fn front(rows: &[Row], label: &str) -> Result<String, PlotError> {
             .configure_mesh()
             .x_desc("speed, compact = 1 (faster to the right)")
             .y_desc("mean error, steps of 1/255 (better below)")
-            .x_label_formatter(&|x| format!("{x:.1}"))
-            .y_label_formatter(&|y| if *y < 0.001 { format!("{y:.0e}") } else { format!("{y}") })
+            .x_label_formatter(&|x| tick(*x))
+            .y_label_formatter(&|y| tick(*y))
             .label_style(("sans-serif", 13).into_font().color(&INK))
             .axis_style(INK)
             .bold_line_style(FAINT)
             .light_line_style(TRANSPARENT)
             .draw()?;
-        let marked = on_front(rows);
+        let marked: Vec<bool> = places(rows).into_iter().map(|place| place == Place::Front).collect();
         let mut front: Vec<&Row> = rows
             .iter()
             .zip(&marked)
@@ -184,6 +194,56 @@ pub fn front(rows: &[Row], label: &str) -> Result<String, PlotError> {
 mod tests {
     use super::*;
     use crate::rows::tests::row;
+
+    /// The numbers on the axes of a drawing, each line of them by itself.
+    fn ticks(svg: &str) -> Vec<Vec<String>> {
+        let mut lines: std::collections::BTreeMap<String, Vec<String>> = Default::default();
+        for text in svg.split("<text ").skip(1) {
+            let attribute = |name: &str| text.split(name).nth(1).and_then(|rest| rest.split('"').nth(1));
+            let words = text
+                .split('>')
+                .nth(1)
+                .and_then(|rest| rest.split('<').next())
+                .unwrap_or("")
+                .trim();
+            if words.parse::<f64>().is_ok() {
+                // Labels of the axis below share their height, those of the one beside it their end.
+                let place = match attribute("text-anchor=") {
+                    Some("end") => format!("x {}", attribute(" x=").or(attribute("x=")).unwrap()),
+                    _ => format!("y {}", attribute(" y=").unwrap()),
+                };
+                lines.entry(place).or_default().push(words.to_owned());
+            }
+        }
+        lines.into_values().collect()
+    }
+
+    #[test]
+    fn no_two_ticks_of_an_axis_have_one_label() {
+        for (speeds, errors) in [
+            ([0.98, 1.01], [0.0021, 0.0024]),
+            ([0.2, 3.0], [1e-5, 12.0]),
+            ([1.0, 1.0], [1.3e-4, 1.9e-4]),
+            ([0.999, 1.0], [0.0, 0.0]),
+            ([10.0, 250.0], [0.5, 0.5]),
+        ] {
+            let rows = [row("a", 0, errors[0], speeds[0]), row("b", 1, errors[1], speeds[1])];
+            let axes = ticks(&front(&rows, "").unwrap());
+            assert!(axes.len() >= 2, "{axes:?}");
+            for labels in axes {
+                let mut distinct = labels.clone();
+                distinct.sort();
+                distinct.dedup();
+                assert_eq!(distinct.len(), labels.len(), "{speeds:?} {errors:?}: {labels:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn ticks_have_no_noise() {
+        let labels = [0.1 + 0.2, 1.0, 0.05, 2e-4, 1.5e-5, 0.0, 120.0].map(tick);
+        assert_eq!(labels, ["0.3", "1", "0.05", "2e-4", "1.5e-5", "0", "120"]);
+    }
 
     #[test]
     fn the_front_names_what_is_on_it_and_has_no_ink_of_its_own() {

@@ -1,0 +1,195 @@
+//! What the program says to a mistake on the command line, and that what it prints can be read.
+
+mod support;
+
+use support::Place;
+
+/// A mistake in the scene is told before the volume is read: here there is none.
+#[test]
+fn a_wrong_scene_is_told_first_and_lists_the_right_ones() {
+    let place = Place::new();
+    let text = place.refuses("render no-such-volume.nrrd --scene bonez -o a.png");
+    assert!(text.contains("invalid value 'bonez' for '--scene <SCENE>'"), "{text}");
+    assert!(
+        text.contains("headsq, ct-bone, ct-soft-tissue, ct-vessels, ct-fog, ct-fog8,") && text.contains("labels"),
+        "{text}"
+    );
+    assert!(!text.contains("no-such-volume"), "{text}");
+    place.write(
+        "bad.toml",
+        "[view]\nelevation = 100.0\n[transfer]\npoints = [{ value = 0.0, colour = \"#ffffff\", opacity = 1.0 }]\n",
+    );
+    let text = place.refuses("render no-such-volume.nrrd --scene bad.toml -o a.png");
+    assert!(text.contains("'bad.toml'") && text.contains("`view.elevation` is 100, expected a number from -90 to 90"));
+    assert!(!text.contains("no-such-volume"), "{text}");
+    place.write("bad.vp.json", "{}");
+    let text = place.refuses("render no-such-volume.nrrd --transfer bad.vp.json -o a.png");
+    assert!(text.contains("'bad.vp.json' for '--transfer <FILE>'"), "{text}");
+    assert!(!text.contains("no-such-volume"), "{text}");
+    let text = place.refuses("plan --dims 8x8x8 --scene labels");
+    assert!(
+        text.contains("--scene labels: is fitted to the values of a volume"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_number_out_of_range_is_told_by_its_flag() {
+    let place = Place::new();
+    for (words, said) in [
+        (
+            "--elevation 100",
+            "'100' for '--elevation <DEGREES>': expected a number from -90 to 90",
+        ),
+        (
+            "--elevation nan",
+            "'nan' for '--elevation <DEGREES>': expected a number from -90 to 90",
+        ),
+        (
+            "--azimuth -361",
+            "'-361' for '--azimuth <DEGREES>': expected a number from -360 to 360",
+        ),
+        (
+            "--planes 17",
+            "'17' for '--planes <N>': expected a whole number from 1 to 16",
+        ),
+        ("--rays 0", "'0' for '--rays <N>': expected a whole number from 1 to 8"),
+        (
+            "--rays two",
+            "'two' for '--rays <N>': expected a whole number from 1 to 8",
+        ),
+    ] {
+        let text = place.refuses(&format!("render no-such-volume.nrrd {words}"));
+        assert!(text.contains(said), "{words}: {text}");
+    }
+}
+
+/// No flag is meant as a value; what clap says of flags that are alike stays.
+#[test]
+fn an_unknown_flag_is_no_value() {
+    let place = Place::new();
+    for words in ["render --blackground white", "--blackground", "bench --blackground"] {
+        let text = place.refuses(words);
+        assert!(text.contains("unexpected argument '--blackground' found"), "{text}");
+        assert!(!text.contains("as a value"), "{text}");
+    }
+    let text = place.refuses("render --elevatoin 10");
+    assert!(text.contains("a similar argument exists: '--elevation'"), "{text}");
+}
+
+/// Spacings that leave no view, and values that no scene can state, name what is at fault.
+#[test]
+fn extremes_are_refused_by_name_or_rendered() {
+    let place = Place::new();
+    let text = place.refuses("plan --dims 8x8x8 --spacing 1e-320,1,1");
+    assert!(
+        text.contains("a voxel spacing of 1e-320 x 1 x 1; accepted: 1e-100 to 1e100"),
+        "{text}"
+    );
+    let doubles = |last: f64| [0.0, 1e18, 5e18, last].map(f64::to_le_bytes).concat();
+    place.nrrd("beyond.nrrd", "double", [2, 2, 1], &doubles(1e200));
+    let text = place.refuses("render beyond.nrrd -o a.png");
+    assert!(
+        text.contains("beyond.nrrd: the scene `mr`: `transfer.points["),
+        "{text}"
+    );
+    // All of 64 bits can be rendered.
+    let integers: Vec<u8> = [0, 1 << 40, 1 << 63, u64::MAX]
+        .iter()
+        .flat_map(|v: &u64| v.to_le_bytes())
+        .collect();
+    place.nrrd("large.nrrd", "uint64", [2, 2, 1], &integers);
+    place.succeeds("render large.nrrd -o b.png");
+}
+
+/// The lines of a page have at most 100 columns.
+#[test]
+fn pages_fit_a_hundred_columns() {
+    let place = Place::new();
+    place.block("a.nrrd");
+    for words in [
+        "compare a.nrrd --scene headsq --converged",
+        "compare a.nrrd --scene headsq --precision paper",
+        "explain a.nrrd --scene headsq --ray 4,4 --all",
+        "explain a.nrrd --scene ct-fog --precision wide --ray 5,3",
+    ] {
+        let [out, _] = place.succeeds(words);
+        assert!(out.lines().count() > 15, "{words}: {out}");
+        for line in out.lines() {
+            assert!(line.chars().count() <= 100, "{words}: {line}");
+        }
+        // A word or number that was broken would begin a line of its own.
+        for word in ["compositing: colour", "transparency"] {
+            assert!(out.contains(word) || words.contains("explain"), "{words}: {out}");
+        }
+    }
+}
+
+#[test]
+fn a_table_that_is_written_is_not_drawn() {
+    let place = Place::new();
+    place.block("a.nrrd");
+    let chart = "opacity a step";
+    let [shown, _] = place.succeeds("table a.nrrd --scene ct-bone");
+    assert!(shown.contains(chart) && shown.lines().count() > 10, "{shown}");
+    let [out, _] = place.succeeds("table a.nrrd --scene ct-bone --format c -o t.h");
+    assert!(!out.contains(chart) && out.lines().count() == 2, "{out}");
+    assert!(out.contains("t.h: ") && out.contains("4096 entries"), "{out}");
+}
+
+/// Where standard error is no terminal, the parts of a report are told; and one can be left out.
+#[test]
+fn a_report_tells_its_parts_and_leaves_out_what_it_is_told_to() {
+    let place = Place::new();
+    place.block("a.nrrd");
+    let report = "report a.nrrd --scene ct-bone --no-sweep --no-hard";
+    let [_, err] = place.succeeds(&format!("{report} -o all.html"));
+    for part in [
+        "paper: comparing",
+        "compact: comparing",
+        "wide: comparing",
+        "compact: comparing with the converged integral",
+    ] {
+        assert!(err.contains(part), "{err}");
+    }
+    let [_, err] = place.succeeds(&format!("{report} --no-converged -o short.html"));
+    assert!(!err.contains("converged"), "{err}");
+    let page = |name| std::fs::read_to_string(place.path(name)).unwrap();
+    assert!(page("all.html").contains("Arithmetic and algorithm"));
+    assert!(!page("short.html").contains("Arithmetic and algorithm"));
+}
+
+/// Every speed has its spread beside it, and one thread gives each row once.
+#[test]
+fn speeds_have_a_spread_and_rows_are_told_once() {
+    let place = Place::new();
+    place.block("a.nrrd");
+    let [out, _] = place.succeeds("bench a.nrrd --scene ct-bone --sides 0 --frames 4 --threads 1 --json b.json");
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(place.path("b.json")).unwrap()).unwrap();
+    for section in report["sections"].as_array().unwrap() {
+        let mut seen = Vec::new();
+        for row in section["rows"].as_array().unwrap() {
+            let who = ["engine", "width", "threads"].map(|key| row[key].to_string());
+            assert!(!seen.contains(&who), "{who:?}");
+            seen.push(who);
+            let number = |key: &str| row[key].as_f64().unwrap_or(-1.0);
+            assert!(number("spread") >= 0.0 && number("against_f32") > 0.0, "{row}");
+            assert!(
+                number("against_compact") > 0.0 && number("samples_per_second") > 0.0,
+                "{row}"
+            );
+        }
+        assert_eq!(seen.len(), 3, "compact, wide and f32");
+    }
+    assert!(out.contains("± %") && out.contains("to f32"), "{out}");
+    let sweep = "sweep a.nrrd --scene ct-fog --only compact,paper,position-8 --rounds 4 --json s.json";
+    let [out, _] = place.succeeds(sweep);
+    assert!(out.contains("| speed | ± % |") || out.contains("speed |  ± %"), "{out}");
+    let rows: serde_json::Value = serde_json::from_slice(&std::fs::read(place.path("s.json")).unwrap()).unwrap();
+    for row in rows.as_array().unwrap() {
+        assert!(
+            row["speed_spread"].as_f64().unwrap() >= 0.0 && row["within_spread"].is_boolean(),
+            "{row}"
+        );
+    }
+}
