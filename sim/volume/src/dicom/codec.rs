@@ -3,12 +3,14 @@
 //! What the decoders allocate follows from the size that a frame's own header states, so that size is compared with the
 //! image's first. What a decoder is known to read wrongly is refused by name before.
 
-mod header;
+mod codestream;
+mod jpeg_header;
 
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
 use jpeg_decoder::Decoder;
 
-use self::header::{Codestream, JpegHeader};
+use self::codestream::Codestream;
+use self::jpeg_header::JpegHeader;
 use super::NAME;
 use super::file::Packing;
 use super::slice::PixelForm;
@@ -44,7 +46,8 @@ fn jpeg(frame: &[u8], size: [u32; 2], form: PixelForm) -> Result<Vec<u32>, Probl
     let header = JpegHeader::read(frame)?;
     header.check(size, form)?;
     header.check_jpeg()?;
-    let mut decoder = Decoder::new(frame);
+    let sealed = header.sealed(frame)?;
+    let mut decoder = Decoder::new(sealed.as_slice());
     let bytes = decoder.decode().map_err(|error| damaged("JPEG", &error))?;
     Ok(if header.precision == 8 {
         bytes.into_iter().map(u32::from).collect()
@@ -68,7 +71,7 @@ fn jpeg_ls(frame: &[u8], size: [u32; 2], form: PixelForm) -> Result<Vec<u32>, Pr
 /// JPEG 2000, with and without loss, up to 16 bits: samples pass through single precision, which holds those exactly.
 fn jpeg_2000(frame: &[u8], size: [u32; 2], form: PixelForm) -> Result<Vec<u32>, Problem> {
     let (codestream, header) = Codestream::find(frame)?;
-    header.check(size, form)?;
+    header.check(codestream, size, form)?;
     let settings = DecodeSettings {
         strict: true,
         ..DecodeSettings::default()
@@ -93,4 +96,29 @@ fn damaged(packing: &str, error: &dyn std::fmt::Display) -> Problem {
         NAME,
         format!("{packing} data are damaged or of a kind that is not read: {error}"),
     )
+}
+
+/// Compares a packed frame with the image that it should hold.
+fn compare(
+    packing: &str,
+    size: [u32; 2],
+    components: u32,
+    precision: u32,
+    expected: [u32; 2],
+    form: PixelForm,
+) -> Result<(), Problem> {
+    let [columns, rows] = expected;
+    if size != expected || components != 1 {
+        let fault = format!(
+            "a {packing} frame has {} x {} pixels of {components} components, expected {columns} x {rows} of 1",
+            size[0], size[1]
+        );
+        return Err(Problem::format(NAME, fault));
+    }
+    let room = 8 * form.bytes as u32;
+    if !(2..=room.min(16)).contains(&precision) {
+        let fault = format!("a {packing} frame has {precision} bits, expected 2 to {}", room.min(16));
+        return Err(Problem::format(NAME, fault));
+    }
+    Ok(())
 }

@@ -1,7 +1,8 @@
-//! What packed frames say of themselves, before a decoder is trusted with them.
+//! The headers of JPEG and JPEG-LS frames, read before a decoder is trusted with them.
 
 use super::super::NAME;
 use super::super::slice::PixelForm;
+use super::compare;
 use crate::error::Problem;
 
 /// The headers of a JPEG or JPEG-LS frame, up to its first scan.
@@ -20,6 +21,10 @@ pub(super) struct JpegHeader {
     interleave: u8,
     /// Low bits left out.
     point_transform: u8,
+    /// After how many samples JPEG-LS halves its statistics, if it says so.
+    reset: u16,
+    /// Where the scan's bits begin.
+    scan: usize,
 }
 
 impl JpegHeader {
@@ -63,10 +68,12 @@ impl JpegHeader {
                         return Err(Problem::format(NAME, "JPEG data have a frame header of another length"));
                     }
                 }
+                (0xf8, &[1, .., a, b]) => header.reset = u16::from_be_bytes([a, b]),
                 (0xdd, interval) => header.restarts |= interval != [0, 0],
                 (0xda, &[1, _, _, selection, interleave, low]) => {
                     (header.selection, header.interleave) = (selection, interleave);
                     header.point_transform = low & 15;
+                    header.scan = frame.len() - rest.len();
                     return Ok(header);
                 }
                 (0xda, _) => {
@@ -98,8 +105,8 @@ impl JpegHeader {
     pub fn check_jpeg(&self) -> Result<(), Problem> {
         let lossless = self.process == 0xc3;
         let found = match self.process {
-            0xc0..=0xc2 if self.precision == 8 => return Ok(()),
-            0xc0..=0xc2 => format!("JPEG with loss of {} bits", self.precision),
+            0xc0 | 0xc1 if self.precision == 8 => return Ok(()),
+            0xc0 | 0xc1 => format!("JPEG with loss of {} bits", self.precision),
             0xc3 if self.restarts => "lossless JPEG with restart markers".into(),
             0xc3 if self.point_transform != 0 => "lossless JPEG with a point transform".into(),
             0xc3 if !(1..=7).contains(&self.selection) => format!("lossless JPEG with predictor {}", self.selection),
@@ -119,98 +126,34 @@ impl JpegHeader {
         let found = match self.process {
             0xf7 if self.restarts => "JPEG-LS with restart markers".into(),
             0xf7 if self.interleave != 0 || self.point_transform != 0 => "JPEG-LS with a point transform".into(),
+            // The decoder's sums overflow above.
+            0xf7 if self.reset > 255 => format!("JPEG-LS with statistics reset after {} samples", self.reset),
             0xf7 => return Ok(()),
             process => format!("JPEG process FF{process:02X}"),
         };
         refuse(found, "JPEG-LS in a single plain scan")
     }
-}
 
-/// The header of a JPEG 2000 codestream.
-#[derive(Debug)]
-pub(super) struct Codestream {
-    pub precision: u32,
-    pub signed: bool,
-    size: [u32; 2],
-    components: u32,
-    tiles: u64,
-}
-
-impl Codestream {
-    /// Finds the codestream, which a file wraps in JP2 boxes against the standard at times, and reads its size.
-    pub fn find(frame: &[u8]) -> Result<(&[u8], Self), Problem> {
-        const START: [u8; 4] = [0xff, 0x4f, 0xff, 0x51];
-        let start = frame.windows(4).take(1024).position(|window| window == START);
-        let codestream = start.and_then(|start| frame.get(start..)).unwrap_or(&[]);
-        let word = |at: usize| {
-            let bytes = codestream.get(at..)?.first_chunk()?;
-            Some(u32::from_be_bytes(*bytes))
+    /// The frame with 16 bytes of ones after its scan. Past the end of a cut scan the decoder would go on with zeros and
+    /// yield a picture; ones are no code, so that it fails. A complete scan is read no further.
+    pub fn sealed(&self, frame: &[u8]) -> Result<Vec<u8>, Problem> {
+        let bits = frame.get(self.scan..).unwrap_or(&[]);
+        let is_marker = |pair: &[u8]| {
+            let restart = self.restarts && (0xd0..=0xd7).contains(&pair[1]);
+            pair[0] == 0xff && ![0x00, 0xff].contains(&pair[1]) && !restart
         };
-        let read = || {
-            let [x1, y1, x0, y0, tile_x, tile_y, tile_x0, tile_y0] =
-                [8, 12, 16, 20, 24, 28, 32, 36].map(word).map(Option::unwrap_or_default);
-            // Components, then the first one's depth.
-            let tail = word(40)?;
-            let depth = (tail >> 8) & 0xff;
-            let tiles =
-                |end: u32, start: u32, side: u32| u64::from(end.saturating_sub(start)).div_ceil(u64::from(side).max(1));
-            Some(Self {
-                precision: (depth & 0x7f) + 1,
-                signed: depth & 0x80 != 0,
-                size: [x1.saturating_sub(x0), y1.saturating_sub(y0)],
-                components: tail >> 16,
-                tiles: tiles(x1, tile_x0, tile_x).saturating_mul(tiles(y1, tile_y0, tile_y)),
-            })
-        };
-        match read() {
-            Some(header) => Ok((codestream, header)),
-            None => Err(Problem::format(
-                NAME,
-                "a packed frame has no JPEG 2000 data, expected FF4F FF51",
-            )),
-        }
-    }
-
-    /// Compares the codestream with the image.
-    pub fn check(&self, size: [u32; 2], form: PixelForm) -> Result<(), Problem> {
-        compare("JPEG 2000", self.size, self.components, self.precision, size, form)?;
-        if form.signed && !self.signed && self.precision < form.stored {
-            let (found, stored) = (self.precision, form.stored);
-            let fault = format!("a JPEG 2000 frame has {found} unsigned bits, expected {stored} of signed pixels");
+        let end = bits.windows(2).position(is_marker).unwrap_or(bits.len());
+        if let Some(&[_, marker]) = bits.get(end..end + 2)
+            && marker != 0xd9
+        {
+            let fault = format!("JPEG data have a marker FF{marker:02X} within their scan, expected one scan");
             return Err(Problem::format(NAME, fault));
         }
-        // A tile's number has 16 bits.
-        if self.tiles > 65535 {
-            let fault = format!("JPEG 2000 data have {} tiles, expected at most 65535", self.tiles);
-            return Err(Problem::format(NAME, fault));
-        }
-        Ok(())
+        let mut sealed = frame[..self.scan + end].to_vec();
+        sealed.extend([0xff, 0x00].repeat(16));
+        sealed.extend([0xff, 0xd9]);
+        Ok(sealed)
     }
-}
-
-/// Compares a packed frame with the image that it should hold.
-fn compare(
-    packing: &str,
-    size: [u32; 2],
-    components: u32,
-    precision: u32,
-    expected: [u32; 2],
-    form: PixelForm,
-) -> Result<(), Problem> {
-    let [columns, rows] = expected;
-    if size != expected || components != 1 {
-        let fault = format!(
-            "a {packing} frame has {} x {} pixels of {components} components, expected {columns} x {rows} of 1",
-            size[0], size[1]
-        );
-        return Err(Problem::format(NAME, fault));
-    }
-    let room = 8 * form.bytes as u32;
-    if !(2..=room.min(16)).contains(&precision) {
-        let fault = format!("a {packing} frame has {precision} bits, expected 2 to {}", room.min(16));
-        return Err(Problem::format(NAME, fault));
-    }
-    Ok(())
 }
 
 fn refuse(found: String, expected: &'static str) -> Result<(), Problem> {
