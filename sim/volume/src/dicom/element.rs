@@ -79,30 +79,30 @@ impl<'a> Items<'a> {
         if start == elements.bytes.len() {
             return Ok(None);
         }
-        let (tag, _, length) = elements.header()?;
-        match (tag, length) {
-            (ITEM, Length::Known(len)) => elements.take(len, tag, start).map(Some),
-            (ITEM, Length::Undefined) => {
-                let inside = elements.at;
-                loop {
-                    let end = elements.at;
-                    match elements.next()? {
-                        Some((ITEM_END, _)) => return Ok(Some(&elements.bytes[inside..end])),
-                        Some(_) => {}
-                        None => {
-                            let fault = format!("the item at byte {start} of a sequence has no end");
-                            return Err(Problem::format(NAME, fault));
-                        }
-                    }
+        let tag = elements.peek().unwrap_or_default();
+        if tag == SEQUENCE_END {
+            return Ok(None);
+        }
+        if tag != ITEM {
+            let fault = format!(
+                "element {} at byte {start} stands between the items of a sequence",
+                name(tag)
+            );
+            return Err(Problem::format(NAME, fault));
+        }
+        if let (_, _, Length::Known(len)) = elements.header()? {
+            return elements.take(len, tag, start).map(Some);
+        }
+        let inside = elements.at;
+        loop {
+            let end = elements.at;
+            match elements.next()? {
+                Some((ITEM_END, _)) => return Ok(Some(&elements.bytes[inside..end])),
+                Some(_) => {}
+                None => {
+                    let fault = format!("the item at byte {start} of a sequence has no end");
+                    return Err(Problem::format(NAME, fault));
                 }
-            }
-            (SEQUENCE_END, _) => Ok(None),
-            _ => {
-                let fault = format!(
-                    "element {} at byte {start} stands between the items of a sequence",
-                    name(tag)
-                );
-                Err(Problem::format(NAME, fault))
             }
         }
     }

@@ -52,7 +52,10 @@ fn directions_that_jitter_are_one_series() {
             _ => "1\\0\\0\\0\\0.99992185\\0.01250167",
         };
         let (y, z) = (-0.0125 * 1.4 * f64::from(i), 0.999_921_9 * 1.4 * f64::from(i));
-        slice(i, &[at(&format!("0\\{y:.6}\\{z:.6}")), text(DIRECTIONS, "DS", directions)])
+        slice(
+            i,
+            &[at(&format!("0\\{y:.6}\\{z:.6}")), text(DIRECTIONS, "DS", directions)],
+        )
     });
     let volume = read_all(slices.collect()).unwrap();
     assert_eq!(volume.dims(), [2, 2, 16]);
@@ -147,7 +150,10 @@ fn pages_and_reports_are_passed_over_by_name() {
     }
     // A page alone says what it is.
     let alone = read(&folder.path().join("99-dose.dcm")).unwrap_err().to_string();
-    assert!(alone.contains("a picture of 3 samples per pixel is not read"), "{alone}");
+    assert!(
+        alone.contains("a picture of 3 samples per pixel is not read"),
+        "{alone}"
+    );
 }
 
 #[test]
@@ -196,7 +202,10 @@ fn a_medium_is_walked_down() {
         ("README.TXT", b"text".to_vec()),
         (&format!("{below}/IM000000"), slice(0, &[])),
         (&format!("{below}/IM000001"), slice(1, &[])),
-        ("PT000000/ST000000/SE000001/IM000000", slice(0, &[text((0x0020, 0x0011), "IS", "9")])),
+        (
+            "PT000000/ST000000/SE000001/IM000000",
+            slice(0, &[text((0x0020, 0x0011), "IS", "9")]),
+        ),
     ]);
     for path in [folder.path().to_path_buf(), folder.path().join("DICOMDIR")] {
         let volume = read(&path).unwrap();
@@ -227,7 +236,13 @@ fn hidden_files_are_passed_over() {
 #[test]
 fn phases_are_chosen_by_number() {
     let phase = |i: i16, field: (u16, u16), value: &str| {
-        slice(i, &[at(&format!("0\\0\\{}", 2.5 * f64::from(i % 2))), text(field, "IS", value)])
+        slice(
+            i,
+            &[
+                at(&format!("0\\0\\{}", 2.5 * f64::from(i % 2))),
+                text(field, "IS", value),
+            ],
+        )
     };
     // By the order of their numbers, not of their letters: 2 comes before 10.
     let folder = folder(&[
@@ -254,20 +269,39 @@ fn phases_are_chosen_by_number() {
     assert_eq!(read_phase(folder.path(), 2).unwrap().values(), &values_of(0..2));
     for wrong in [0, 3] {
         let refused = read_phase(folder.path(), wrong).unwrap_err().to_string();
-        assert!(refused.contains(&format!("has no phase {wrong}, expected 1 to 2")), "{refused}");
+        assert!(
+            refused.contains(&format!("has no phase {wrong}, expected 1 to 2")),
+            "{refused}"
+        );
     }
     // Without a field that tells them apart, by instance number.
     let instance = (0x0020, 0x0013);
     let numbered = [(0, "4 "), (1, "2 "), (2, "1 "), (3, "3 ")].map(|(i, number)| phase(i, instance, number));
-    let files: Vec<_> = numbered.into_iter().zip(0..).map(|(bytes, i)| (format!("{i}"), bytes)).collect();
+    let files: Vec<_> = numbered
+        .into_iter()
+        .zip(0..)
+        .map(|(bytes, i)| (format!("{i}"), bytes))
+        .collect();
     let choice = Choice {
         phase: Some(1),
         ..Choice::default()
     };
     let volume = read_bytes(&files, "s", &choice).unwrap();
     assert_eq!(volume.values(), &values_of([2, 1].into_iter()));
-    let single = read_bytes(&[("0".into(), slice(0, &[]))], "s", &Choice { phase: Some(2), ..choice });
-    assert!(single.unwrap_err().to_string().contains("has no phase 2: there is one slice at each position"));
+    let single = read_bytes(
+        &[("0".into(), slice(0, &[]))],
+        "s",
+        &Choice {
+            phase: Some(2),
+            ..choice
+        },
+    );
+    assert!(
+        single
+            .unwrap_err()
+            .to_string()
+            .contains("has no phase 2: there is one slice at each position")
+    );
 }
 
 #[test]

@@ -14,27 +14,29 @@ fn sequence(tag: (u16, u16), items_of: &[Vec<u8>]) -> Field {
     (tag, "SQ", all)
 }
 
-fn elements(fields: &[Field]) -> Vec<u8> {
-    let all = fields.iter().map(|(tag, kind, value)| element(*tag, kind, value));
-    all.collect::<Vec<_>>().concat()
+/// Elements as a syntax writes them.
+fn elements(fields: &[Field], syntax: &str) -> Vec<u8> {
+    let none = file_of(&[], syntax).len();
+    file_of(fields, syntax).split_off(none)
 }
 
 /// A functional group of one item.
-fn group(tag: (u16, u16), fields: &[Field]) -> Field {
-    sequence(tag, &[elements(fields)])
+fn group(tag: (u16, u16), fields: &[Field], syntax: &str) -> Field {
+    sequence(tag, &[elements(fields, syntax)])
 }
 
-fn position(z: f64) -> Field {
-    group((0x0020, 0x9113), &[text((0x0020, 0x0032), "DS", &format!("0\\0\\{z}"))])
+fn position(z: f64, syntax: &str) -> Field {
+    let position = text((0x0020, 0x0032), "DS", &format!("0\\0\\{z}"));
+    group((0x0020, 0x9113), &[position], syntax)
 }
 
 fn temporal(index: u32) -> Field {
     let index = ((0x0020, 0x9128), "UL", index.to_le_bytes().to_vec());
-    group((0x0020, 0x9111), &[index])
+    group((0x0020, 0x9111), &[index], EXPLICIT)
 }
 
 /// The fields of a file of 2 x 2 pixels with these frames; what all have in common stands apart.
-fn several(frames: &[Vec<Field>], pixels: &[i16]) -> Vec<Field> {
+fn several(frames: &[Vec<Field>], pixels: &[i16], syntax: &str) -> Vec<Field> {
     let single = [
         (0x0020, 0x0032),
         (0x0020, 0x0037),
@@ -45,20 +47,20 @@ fn several(frames: &[Vec<Field>], pixels: &[i16]) -> Vec<Field> {
     let mut all = fields(0);
     all.retain(|(tag, ..)| !single.contains(tag));
     all.pop();
+    let scale = [
+        text((0x0028, 0x1052), "DS", "-1000 "),
+        text((0x0028, 0x1053), "DS", "1 "),
+    ];
+    let directions = text((0x0020, 0x0037), "DS", "1\\0\\0\\0\\1\\0");
+    let spacing = text((0x0028, 0x0030), "DS", "0.5\\0.75");
     let shared = [
-        group((0x0020, 0x9116), &[text((0x0020, 0x0037), "DS", "1\\0\\0\\0\\1\\0")]),
-        group((0x0028, 0x9110), &[text((0x0028, 0x0030), "DS", "0.5\\0.75")]),
-        group(
-            (0x0028, 0x9145),
-            &[
-                text((0x0028, 0x1052), "DS", "-1000 "),
-                text((0x0028, 0x1053), "DS", "1 "),
-            ],
-        ),
+        group((0x0020, 0x9116), &[directions], syntax),
+        group((0x0028, 0x9110), &[spacing], syntax),
+        group((0x0028, 0x9145), &scale, syntax),
     ];
     all.push(text((0x0028, 0x0008), "IS", &format!("{} ", frames.len())));
-    all.push(sequence((0x5200, 0x9229), &[elements(&shared)]));
-    let frames: Vec<_> = frames.iter().map(|frame| elements(frame)).collect();
+    all.push(sequence((0x5200, 0x9229), &[elements(&shared, syntax)]));
+    let frames: Vec<_> = frames.iter().map(|frame| elements(frame, syntax)).collect();
     all.push(sequence((0x5200, 0x9230), &frames));
     all.push((
         (0x7fe0, 0x0010),
@@ -70,16 +72,16 @@ fn several(frames: &[Vec<Field>], pixels: &[i16]) -> Vec<Field> {
 }
 
 /// Three frames in another order than that of their positions.
-fn three() -> Vec<Field> {
-    let frames = [5.0, 0.0, 2.5].map(|z| vec![position(z)]);
+fn three(syntax: &str) -> Vec<Field> {
+    let frames = [5.0, 0.0, 2.5].map(|z| vec![position(z, syntax)]);
     let pixels: Vec<i16> = (0..12).collect();
-    several(&frames, &pixels)
+    several(&frames, &pixels, syntax)
 }
 
 #[test]
 fn frames_are_put_in_order_by_position() {
     for syntax in [EXPLICIT, "1.2.840.10008.1.2"] {
-        let volume = read_all(vec![file_of(&three(), syntax)]).unwrap();
+        let volume = read_all(vec![file_of(&three(syntax), syntax)]).unwrap();
         assert_eq!((volume.dims(), volume.spacing()), ([2, 2, 3], [0.75, 0.5, 2.5]));
         let expected = vec![4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3];
         assert_eq!(volume.values(), &Values::I16(expected));
@@ -91,13 +93,13 @@ fn frames_are_put_in_order_by_position() {
 fn sequences_without_a_length_are_the_same() {
     // The same frames, sequence and items by their delimiters.
     let mut file = Vec::new();
-    for (tag, kind, value) in three() {
+    for (tag, kind, value) in three(EXPLICIT) {
         if tag != (0x5200, 0x9230) {
             file.push((tag, kind, value));
             continue;
         }
         let frames = [5.0, 0.0, 2.5].map(|z| {
-            let item = elements(&[position(z)]);
+            let item = elements(&[position(z, EXPLICIT)], EXPLICIT);
             [
                 &[0xfe, 0xff, 0x00, 0xe0, 255, 255, 255, 255][..],
                 &item,
@@ -123,17 +125,17 @@ fn sequences_without_a_length_are_the_same() {
     let volume = read_all(vec![bytes]).unwrap();
     assert_eq!(
         volume.values(),
-        read_all(vec![file_of(&three(), EXPLICIT)]).unwrap().values()
+        read_all(vec![file_of(&three(EXPLICIT), EXPLICIT)]).unwrap().values()
     );
 }
 
 #[test]
 fn phases_within_a_file_are_chosen() {
     let frames: Vec<_> = [(0.0, 2), (0.0, 1), (2.5, 2), (2.5, 1)]
-        .map(|(z, index)| vec![position(z), temporal(index)])
+        .map(|(z, index)| vec![position(z, EXPLICIT), temporal(index)])
         .to_vec();
     let pixels: Vec<i16> = (0..16).collect();
-    let file = file_of(&several(&frames, &pixels), EXPLICIT);
+    let file = file_of(&several(&frames, &pixels, EXPLICIT), EXPLICIT);
     let refused = message(vec![file.clone()]);
     assert!(
         refused.contains("holds 2 phases of 2 slices at the same positions (by temporal position index: 1, 2)"),
@@ -159,7 +161,7 @@ fn packed_frames_are_found_by_fragment_or_offset() {
         frame
     };
     let frames = [frame([8, 9, 10, 11]), frame([0, 1, 2, 3]), frame([4, 5, 6, 7])];
-    let mut fields = three();
+    let mut fields = three(EXPLICIT);
     fields.pop();
     fields.retain(|(tag, ..)| !(0x0100..=0x0103).contains(&tag.1) || tag.0 != 0x0028);
     fields.extend(unsigned(8, 8));
@@ -203,7 +205,7 @@ fn files_whose_frames_are_unknown_are_refused() {
     loose.push(text((0x0028, 0x0008), "IS", "2 "));
     loose.sort_by_key(|(tag, ..)| *tag);
     let without = |tag: (u16, u16)| {
-        let mut fields = three();
+        let mut fields = three(EXPLICIT);
         fields.retain(|(other, ..)| *other != tag);
         fields
     };
@@ -237,10 +239,17 @@ fn files_whose_frames_are_unknown_are_refused() {
             "stands between the items of a sequence",
         ),
         (
-            several(&[vec![position(0.0)], vec![position(2.5)]], &[0; 7]),
+            several(
+                &[vec![position(0.0, EXPLICIT)], vec![position(2.5, EXPLICIT)]],
+                &[0; 7],
+                EXPLICIT,
+            ),
             "has 14 bytes of pixels, expected 16 for 2 frames of 2 x 2 of 16 bits",
         ),
-        (several(&[vec![position(0.0)], vec![]], &[0; 8]), "states no position"),
+        (
+            several(&[vec![position(0.0, EXPLICIT)], vec![]], &[0; 8], EXPLICIT),
+            "states no position",
+        ),
     ] {
         let text = message(vec![file_of(&fields, EXPLICIT)]);
         assert!(text.contains(expected), "{text}");
@@ -261,7 +270,8 @@ proptest! {
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
         implicit in any::<bool>(),
     ) {
-        let mut bytes = file_of(&three(), if implicit { "1.2.840.10008.1.2" } else { EXPLICIT });
+        let syntax = if implicit { "1.2.840.10008.1.2" } else { EXPLICIT };
+        let mut bytes = file_of(&three(syntax), syntax);
         for (at, byte) in edits {
             let at = 128 + at.index(bytes.len() - 128);
             bytes[at] = byte;
