@@ -2,7 +2,8 @@
 //! A series of up to eight files, separated by `<next>`: a volume or an error of one line.
 
 use libfuzzer_sys::fuzz_target;
-use slicecast_volume::dicom::{self, Choice};
+use slicecast_volume::choice::Choice;
+use slicecast_volume::dicom;
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open;
 
@@ -18,7 +19,7 @@ fuzz_target!(|bytes: &[u8]| {
             break;
         }
     }
-    match dicom::read_bytes(&files, "fuzz", &Choice::Largest) {
+    match dicom::read_bytes(&files, "fuzz", &Choice::default()) {
         Ok(decoded) => {
             assert_eq!(decoded.values().len(), decoded.dims().iter().product::<usize>());
             let _ = open::prepare(&decoded, Window::Stated);

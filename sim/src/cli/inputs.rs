@@ -11,7 +11,7 @@ use slicecast_scene::View;
 use slicecast_scene::check;
 use slicecast_scene::import::Shading;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
-use slicecast_volume::dicom::Choice;
+use slicecast_volume::choice::{Choice, Series};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::{self, Loaded, Options, prepare};
 use slicecast_volume::raw::RawShape;
@@ -108,6 +108,9 @@ pub struct VolumeArgs {
     /// Number or UID of the DICOM series wanted; without it, the one with the most slices.
     #[arg(long, value_name = "SERIES", requires = "volume")]
     series: Option<String>,
+    /// Phase wanted, from 1, of a DICOM series that holds its slices several times over: times, echoes, acquisitions.
+    #[arg(long, value_name = "N", requires = "volume", value_parser = clap::value_parser!(u16).range(1..))]
+    phase: Option<u16>,
     /// The file is raw voxels, in one line: 256x256x128,uint16,big,spacing=1x1x2,skip=16,offset=-1024,axes=LPS.
     #[arg(long, value_name = "SHAPE", value_parser = raw_words, requires = "volume", conflicts_with = "raw_dims")]
     raw: Option<Description>,
@@ -153,7 +156,10 @@ impl VolumeArgs {
             directions: None,
         });
         Options {
-            series: self.series.clone().map_or(Choice::Largest, Choice::Named),
+            choice: Choice {
+                series: self.series.clone().map_or(Series::Largest, Series::Named),
+                phase: self.phase.map(usize::from),
+            },
             raw: self.raw.or(described),
         }
     }

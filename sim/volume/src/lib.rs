@@ -6,6 +6,7 @@
 //! line in `open.rs`.
 
 pub mod axes;
+pub mod choice;
 mod companion;
 mod decoded;
 pub mod dicom;

@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
+use super::choice::Choice;
 use super::error::{Problem, ReadError};
 use super::mapping::{MappingError, MappingReport, Window, map};
 use super::values::{Decoded, Modality, Orientation, Values};
@@ -31,8 +32,8 @@ pub enum LoadError {
 /// What a user may state about a volume beside its path.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Which of several DICOM series.
-    pub series: dicom::Choice,
+    /// Which of several volumes.
+    pub choice: Choice,
     /// The file is raw data of this shape, whatever it looks like.
     pub raw: Option<raw::describe::Description>,
 }
@@ -64,7 +65,7 @@ pub fn read_with(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
         Some(Format::Nrrd) => nrrd::read(path),
         Some(Format::Nifti) => nifti::read(path),
         Some(Format::MetaImage) => metaimage::read(path),
-        Some(Format::Dicom) => dicom::read_with_file(path),
+        Some(Format::Dicom) => dicom::read_with_file(path, &options.choice),
         Some(Format::Tiff) => tiff::read(path),
         None => match raw::read_by_sidecar(path) {
             Some(read) => read,
@@ -82,12 +83,16 @@ fn read_folder(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
         .map_err(Problem::io("read the folder"))
         .map_err(fail)?;
     let any_tiff = entries.flatten().any(|entry| tiff::has_name(&entry.path()));
-    match dicom::read_folder(path, &options.series) {
-        // Only a folder without a single DICOM image may be something else.
+    match dicom::read_folder(path, &options.choice) {
+        // Only a folder without a single DICOM file may be something else.
         Err(ReadError {
             problem: Problem::NoImages,
             ..
         }) if any_tiff => tiff::read_folder(path),
+        Err(ReadError {
+            problem: Problem::NoImages,
+            ..
+        }) => dicom::read_tree(path, &options.choice),
         read => read,
     }
 }

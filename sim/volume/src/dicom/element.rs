@@ -1,7 +1,7 @@
 //! Data elements one after another, without allocating: PS3.5, section 7.
 //!
-//! Values are borrowed from the file's bytes; what a length field claims is checked against them first. Sequences are
-//! passed over; those of undefined length are followed to their end, to a stated depth.
+//! Values are borrowed from the file's bytes; what a length field claims is checked against them first. A sequence comes
+//! out whole, to be opened with [`Value::items`]; one of undefined length is followed to its end, to a stated depth.
 
 use super::NAME;
 use crate::error::Problem;
@@ -31,7 +31,11 @@ impl Encoding {
         explicit: true,
         big: false,
     };
-    const IMPLICIT: Self = Self {
+    pub const EXPLICIT_BIG: Self = Self {
+        explicit: true,
+        big: true,
+    };
+    pub const IMPLICIT: Self = Self {
         explicit: false,
         big: false,
     };
@@ -47,10 +51,67 @@ enum Length {
 /// What an element holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Value<'a> {
-    /// Bytes.
-    Bytes(&'a [u8]),
-    /// Everything after an undefined length: fragments (pixel data). Sequences never come out.
+    /// Bytes: a plain value, or a sequence whose items are written in this encoding.
+    Bytes(&'a [u8], Encoding),
+    /// Everything after an undefined length: fragments (pixel data).
     Open(&'a [u8]),
+}
+
+impl<'a> Value<'a> {
+    /// The items of a sequence.
+    pub fn items(self) -> Items<'a> {
+        Items(match self {
+            Self::Bytes(bytes, encoding) => Elements::new(bytes, encoding),
+            // Fragments stand in items, too.
+            Self::Open(bytes) => Elements::new(bytes, Encoding::EXPLICIT),
+        })
+    }
+}
+
+/// The items of a sequence, one after another.
+pub(super) struct Items<'a>(Elements<'a>);
+
+impl<'a> Items<'a> {
+    /// The next item's bytes; `None` at the end.
+    pub fn next_bytes(&mut self) -> Result<Option<&'a [u8]>, Problem> {
+        let elements = &mut self.0;
+        let start = elements.at;
+        if start == elements.bytes.len() {
+            return Ok(None);
+        }
+        let tag = elements.peek().unwrap_or_default();
+        if tag == SEQUENCE_END {
+            return Ok(None);
+        }
+        if tag != ITEM {
+            let fault = format!(
+                "element {} at byte {start} stands between the items of a sequence",
+                name(tag)
+            );
+            return Err(Problem::format(NAME, fault));
+        }
+        if let (_, _, Length::Known(len)) = elements.header()? {
+            return elements.take(len, tag, start).map(Some);
+        }
+        let inside = elements.at;
+        loop {
+            let end = elements.at;
+            match elements.next()? {
+                Some((ITEM_END, _)) => return Ok(Some(&elements.bytes[inside..end])),
+                Some(_) => {}
+                None => {
+                    let fault = format!("the item at byte {start} of a sequence has no end");
+                    return Err(Problem::format(NAME, fault));
+                }
+            }
+        }
+    }
+
+    /// The next item's elements; `None` at the end.
+    pub fn next(&mut self) -> Result<Option<Elements<'a>>, Problem> {
+        let encoding = self.0.encoding;
+        Ok(self.next_bytes()?.map(|bytes| Elements::new(bytes, encoding)))
+    }
 }
 
 /// Reads elements from bytes.
@@ -77,35 +138,41 @@ impl<'a> Elements<'a> {
         self.clone().tag().ok()
     }
 
-    /// The next element that is no sequence; `None` at the end.
+    /// The next element; `None` at the end.
     pub fn next(&mut self) -> Result<Option<(Tag, Value<'a>)>, Problem> {
-        while self.at < self.bytes.len() {
-            let start = self.at;
-            let (tag, is_sequence, length) = self.header()?;
-            match length {
-                Length::Known(len) if is_sequence => {
-                    self.take(len, tag, start)?;
-                }
-                Length::Known(len) => return Ok(Some((tag, Value::Bytes(self.take(len, tag, start)?)))),
-                Length::Undefined if tag == PIXEL_DATA => {
-                    let rest = self.bytes.get(self.at..).unwrap_or(&[]);
-                    self.at = self.bytes.len();
-                    return Ok(Some((tag, Value::Open(rest))));
-                }
-                Length::Undefined => self.pass_sequence(tag, start)?,
-            }
+        let start = self.at;
+        if start >= self.bytes.len() {
+            return Ok(None);
         }
-        Ok(None)
+        let (tag, _, length) = self.header()?;
+        // Unknown types hold implicit elements.
+        let inner = if self.is_unknown_type(start) {
+            Encoding::IMPLICIT
+        } else {
+            self.encoding
+        };
+        let value = match length {
+            Length::Known(len) => Value::Bytes(self.take(len, tag, start)?, inner),
+            Length::Undefined if tag == PIXEL_DATA => {
+                let rest = &self.bytes[self.at..];
+                self.at = self.bytes.len();
+                Value::Open(rest)
+            }
+            Length::Undefined => {
+                let inside = self.at;
+                let own = std::mem::replace(&mut self.encoding, inner);
+                self.pass_sequence(tag, start)?;
+                self.encoding = own;
+                Value::Bytes(&self.bytes[inside..self.at], inner)
+            }
+        };
+        Ok(Some((tag, value)))
     }
 
-    /// Follows a sequence of undefined length to its end; the stack of open levels is a counter a level.
+    /// Follows a sequence of undefined length to its end; the stack of open levels is a flag per level.
     fn pass_sequence(&mut self, tag: Tag, start: usize) -> Result<(), Problem> {
-        // Each level is `true` inside an item and `false` between items; unknown types hold implicit elements.
+        // Each level is `true` inside an item and `false` between items.
         let mut levels = vec![false];
-        let own = self.encoding;
-        if self.is_unknown_type(start) {
-            self.encoding = Encoding::IMPLICIT;
-        }
         while let Some(in_item) = levels.last_mut() {
             let at = self.at;
             if at >= self.bytes.len() {
@@ -140,7 +207,6 @@ impl<'a> Elements<'a> {
                 }
             }
         }
-        self.encoding = own;
         Ok(())
     }
 

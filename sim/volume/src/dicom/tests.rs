@@ -1,8 +1,13 @@
 //! Files made element by element: syntaxes, order, orientation; every refusal; mutated files.
 
+mod field;
+mod frames;
+mod packed;
+
 use proptest::prelude::*;
 
 use super::*;
+use crate::choice::Series;
 use crate::values::{Modality, Orientation, Values};
 
 const EXPLICIT: &str = "1.2.840.10008.1.2.1";
@@ -93,7 +98,7 @@ fn read_all(files: Vec<Vec<u8>>) -> Result<Decoded, ReadError> {
         .enumerate()
         .map(|(i, bytes)| (format!("{i}.dcm"), bytes))
         .collect();
-    read_bytes(&named, "series", &Choice::Largest)
+    read_bytes(&named, "series", &Choice::default())
 }
 
 fn message(files: Vec<Vec<u8>>) -> String {
@@ -198,7 +203,13 @@ fn series_are_told_apart() {
         .enumerate()
         .map(|(i, bytes)| (format!("{i}"), bytes))
         .collect();
-    let choose = |name: &str| read_bytes(&named, "s", &Choice::Named(name.into()));
+    let choose = |name: &str| {
+        let choice = Choice {
+            series: Series::Named(name.into()),
+            phase: None,
+        };
+        read_bytes(&named, "s", &choice)
+    };
     assert_eq!(choose("8").unwrap().dims()[2], 1);
     assert_eq!(choose("9.9").unwrap().dims()[2], 1);
     let text = choose("5").unwrap_err().to_string();
@@ -221,7 +232,7 @@ fn stacks_that_are_no_volume_are_refused() {
         ),
         (
             at("0\\0.5\\2.5"),
-            "slices are shifted against each other: 1.dcm lies 0.500 mm aside, 11.31 degrees",
+            "slices are shifted against each other: 1.dcm lies 0.333 mm aside, expected at most 0.250 mm",
         ),
         (at(""), "1.dcm states no position"),
         (
@@ -237,8 +248,14 @@ fn stacks_that_are_no_volume_are_refused() {
             text((0x0028, 0x0004), "CS", "RGB"),
             "photometric interpretation RGB is not read",
         ),
-        (short((0x0028, 0x0002), 3), "3 samples a pixel is not read"),
-        (text((0x0028, 0x0008), "IS", "12"), "a file of 12 frames is not read"),
+        (
+            short((0x0028, 0x0002), 3),
+            "1.dcm: DICOM: a picture of 3 samples per pixel is not read",
+        ),
+        (
+            text((0x0028, 0x0008), "IS", "12"),
+            "a file of 12 frames that does not say where each lies is not read",
+        ),
         (short((0x0028, 0x0100), 12), "bits allocated 12, stored 16, high bit 15"),
         (short((0x0028, 0x0101), 0), "bits allocated 16, stored 0"),
         (short((0x0028, 0x0102), 3), "high bit 3"),
@@ -273,8 +290,9 @@ fn damaged_files_are_refused() {
         "{text}"
     );
     assert!(message(vec![vec![0; 200]]).contains("has no `DICM` after a preamble"));
-    assert!(message(vec![file_of(&[], "1.2.840.10008.1.2.4.70")]).contains("(JPEG lossless) is not read"));
-    assert!(message(vec![file_of(&[], "1.2")]).contains("transfer syntax 1.2 (unknown)"));
+    let unread = |syntax: &str| message(vec![file_of(&fields(0), syntax)]);
+    assert!(unread("1.2.840.10008.1.2.4.110").contains("(JPEG XL) is not read"));
+    assert!(unread("1.2").contains("transfer syntax 1.2 (unknown)"));
     assert!(message(vec![file_of(&[], "1.2.840.10008.1.2.1.99")]).contains("deflated data are damaged"));
     assert!(message(Vec::new()).contains("has no DICOM image"));
     // A sequence in a sequence, and so on.
@@ -299,7 +317,7 @@ fn folders_are_read_by_content() {
     let folder = tempfile::tempdir().unwrap();
     let put = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
     assert!(matches!(
-        read_folder(folder.path(), &Choice::Largest).unwrap_err().problem,
+        read_folder(folder.path(), &Choice::default()).unwrap_err().problem,
         Problem::NoImages
     ));
     put("z", &slice(0, &[]));
@@ -307,10 +325,19 @@ fn folders_are_read_by_content() {
     put("notes.txt", b"text");
     put("empty", b"");
     put("DICOMDIR", &file_of(&[], EXPLICIT));
-    let volume = read_folder(folder.path(), &Choice::Largest).unwrap();
+    let volume = read_folder(folder.path(), &Choice::default()).unwrap();
     assert_eq!(volume.values(), &Values::I16(vec![0, 1, 2, 3, 10, 11, 12, 13]));
-    assert!(volume.notes()[0].contains("3 files of the folder are no DICOM images"));
-    assert_eq!(read_with_file(&folder.path().join("z")).unwrap().dims(), [2, 2, 2]);
+    let notes = volume.notes();
+    assert!(
+        notes[0].contains("3 files are no DICOM images: DICOMDIR, empty, notes.txt"),
+        "{notes:?}"
+    );
+    assert_eq!(
+        read_with_file(&folder.path().join("z"), &Choice::default())
+            .unwrap()
+            .dims(),
+        [2, 2, 2]
+    );
 }
 
 proptest! {
