@@ -6,10 +6,13 @@
 //! line in `open.rs`.
 
 pub mod axes;
+pub mod choice;
 mod companion;
 mod decoded;
 pub mod dicom;
 pub mod error;
+mod files;
+mod length;
 pub mod mapping;
 pub mod metaimage;
 pub mod nifti;
