@@ -9,6 +9,7 @@ use slicecast_sim::scene::View;
 use slicecast_sim::scene::import::{self, Shading};
 use slicecast_sim::scene::{self, AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
 use slicecast_sim::simd::Simd;
+use slicecast_sim::volume::choice::{self, NanRule};
 use slicecast_sim::volume::dicom::Choice;
 use slicecast_sim::volume::mapping::Window;
 use slicecast_sim::volume::open::{self, Loaded, Options, prepare};
@@ -75,6 +76,11 @@ enum ByteOrder {
     Big,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum NanArg {
+    Background,
+}
+
 /// The volume.
 #[derive(clap::Args)]
 pub struct VolumeArgs {
@@ -87,6 +93,15 @@ pub struct VolumeArgs {
     /// Number or UID of the DICOM series wanted; without it, the one with the most slices.
     #[arg(long, value_name = "SERIES", requires = "volume")]
     series: Option<String>,
+    /// Channel wanted, from 1, of a TIFF file that has several; without it, the first.
+    #[arg(long, value_name = "N", requires = "volume", value_parser = clap::value_parser!(u16).range(1..))]
+    channel: Option<u16>,
+    /// Time point wanted, from 1, of a TIFF file that has several; without it, the first.
+    #[arg(long, value_name = "N", requires = "volume", value_parser = clap::value_parser!(u16).range(1..))]
+    time: Option<u16>,
+    /// What becomes of NaN: background, which takes the least value and is counted; without it, NaN is refused.
+    #[arg(long, value_enum, value_name = "RULE", requires = "volume")]
+    nan: Option<NanArg>,
     /// The file is raw voxels, in one line: 256x256x128,uint16,big,spacing=1x1x2,skip=16,offset=-1024,axes=LPS.
     #[arg(long, value_name = "SHAPE", value_parser = raw_words, requires = "volume", conflicts_with = "raw_dims")]
     raw: Option<Description>,
@@ -133,6 +148,15 @@ impl VolumeArgs {
         });
         Options {
             series: self.series.clone().map_or(Choice::Largest, Choice::Named),
+            choice: choice::Choice {
+                phase: None,
+                channel: self.channel.map(usize::from),
+                time: self.time.map(usize::from),
+                nan: match self.nan {
+                    None => NanRule::Refuse,
+                    Some(NanArg::Background) => NanRule::Background,
+                },
+            },
             raw: self.raw.or(described),
         }
     }
