@@ -1,7 +1,7 @@
 //! Sentences of the contract that could be read in two ways, and a vector that tells the readings apart. Each test
 //! states the reading that holds and shows that the other one gives another number.
 
-use slicecast::classify::{Classifier, ENTRIES, Linear, PointTable, Sqrt16, entry};
+use slicecast::classify::{Classifier, Linear, PointTable, Sqrt16, entry};
 use slicecast::composite::{BackToFront, Dither, Pixel, Recurrence};
 use slicecast::format::{Coefficient, Direction, Intensity, Sample12, Vector, Weight};
 use slicecast::gradient::space;
@@ -14,7 +14,7 @@ use slicecast::project::{Maximum, resolve};
 use slicecast::shade::{Highlight, Light, Phong, Unlit, keep, keep_vector};
 use slicecast::slice::RowRange;
 use slicecast::stream::{Memory, Needs, Stream};
-use slicecast::tap::NoTap;
+use slicecast::table::ENTRIES;
 use slicecast::view::{Axis, View};
 
 type PixelOf = <Compact as Precision>::Pixel;
@@ -198,7 +198,7 @@ fn planes_keep_their_dither_back_to_front() {
     let mut order = Vec::new();
     while let Some(number) = stream.wanted() {
         order.push(number);
-        stream.push(&[1000], &mut NoTap).unwrap();
+        stream.push(&[1000]).unwrap();
     }
     assert_eq!(order, [2, 1, 0]);
     let sample = Sample12::from_bits(1000 << 12);

@@ -45,6 +45,19 @@ def slice_of(z, pixels=bytes(32)):
                  us(0x10, 4), us(0x11, 4), us(0x100, 16), us(0x101, 12), us(0x102, 11), us(0x103, 0), element(0x7FE0, 0x10, b"OW", pixels))
 
 
+def tiff(description, pages):
+    """Pages of 4 x 4 bytes, the first with a description."""
+    out, link = bytearray(b"II*\0\0\0\0\0" + description + b"\0" + bytes(16)), 4
+    for page in range(pages):
+        tags = [(256, 3, 1, 4), (257, 3, 1, 4), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1), (273, 4, 1, 8 + len(description) + 1), (279, 4, 1, 16)]
+        tags += [(270, 2, len(description) + 1, 8)] if page == 0 else []
+        struct.pack_into("<I", out, link, len(out))
+        out += struct.pack("<H", len(tags)) + b"".join(struct.pack("<2H2I", *tag) for tag in sorted(tags))
+        link = len(out)
+        out += bytes(4)
+    return bytes(out)
+
+
 def folder(path, files):
     path.mkdir()
     for name, data in files.items():
@@ -69,12 +82,17 @@ def cases(root):
     yield "NRRD NaN voxel", "a.nrrd", nrrd(nan, type="float")
     yield "NRRD zero spacing", "a.nrrd", nrrd(bytes(64), spacings="1 0 1")
     yield "NRRD negative spacing", "a.nrrd", nrrd(bytes(64), spacings="1 1 -2")
-    yield "NRRD header not UTF-8", "a.nrrd", b"NRRD0004\ncontent: \xff\xfe\n\n"
+    yield "NRRD denormal spacing", "a.nrrd", nrrd(bytes(64), spacings="1 1e-320 1")
+    yield "NRRD values to 2^64", "a.nrrd", nrrd(struct.pack("<2Q", 0, 2**64 - 1), type="uint64", sizes="2 1 1")
+    yield "NRRD sizes not text", "a.nrrd", b"NRRD0004\ndimension: 3\ntype: uint8\nsizes: \xff\xfe\n\n"
     yield "NRRD endless header", "a.nrrd", b"NRRD0004\n#" + b"x" * (1 << 21)
     yield "NRRD gzip bomb", "a.nrrd", nrrd(gzip.compress(bytes(1 << 27)), encoding="gzip")
     yield "NRRD gzip damaged", "a.nrrd", nrrd(gzip.compress(bytes(64))[:-4], encoding="gzip")
     yield "NRRD claims 16 GiB packed", "a.nrrd", nrrd(gzip.compress(bytes(64)), type="double", sizes="8192 8192 32", encoding="gzip")
     yield "NRRD data file elsewhere", "a.nhdr", nrrd(b"", more="data file: ../../etc/passwd\n")
+    yield "NRRD list leads elsewhere", "a.nhdr", nrrd(b"").rstrip() + b"\ndata file: LIST\n" + b"../../etc/passwd\n" * 4
+    yield "NRRD list too short", "a.nhdr", nrrd(b"").rstrip() + b"\ndata file: LIST\na.raw\n"
+    yield "NRRD pattern without end", "a.nhdr", nrrd(b"", more="data file: s%d.raw 0 999999999 1\n")
     yield "NRRD data file is a folder", "a.nhdr", lambda p: ((p.parent / "sub").mkdir(), p.write_bytes(nrrd(b"", more="data file: sub\n")))
     yield "NRRD sheared axes", "a.nrrd", nrrd(bytes(64)).replace(b"spacings: 1 1 1", b"space directions: (1,0,0) (0.5,1,0) (0,0,1)")
     yield "NIfTI truncated", "a.nii", nifti()[:-1]
@@ -87,6 +105,7 @@ def cases(root):
     yield "MetaImage wrong count", "a.mha", meta(bytes(63))
     yield "MetaImage link out", "a.mhd", lambda p: ((p.parent / "l.raw").symlink_to("/etc/passwd"), p.write_bytes(meta(file="l.raw")))
     yield "MetaImage zlib bomb", "a.mha", meta(zlib.compress(bytes(1 << 27)), more="CompressedData = True\n")
+    yield "MetaImage list leads elsewhere", "a.mhd", meta(b"../../etc/passwd\n" * 4, file="LIST")
     yield "MetaImage without data", "a.mhd", b"NDims = 3\n"
     yield "DICOM truncated", "a.dcm", slice_of(0)[:-7]
     yield "DICOM lying length", "a.dcm", dicom(struct.pack("<2H2sHI", 9, 1, b"UN", 0, 0xFFFFFFF0))
@@ -97,6 +116,10 @@ def cases(root):
     yield "DICOM doubled slices", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(i // 2) for i in range(4)})
     yield "DICOM short pixels", "d", lambda p: folder(p, {"0.dcm": slice_of(0), "1.dcm": slice_of(1, bytes(30))})
     yield "TIFF damaged", "a.tif", b"II*\0\x08\0\0\0\xff\xff" + bytes(40)
+    yield "TIFF fewer pages than stated", "a.tif", tiff(b"ImageJ=1.54f\nimages=6\nchannels=2\nslices=3\n", 4)
+    yield "TIFF one page of many", "a.tif", tiff(b"ImageJ=1.54f\nimages=9999\nslices=9999\n", 1)
+    yield "TIFF OME-XML damaged", "a.tif", tiff(b"<?xml version='1.0'?><OME><Image>", 2)
+    yield "TIFF OME-XML bomb", "a.tif", tiff(b"<!DOCTYPE a [<!ENTITY b 'xxxxxxxx'>]><OME>&b;</OME>", 2)
     yield "raw without shape", "a.raw", bytes(64)
     yield "raw sidecar lies", "a.raw", lambda p: (p.write_bytes(bytes(64)), pathlib.Path(f"{p}.toml").write_text("size = [4, 4, 5]\ntype = 'uint8'"))
 

@@ -2,11 +2,12 @@
 //! Whatever a file says, reading ends with a volume or an error of one line.
 
 use libfuzzer_sys::fuzz_target;
+use slicecast_volume::choice::Choice;
 use slicecast_volume::mapping::Window;
 use slicecast_volume::{metaimage, open};
 
 fuzz_target!(|bytes: &[u8]| {
-    match metaimage::read_bytes(bytes, "fuzz") {
+    match metaimage::read_bytes(bytes, "fuzz", &Choice::default()) {
         Ok(decoded) => {
             assert_eq!(decoded.values().len(), decoded.dims().iter().product::<usize>());
             let _ = open::prepare(&decoded, Window::Auto);

@@ -11,7 +11,7 @@ use slicecast_scene::View;
 use slicecast_scene::check;
 use slicecast_scene::import::Shading;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
-use slicecast_volume::choice::{Choice, Series};
+use slicecast_volume::choice::{Choice, NanRule, Series};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::{self, Loaded, Options, prepare};
 use slicecast_volume::raw::RawShape;
@@ -96,6 +96,11 @@ enum ByteOrder {
     Big,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum NanArg {
+    Background,
+}
+
 /// The volume.
 #[derive(clap::Args)]
 pub struct VolumeArgs {
@@ -111,6 +116,15 @@ pub struct VolumeArgs {
     /// Phase wanted, from 1, of a DICOM series that holds its slices several times over: times, echoes, acquisitions.
     #[arg(long, value_name = "N", requires = "volume", value_parser = clap::value_parser!(u16).range(1..))]
     phase: Option<u16>,
+    /// Channel wanted, from 1, of a TIFF file that has several; without it, the first.
+    #[arg(long, value_name = "N", requires = "volume", value_parser = clap::value_parser!(u16).range(1..))]
+    channel: Option<u16>,
+    /// Time point wanted, from 1, of a TIFF file that has several; without it, the first.
+    #[arg(long, value_name = "N", requires = "volume", value_parser = clap::value_parser!(u16).range(1..))]
+    time: Option<u16>,
+    /// What becomes of NaN: background, which takes the least value and is counted; without it, NaN is refused.
+    #[arg(long, value_enum, value_name = "RULE", requires = "volume")]
+    nan: Option<NanArg>,
     /// The file is raw voxels, in one line: 256x256x128,uint16,big,spacing=1x1x2,skip=16,offset=-1024,axes=LPS.
     #[arg(long, value_name = "SHAPE", value_parser = raw_words, requires = "volume", conflicts_with = "raw_dims")]
     raw: Option<Description>,
@@ -159,6 +173,12 @@ impl VolumeArgs {
             choice: Choice {
                 series: self.series.clone().map_or(Series::Largest, Series::Named),
                 phase: self.phase.map(usize::from),
+                channel: self.channel.map(usize::from),
+                time: self.time.map(usize::from),
+                nan: match self.nan {
+                    None => NanRule::Refuse,
+                    Some(NanArg::Background) => NanRule::Background,
+                },
             },
             raw: self.raw.or(described),
         }

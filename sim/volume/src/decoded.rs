@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::axes::Turn;
+use super::choice::NanRule;
 use super::error::{Problem, ShapeError};
 use super::values::{Values, check_spacing, voxel_count};
 
@@ -79,7 +80,7 @@ impl Decoded {
     /// `dims` are voxels along x, y, z; `spacing` is the distance between voxels; `values` are x fastest.
     ///
     /// # Errors
-    /// [`ShapeError`] if a side or the whole is empty or too large, a spacing is not a finite number above 0, the values
+    /// [`ShapeError`] if a side or the whole is empty or too large, a spacing is no length, the values
     /// are not one a voxel, or one of them is not finite.
     pub fn new(name: String, dims: [usize; 3], spacing: [f64; 3], values: Values) -> Result<Self, ShapeError> {
         let voxels = voxel_count(dims.map(|d| d as u64))?;
@@ -106,6 +107,31 @@ impl Decoded {
             stated_window: None,
             notes: Vec::new(),
         })
+    }
+
+    /// As [`Decoded::new`], with NaN treated by `rule`; `scale` is the factor from stored values to the data's unit.
+    ///
+    /// # Errors
+    /// As [`Decoded::new`]; [`ShapeError::AllNan`] if nothing is left to be background.
+    pub(super) fn with_nan(
+        name: String,
+        dims: [usize; 3],
+        spacing: [f64; 3],
+        mut values: Values,
+        (rule, scale): (NanRule, f64),
+    ) -> Result<Self, ShapeError> {
+        let filled = match rule {
+            NanRule::Refuse => 0,
+            NanRule::Background => values.fill_nan(scale < 0.0).ok_or(ShapeError::AllNan)?,
+        };
+        let mut decoded = Self::new(name, dims, spacing, values)?;
+        if filled > 0 {
+            let all = decoded.values.len();
+            decoded.notes.push(format!(
+                "{filled} of {all} voxels are NaN: they are background, with the least value of the volume"
+            ));
+        }
+        Ok(decoded)
     }
 
     /// States that the data's unit is the stored value plus `offset` (for CT: Hounsfield units).

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::axes::AxesError;
-use super::values::{MAX_AXIS, MAX_VOXELS};
+use super::text::number;
+use super::values::{MAX_AXIS, MAX_SPACING, MAX_VOXELS, MIN_SPACING};
 
 /// A volume that could not be read: which file, and why.
 #[derive(Debug, Error)]
@@ -68,12 +69,6 @@ pub enum Problem {
     HeaderTooLong {
         /// Bytes that a header may have.
         limit: u64,
-    },
-    /// The header is not text.
-    #[error("header line {line} is not UTF-8 text")]
-    HeaderNotUtf8 {
-        /// Line, from 1.
-        line: usize,
     },
     /// A header line of no known form.
     #[error("header line {line} is `{text}`, expected `# comment`, `field: value` or `key:=value`")]
@@ -150,6 +145,16 @@ pub enum Problem {
     Outside {
         /// The name, shortened.
         name: String,
+    },
+    /// A channel, time point or the like that the file does not have.
+    #[error("has {count} {what}{}, expected one of them: {what} {asked} was asked for", if *.count == 1 { "" } else { "s" })]
+    Choice {
+        /// What there are several of.
+        what: &'static str,
+        /// The one asked for, from 1.
+        asked: usize,
+        /// How many there are.
+        count: usize,
     },
     /// Directions that are no axes.
     #[error(transparent)]
@@ -238,7 +243,10 @@ pub enum ShapeError {
         voxels: u64,
     },
     /// A spacing that is not a length.
-    #[error("has spacing {spacing} along {}, expected a finite number above 0", axis_name(*.axis))]
+    #[error(
+        "has spacing {} along {}, expected a length from {MIN_SPACING:e} to {MAX_SPACING:e}",
+        number(*.spacing), axis_name(*.axis)
+    )]
     Spacing {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
@@ -254,13 +262,20 @@ pub enum ShapeError {
         found: u64,
     },
     /// NaN or infinity.
-    #[error("voxel ({}, {}, {}) is {value}, expected finite numbers only", .voxel[0], .voxel[1], .voxel[2])]
+    #[error(
+        "voxel ({}, {}, {}) is {value}, expected finite numbers only{}",
+        .voxel[0], .voxel[1], .voxel[2],
+        if value.is_nan() { "; `--nan background` takes NaN for background" } else { "" }
+    )]
     NotFinite {
         /// x, y, z of the first such voxel.
         voxel: [usize; 3],
         /// Its value.
         value: f64,
     },
+    /// NaN everywhere.
+    #[error("has no voxel that is a number, expected some beside NaN")]
+    AllNan,
 }
 
 /// The letter of an axis.

@@ -11,6 +11,8 @@ mod companion;
 mod decoded;
 pub mod dicom;
 pub mod error;
+mod files;
+mod length;
 pub mod mapping;
 pub mod metaimage;
 pub mod nifti;

@@ -3,7 +3,7 @@
 //! A value `v` (stored value plus the file's value offset) becomes `code = floor((v - low) * codes_per_unit + 1/2)`,
 //! that is, rounded half up, held to 0 … 4095. Everything is computed in f64 and does not depend on the machine.
 //!
-//! [`Window::Auto`] chooses, by the *stored* values:
+//! [`Window::Auto`] chooses, by the *stored* values; floats that are all whole count as integers:
 //!
 //! | data                     | code 0 is | codes per unit | lost    |
 //! |--------------------------|-----------|----------------|---------|
@@ -11,25 +11,34 @@
 //! | integers in 0 … 4095     | 0         | 1              | nothing |
 //! | integers in -1024 … 3071 | -1024     | 1              | nothing |
 //! | integers, range <= 4095  | minimum   | 1              | nothing |
+//! | labels above 4095 ([`Labels`]) | the first label | codes count labels | nothing |
 //! | CT in Hounsfield units, integers, range > 4095 | -1024 HU | 1 | what is below -1024 or above 3071 HU |
 //! | other integers, floats   | minimum   | 4095 / range   | reported |
+//!
+//! The range of the last line is that of the data without outliers: at most 0.01 % of the voxels at each end (or one
+//! voxel) that lie beyond all others by more than twice the others' range. They are clipped and counted.
 //!
 //! [`Window::Range`] maps `low` to 0 and `high` to 4095 and clips what lies outside; [`Window::Percentile`] and
 //! [`Window::Stated`] are ranges that come from the data and from the file. Where the file scales its values
 //! (`value = stored * scale + offset`), the codes are chosen on the stored values and reported in the data's unit.
 
+mod labels;
+mod outliers;
 mod report;
-
-use std::cmp::Ordering;
 
 use thiserror::Error;
 
+pub use self::labels::{Label, Labels};
 pub use self::report::MappingReport;
+use super::text::number;
 use super::values::{Decoded, Modality, Values};
 use super::{Mapping, Volume};
 
 /// The largest code.
 const MAX_CODE: f64 = 4095.0;
+
+/// The greatest magnitude of the value of a code: scenes cannot speak of values beyond.
+const MAX_VALUE: f64 = 1e12;
 
 /// Which data values the codes 0 to 4095 stand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +77,9 @@ impl Window {
                     return Err(MappingError::Percentile { low, high });
                 }
                 let data = |stored: f64| stored * decoded.value_scale() + decoded.value_offset();
-                let [first, last] = percentiles(decoded.values(), [low, high]).map(data);
+                let last = decoded.values().len().saturating_sub(1);
+                let ranks = [low, high].map(|percent| (percent / 100.0 * last as f64).round() as usize);
+                let [first, last] = outliers::at_ranks(decoded.values(), ranks).map(data);
                 // All voxels between the two have one value: nothing can be stretched.
                 let range = Self::Range { low: first, high: last };
                 Ok(if first < last { range } else { Self::Auto })
@@ -77,34 +88,14 @@ impl Window {
     }
 }
 
-/// The stored values of two ranks, in percent of the voxels.
-fn percentiles(values: &Values, percent: [f64; 2]) -> [f64; 2] {
-    fn ranks<T: Copy>(values: &[T], percent: [f64; 2], order: impl Fn(&T, &T) -> Ordering) -> Option<[T; 2]> {
-        let mut copy = values.to_vec();
-        let last = copy.len().checked_sub(1)?;
-        Some(percent.map(|p| {
-            let rank = (p / 100.0 * last as f64).round() as usize;
-            *copy.select_nth_unstable_by(rank.min(last), &order).1
-        }))
-    }
-    let found = match values {
-        Values::I8(v) => ranks(v, percent, i8::cmp).map(|r| r.map(f64::from)),
-        Values::U8(v) => ranks(v, percent, u8::cmp).map(|r| r.map(f64::from)),
-        Values::I16(v) => ranks(v, percent, i16::cmp).map(|r| r.map(f64::from)),
-        Values::U16(v) => ranks(v, percent, u16::cmp).map(|r| r.map(f64::from)),
-        Values::I32(v) => ranks(v, percent, i32::cmp).map(|r| r.map(f64::from)),
-        Values::U32(v) => ranks(v, percent, u32::cmp).map(|r| r.map(f64::from)),
-        Values::F32(v) => ranks(v, percent, f32::total_cmp).map(|r| r.map(f64::from)),
-        Values::F64(v) => ranks(v, percent, f64::total_cmp),
-    };
-    found.unwrap_or([0.0; 2])
-}
-
 /// Why values cannot be mapped.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum MappingError {
     /// A window that has no width, the wrong direction, or ends that are not finite.
-    #[error("window is {low} to {high}, expected two finite numbers, the lower one first")]
+    #[error(
+        "window is {} to {}, expected two numbers from -{MAX_VALUE:e} to {MAX_VALUE:e}, the lower one first",
+        number(*low), number(*high)
+    )]
     Window {
         /// Data value of code 0 as asked.
         low: f64,
@@ -119,8 +110,12 @@ pub enum MappingError {
         /// The higher one as asked.
         high: f64,
     },
-    /// A range so wide or so narrow that f64 cannot divide it into codes.
-    #[error("values from {low} to {high} cannot be divided into 4096 codes, expected a range of 1e-290 to 1e300")]
+    /// A range too narrow to be divided into codes, or values beyond those that scenes can speak of.
+    #[error(
+        "values from {} to {} cannot be divided into 4096 codes, expected a range of at least 1e-290 within \
+         -{MAX_VALUE:e} to {MAX_VALUE:e}",
+        number(*low), number(*high)
+    )]
     Range {
         /// Least value.
         low: f64,
@@ -129,21 +124,34 @@ pub enum MappingError {
     },
 }
 
+/// A volume in codes, and what is known about them.
+#[derive(Clone, Debug)]
+pub struct Mapped {
+    /// The volume.
+    pub volume: Volume,
+    /// What the mapping did.
+    pub report: MappingReport,
+    /// The labels, if the volume is a label map and its codes tell them apart.
+    pub labels: Option<Labels>,
+}
+
 /// Maps a volume's values to 12 bits.
 ///
 /// # Errors
-/// [`MappingError`] if the window asked for is not one, or floating-point data span a range that f64 cannot divide.
-pub fn map(decoded: &Decoded, window: Window) -> Result<(Volume, MappingReport), MappingError> {
+/// [`MappingError`] if the window asked for is not one, or the data span a range that cannot be divided.
+pub fn map(decoded: &Decoded, window: Window) -> Result<Mapped, MappingError> {
     let window = window.resolve(decoded)?;
+    let whole = decoded.values().are_whole();
+    let kind = if whole { Kind::Integers } else { Kind::Floats };
     match decoded.values() {
         Values::I8(v) => map_values(decoded, v, window, Kind::Bytes { first: -128.0 }),
         Values::U8(v) => map_values(decoded, v, window, Kind::Bytes { first: 0.0 }),
-        Values::I16(v) => map_values(decoded, v, window, Kind::Integers),
-        Values::U16(v) => map_values(decoded, v, window, Kind::Integers),
-        Values::I32(v) => map_values(decoded, v, window, Kind::Integers),
-        Values::U32(v) => map_values(decoded, v, window, Kind::Integers),
-        Values::F32(v) => map_values(decoded, v, window, Kind::Floats),
-        Values::F64(v) => map_values(decoded, v, window, Kind::Floats),
+        Values::I16(v) => map_values(decoded, v, window, kind),
+        Values::U16(v) => map_values(decoded, v, window, kind),
+        Values::I32(v) => map_values(decoded, v, window, kind),
+        Values::U32(v) => map_values(decoded, v, window, kind),
+        Values::F32(v) => map_values(decoded, v, window, kind),
+        Values::F64(v) => map_values(decoded, v, window, kind),
     }
 }
 
@@ -152,9 +160,9 @@ pub fn map(decoded: &Decoded, window: Window) -> Result<(Volume, MappingReport),
 enum Kind {
     /// 8-bit integers from `first` up.
     Bytes { first: f64 },
-    /// Wider integers.
+    /// Wider integers, and floats that are whole.
     Integers,
-    /// Floating point.
+    /// Other floats.
     Floats,
 }
 
@@ -164,12 +172,36 @@ fn map_values<T: Copy + Into<f64>>(
     stored: &[T],
     window: Window,
     kind: Kind,
-) -> Result<(Volume, MappingReport), MappingError> {
+) -> Result<Mapped, MappingError> {
     let range = range(stored);
     let (scale, shift) = (decoded.value_scale(), decoded.value_offset());
-    let hounsfield = decoded.modality() == Some(Modality::Ct) && scale == 1.0;
-    let coding = Coding::choose(window, range, [scale, shift], kind, hounsfield)?;
     let data = |stored: f64| stored * scale + shift;
+    let labels = match window {
+        Window::Auto => Labels::detect(decoded, kind != Kind::Floats, |label| {
+            Coding::linear_code(range, kind, label)
+        }),
+        _ => None,
+    };
+    if let Some(labels) = labels.as_ref().filter(|labels| labels.renumbered()) {
+        return Ok(renumber(decoded, stored, range.map(data), labels.clone()));
+    }
+    let hounsfield = decoded.modality() == Some(Modality::Ct) && scale == 1.0;
+    let is_lossless = kind != Kind::Floats && Coding::lossless(range, kind).is_some();
+    let inliers = match window {
+        Window::Auto if !is_lossless && !(hounsfield && kind == Kind::Integers) => {
+            outliers::inliers(decoded.values(), range)
+        }
+        _ => range,
+    };
+    let coding = Coding::choose(window, inliers, [scale, shift], kind, hounsfield)?;
+    let window_values = [data(coding.low), data(coding.high)];
+    if window_values.iter().any(|value| value.abs() > MAX_VALUE) {
+        let [low, high] = range.map(data);
+        return Err(match window {
+            Window::Range { low, high } => MappingError::Window { low, high },
+            _ => MappingError::Range { low, high },
+        });
+    }
     let mapping = Mapping {
         scale: coding.unit * scale,
         offset: data(coding.low),
@@ -197,10 +229,12 @@ fn map_values<T: Copy + Into<f64>>(
     let clipped = clipped_low + clipped_high > 0;
     let report = MappingReport {
         range: range.map(data),
-        window: [data(coding.low), data(coding.high)],
+        window: window_values,
         codes_per_unit: coding.codes_per_unit / scale,
         clipped_low,
         clipped_high,
+        outliers: clipped && inliers != range,
+        labels: None,
         lossless: !clipped
             && if kind == Kind::Floats {
                 max_rounding_error == 0.0
@@ -210,14 +244,56 @@ fn map_values<T: Copy + Into<f64>>(
         bits_lost: (kind != Kind::Floats).then(|| bits_lost(range, coding)),
         max_rounding_error: max_rounding_error * scale,
     };
-    let volume = Volume {
+    let volume = volume(decoded, voxels, mapping);
+    Ok(Mapped { volume, report, labels })
+}
+
+/// Codes that count labels; `range` is that of the labels.
+fn renumber<T: Copy + Into<f64>>(decoded: &Decoded, stored: &[T], range: [f64; 2], labels: Labels) -> Mapped {
+    let shift = decoded.value_offset();
+    // Equal voxels follow each other: each run is looked up once.
+    let mut last = (f64::NAN, 0);
+    let code_of = |&value: &T| {
+        let value: f64 = value.into();
+        if value != last.0 {
+            last = (value, labels.code_of(value + shift).unwrap_or(0));
+        }
+        last.1
+    };
+    let voxels = stored.iter().map(code_of).collect();
+    let count = labels.entries().len();
+    let report = MappingReport {
+        range,
+        window: [0.0, MAX_CODE],
+        codes_per_unit: 1.0,
+        clipped_low: 0,
+        clipped_high: 0,
+        outliers: false,
+        labels: Some(count),
+        lossless: true,
+        bits_lost: Some(0.0),
+        max_rounding_error: 0.0,
+    };
+    let codes = Mapping {
+        scale: 1.0,
+        offset: 0.0,
+    };
+    Mapped {
+        volume: volume(decoded, voxels, codes),
+        report,
+        labels: Some(labels),
+    }
+}
+
+/// The volume with its codes.
+fn volume(decoded: &Decoded, voxels: Vec<u16>, mapping: Mapping) -> Volume {
+    Volume {
         name: decoded.name().to_owned(),
         dims: decoded.dims(),
         spacing: decoded.spacing(),
         voxels,
         mapping,
-    };
-    Ok((volume, report))
+    }
 }
 
 /// Least and greatest value; 0, 0 of none.
@@ -263,30 +339,44 @@ impl Coding {
         kind: Kind,
         hounsfield: bool,
     ) -> Result<Self, MappingError> {
-        match (window, kind) {
-            (Window::Range { low, high }, _) => {
-                let error = MappingError::Window { low, high };
-                if !(low.is_finite() && high.is_finite() && low < high) {
-                    return Err(error);
-                }
-                Self::between((low - shift) / scale, (high - shift) / scale).ok_or(error)
+        if let Window::Range { low, high } = window {
+            let error = MappingError::Window { low, high };
+            if !(low.is_finite() && high.is_finite() && low < high) {
+                return Err(error);
             }
-            (Window::Auto, Kind::Bytes { first }) => Ok(Self::exact(first, 16.0)),
-            (Window::Auto, Kind::Integers) if min >= 0.0 && max <= MAX_CODE => Ok(Self::exact(0.0, 1.0)),
-            (Window::Auto, Kind::Integers) if min >= -1024.0 && max <= 3071.0 => Ok(Self::exact(-1024.0, 1.0)),
-            (Window::Auto, Kind::Integers) if max - min <= MAX_CODE => Ok(Self::exact(min, 1.0)),
-            // Padding below air or metal above bone must not cost the unit: those are clipped instead.
-            (Window::Auto, Kind::Integers) if hounsfield => Ok(Self::exact(-1024.0 - shift, 1.0)),
-            // All values are the same: code 0.
-            (_, _) if min == max => Ok(Self::exact(min, 1.0)),
-            (_, _) => {
-                let error = MappingError::Range {
-                    low: min * scale + shift,
-                    high: max * scale + shift,
-                };
-                Self::between(min, max).ok_or(error)
-            }
+            return Self::between((low - shift) / scale, (high - shift) / scale).ok_or(error);
         }
+        if let Some(coding) = Self::lossless([min, max], kind) {
+            return Ok(coding);
+        }
+        // Padding below air or metal above bone must not cost the unit: those are clipped instead.
+        if hounsfield && kind == Kind::Integers {
+            return Ok(Self::exact(-1024.0 - shift, 1.0));
+        }
+        let error = MappingError::Range {
+            low: min * scale + shift,
+            high: max * scale + shift,
+        };
+        Self::between(min, max).ok_or(error)
+    }
+
+    /// The map that loses nothing, where there is one without a look at each value.
+    fn lossless([min, max]: [f64; 2], kind: Kind) -> Option<Self> {
+        match kind {
+            Kind::Bytes { first } => Some(Self::exact(first, 16.0)),
+            Kind::Integers if min >= 0.0 && max <= MAX_CODE => Some(Self::exact(0.0, 1.0)),
+            Kind::Integers if min >= -1024.0 && max <= 3071.0 => Some(Self::exact(-1024.0, 1.0)),
+            Kind::Integers if max - min <= MAX_CODE => Some(Self::exact(min, 1.0)),
+            // All values are the same: code 0.
+            _ if min == max => Some(Self::exact(min, 1.0)),
+            _ => None,
+        }
+    }
+
+    /// The code of a stored integer, if the data have a map that loses nothing.
+    fn linear_code(range: [f64; 2], kind: Kind, stored: f64) -> Option<u16> {
+        let coding = Self::lossless(range, kind)?;
+        Some(((stored - coding.low) * coding.codes_per_unit) as u16)
     }
 
     /// A power of two of codes per unit, from `low` up.

@@ -1,6 +1,7 @@
 //! MetaImage volumes (`.mhd` with a data file beside it, `.mha` with the data attached).
 //!
-//! Source: the MetaIO documentation of ITK. Read: `NDims = 3`, one channel, integers of 8 to 64 bits, float, double,
+//! Source: the MetaIO documentation of ITK. Read: three axes, beside which others may have one entry, one channel, data
+//! attached, in one file or in many (`LIST` or a pattern); integers of 8 to 64 bits, float, double,
 //! either byte order, plain, zlib-packed or written as text. `TransformMatrix` (or `Orientation`, `Rotation`) is taken as
 //! LPS, as ITK does; without it `AnatomicalOrientation` counts, and without both the orientation is unknown.
 //! `CompressedDataSize` is not believed: real files state too little; the data end where their stream ends.
@@ -11,12 +12,18 @@ use std::io::{BufRead, Cursor};
 use std::path::Path;
 
 use self::header::{Header, NAME};
+use super::choice::Choice;
 use super::companion;
 use super::error::{Problem, ReadError};
+use super::files::{DataFiles, expand};
+use super::length::millimetres;
 use super::open::open_regular;
-use super::payload::{ByteSkip, Encoding, Layout, read_values};
+use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
 use super::text::shorten;
-use super::values::{Decoded, Endian, Modality, ValueType};
+use super::values::{Decoded, Endian, Modality, ValueType, Values};
+
+/// Axes that a header may have.
+const MAX_AXES: usize = 16;
 
 /// The last line of a header: what follows is the data, or their file's name.
 const DATA_FILE: &str = "ElementDataFile";
@@ -25,20 +32,36 @@ const DATA_FILE: &str = "ElementDataFile";
 ///
 /// # Errors
 /// [`ReadError`] names the file (header or data), what was wrong and what was expected; see [`Problem`].
-pub fn read(path: &Path) -> Result<Decoded, ReadError> {
+pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
     let at_header = |problem| ReadError::new(path, problem);
     let (mut source, len) = open_regular(path)?;
     let header = Header::read(&mut source).map_err(at_header)?;
-    let description = Description::new(&header).map_err(at_header)?;
+    let mut description = Description::new(&header).map_err(at_header)?;
     let name = path.display().to_string();
-    if description.data_file == "LOCAL" {
-        let left = len.saturating_sub(header.len);
-        return description.finish(&mut source, left, name).map_err(at_header);
-    }
-    let data_path = companion::data_file(path, &description.data_file)?;
-    let (mut data, data_len) = open_regular(&data_path)?;
+    let (data_path, values) = match &description.data {
+        Data::Attached => {
+            let left = len.saturating_sub(header.len);
+            (
+                path.to_owned(),
+                description.read_data(&mut source, left).map_err(at_header)?,
+            )
+        }
+        Data::File(data_file) => {
+            let data_path = companion::data_file(path, data_file)?;
+            let (mut data, data_len) = open_regular(&data_path)?;
+            let values = description.read_data(&mut data, data_len);
+            (
+                data_path.clone(),
+                values.map_err(|problem| ReadError::new(&data_path, problem))?,
+            )
+        }
+        Data::Files(files) => {
+            let values = files.read(path, &description.layout, sniffed, &mut description.notes)?;
+            (path.to_owned(), values)
+        }
+    };
     description
-        .finish(&mut data, data_len, name)
+        .finish(values, name, choice)
         .map_err(|problem| ReadError::new(&data_path, problem))
 }
 
@@ -46,13 +69,13 @@ pub fn read(path: &Path) -> Result<Decoded, ReadError> {
 ///
 /// # Errors
 /// As [`read`]; a header that names a data file is refused.
-pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, ReadError> {
     let fail = |problem| ReadError::new(Path::new(name), problem);
     let mut source = Cursor::new(bytes);
     let header = Header::read(&mut source).map_err(fail)?;
-    let description = Description::new(&header).map_err(fail)?;
-    if description.data_file != "LOCAL" {
-        let found = &description.data_file;
+    let mut description = Description::new(&header).map_err(fail)?;
+    if !matches!(description.data, Data::Attached) {
+        let found = header.get(&[DATA_FILE]).unwrap_or_default();
         return Err(fail(refuse(
             DATA_FILE,
             found,
@@ -60,7 +83,8 @@ pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
         )));
     }
     let left = (bytes.len() as u64).saturating_sub(header.len);
-    description.finish(&mut source, left, name.to_owned()).map_err(fail)
+    let values = description.read_data(&mut source, left).map_err(fail)?;
+    description.finish(values, name.to_owned(), choice).map_err(fail)
 }
 
 /// Whether a file that begins so is a MetaImage header.
@@ -72,13 +96,23 @@ pub(super) fn recognise(start: &[u8]) -> bool {
     key.is_some_and(|key| [&b"ObjectType"[..], b"NDims"].contains(&key.trim_ascii()) && key.len() < 32)
 }
 
+/// Where the data are.
+enum Data {
+    /// After the header.
+    Attached,
+    /// In a file.
+    File(String),
+    /// In many files.
+    Files(DataFiles),
+}
+
 /// What a header says, interpreted.
 struct Description {
     layout: Layout,
     spacing: [f64; 3],
     directions: Option<[[f64; 3]; 3]>,
     modality: Option<Modality>,
-    data_file: String,
+    data: Data,
     rescale: [f64; 2],
     /// `CompressedDataSize`.
     packed_len: Option<u64>,
@@ -88,20 +122,36 @@ struct Description {
 impl Description {
     /// Makes sense of a header's fields.
     fn new(header: &Header) -> Result<Self, Problem> {
-        let axes = header.require("NDims", "3")?;
-        if axes != "3" {
-            return Err(refuse("NDims", axes, "3: a volume of one value a voxel"));
-        }
+        let stated = header.require("NDims", "3")?;
+        let axes = stated
+            .parse::<usize>()
+            .ok()
+            .filter(|axes| (3..=MAX_AXES).contains(axes));
+        let axes = axes.ok_or_else(|| refuse("NDims", stated, "3: a volume of one value a voxel"))?;
         let channels = header.get(&["ElementNumberOfChannels"]).unwrap_or("1");
         if channels != "1" {
             return Err(refuse("ElementNumberOfChannels", channels, "1"));
         }
         let sizes = header.require("DimSize", "three whole numbers")?;
-        let dims = numbers::<u64, 3>(sizes).ok_or_else(|| refuse("DimSize", sizes, "three whole numbers"))?;
+        let all_sides =
+            numbers::<u64>(sizes, axes).ok_or_else(|| refuse("DimSize", sizes, "a whole number for each axis"))?;
+        if all_sides[3..].iter().any(|&side| side != 1) {
+            return Err(refuse("DimSize", sizes, "1 for every axis after the third"));
+        }
+        let dims = [all_sides[0], all_sides[1], all_sides[2]];
         let encoding = encoding(header)?;
-        let mut notes = Vec::new();
+        let mut notes = header.notes.clone();
+        if axes > 3 {
+            notes.push(format!("{} axes of one entry are left out", axes - 3));
+        }
         let spacing = match header.get(&["ElementSpacing", "ElementSize"]) {
-            Some(text) => numbers(text).ok_or_else(|| refuse("ElementSpacing", text, "three numbers above 0"))?,
+            Some(text) => {
+                let lengths = numbers::<f64>(text, axes);
+                let lengths =
+                    lengths.ok_or_else(|| refuse("ElementSpacing", text, "a number above 0 for each axis"))?;
+                let unit = unit(header, &mut notes);
+                [lengths[0] * unit, lengths[1] * unit, lengths[2] * unit]
+            }
             None => {
                 notes.push("the file states no spacing: 1 is assumed".into());
                 [1.0; 3]
@@ -114,15 +164,16 @@ impl Description {
             encoding,
             line_skip: 0,
             byte_skip: byte_skip(header, encoding)?,
+            tail: Tail::Refused,
         };
         Ok(Self {
             layout,
             spacing,
-            directions: directions(header, &mut notes)?,
+            directions: directions(header, axes, &mut notes)?,
             modality: header
                 .get(&["Modality"])
                 .and_then(|text| Modality::from_code(text.trim_start_matches("MET_MOD_"))),
-            data_file: header.require(DATA_FILE, "`LOCAL` or a file's name")?.to_owned(),
+            data: data(header)?,
             rescale: [
                 number(header, "ElementToIntensityFunctionSlope", 1.0)?,
                 number(header, "ElementToIntensityFunctionOffset", 0.0)?,
@@ -132,22 +183,24 @@ impl Description {
         })
     }
 
-    /// Reads the data and joins them with the description.
-    fn finish(mut self, source: &mut impl BufRead, source_len: u64, name: String) -> Result<Decoded, Problem> {
+    /// Reads the data of a single file, or those after the header.
+    fn read_data(&mut self, source: &mut impl BufRead, source_len: u64) -> Result<Values, Problem> {
         if self.layout.encoding == Encoding::Zlib {
             let start = source.fill_buf().map_err(Problem::io("read the file"))?;
-            if start.starts_with(&[0x1f, 0x8b]) {
-                self.layout.encoding = Encoding::Gzip;
-            }
+            self.layout = sniffed(self.layout, start);
             if let Some(stated) = self.packed_len.filter(|&stated| stated != source_len) {
                 self.notes.push(format!(
                     "CompressedDataSize is {stated}, the file has {source_len} bytes of packed data: all are read"
                 ));
             }
         }
-        let values = read_values(&self.layout, source, source_len)?;
+        read_values(&self.layout, source, source_len, &mut self.notes)
+    }
+
+    /// Joins the values with the description.
+    fn finish(self, values: Values, name: String, choice: &Choice) -> Result<Decoded, Problem> {
         let dims = self.layout.dims.map(|d| d as usize);
-        let mut decoded = Decoded::new(name, dims, self.spacing, values)?
+        let mut decoded = Decoded::with_nan(name, dims, self.spacing, values, (choice.nan, self.rescale[0]))?
             .with_modality(self.modality)
             .with_notes(self.notes);
         if self.rescale != [1.0, 0.0] {
@@ -158,6 +211,65 @@ impl Description {
             None => Ok(decoded),
         }
     }
+}
+
+/// Packed data are zlib's or gzip's; their first bytes tell.
+fn sniffed(layout: Layout, start: &[u8]) -> Layout {
+    let encoding = match layout.encoding {
+        Encoding::Zlib if start.starts_with(&[0x1f, 0x8b]) => Encoding::Gzip,
+        other => other,
+    };
+    Layout { encoding, ..layout }
+}
+
+/// Where the data are.
+fn data(header: &Header) -> Result<Data, Problem> {
+    let text = header.require(DATA_FILE, "`LOCAL` or a file's name")?;
+    let words: Vec<&str> = text.split_ascii_whitespace().collect();
+    let axes = |word: Option<&&str>| match word {
+        // By default a file holds a slice.
+        None => Ok(2),
+        Some(word) => word
+            .trim_end_matches(['D', 'd'])
+            .parse()
+            .map_err(|_| refuse(DATA_FILE, text, "a number of axes, 1 to 3, at the end")),
+    };
+    if header.has_list() {
+        let (names, axes) = (header.listed.clone(), axes(words.get(1))?);
+        return Ok(Data::Files(DataFiles { names, axes }));
+    }
+    match &words[..] {
+        [pattern, first, last, more @ ..] if pattern.contains('%') => {
+            let number = |word: &str| word.parse::<i64>().ok();
+            let step = more.first().map_or(Some(1), |word| number(word));
+            let numbers = number(first).zip(number(last)).zip(step);
+            let ((first, last), step) = numbers.ok_or_else(|| refuse(DATA_FILE, text, "PATTERN FIRST LAST STEP"))?;
+            let names = expand(pattern, [first, last, step]).map_err(|expected| refuse(DATA_FILE, text, expected))?;
+            Ok(Data::Files(DataFiles {
+                names,
+                axes: axes(more.get(1))?,
+            }))
+        }
+        ["LOCAL"] => Ok(Data::Attached),
+        _ => Ok(Data::File(text.to_owned())),
+    }
+}
+
+/// Millimetres per unit of the spacing.
+fn unit(header: &Header, notes: &mut Vec<String>) -> f64 {
+    let Some(name) = header.get(&["DistanceUnits"]) else {
+        return 1.0;
+    };
+    let known = millimetres(name);
+    match known {
+        Some(1.0) => {}
+        Some(_) => notes.push(format!("DistanceUnits {} are brought to millimetres", shorten(name))),
+        None => notes.push(format!(
+            "DistanceUnits {} is no unit of length: mm are assumed",
+            shorten(name)
+        )),
+    }
+    known.unwrap_or(1.0)
 }
 
 fn encoding(header: &Header) -> Result<Encoding, Problem> {
@@ -214,11 +326,13 @@ fn value_type(header: &Header) -> Result<ValueType, Problem> {
 }
 
 /// The directions of the file's axes in LPS, if it states any.
-fn directions(header: &Header, notes: &mut Vec<String>) -> Result<Option<[[f64; 3]; 3]>, Problem> {
+fn directions(header: &Header, axes: usize, notes: &mut Vec<String>) -> Result<Option<[[f64; 3]; 3]>, Problem> {
     if let Some(text) = header.get(&["TransformMatrix", "Orientation", "Rotation"]) {
         let expected = "nine numbers: the directions of x, y and z";
-        let [a, b, c, d, e, f, g, h, i] = numbers(text).ok_or_else(|| refuse("TransformMatrix", text, expected))?;
-        return Ok(Some([[a, b, c], [d, e, f], [g, h, i]]));
+        let entries = numbers::<f64>(text, axes * axes).ok_or_else(|| refuse("TransformMatrix", text, expected))?;
+        return Ok(Some(
+            [0, 1, 2].map(|row| [0, 1, 2].map(|column| entries[row * axes + column])),
+        ));
     }
     let Some(letters) = header.get(&["AnatomicalOrientation"]) else {
         return Ok(None);
@@ -254,14 +368,10 @@ fn number(header: &Header, field: &'static str, default: f64) -> Result<f64, Pro
     }
 }
 
-/// Exactly `N` numbers.
-fn numbers<T: std::str::FromStr + Copy, const N: usize>(text: &str) -> Option<[T; N]> {
-    let words: Vec<T> = text
-        .split_ascii_whitespace()
-        .map(str::parse)
-        .collect::<Result<_, _>>()
-        .ok()?;
-    words.try_into().ok()
+/// Exactly `count` numbers.
+fn numbers<T: std::str::FromStr>(text: &str, count: usize) -> Option<Vec<T>> {
+    let words: Result<Vec<T>, _> = text.split_ascii_whitespace().map(str::parse).collect();
+    words.ok().filter(|words| words.len() == count)
 }
 
 /// A field whose value is not usable.

@@ -1,30 +1,36 @@
 //! NIfTI-1 and NIfTI-2 volumes (`.nii`, `.nii.gz`, and `.hdr` with an `.img` beside it).
 //!
 //! Source: nifti1.h and nifti2.h of the NIfTI data format working group. Read: integers of 8 to 64 bits, single and double
-//! precision, either byte order, `scl_slope` and `scl_inter`, exactly one volume. Orientation comes from the sform, else
+//! precision, either byte order, `scl_slope` and `scl_inter`, exactly one volume; what follows it is left out with a note.
+//! Orientation comes from the sform, else
 //! from the qform, else is unknown; both speak RAS and are brought to LPS.
 
 mod header;
 mod orientation;
 
 use std::io::{BufRead, BufReader, Cursor, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
 
 use self::header::{Header, NAME};
 use self::orientation::orientation;
+use super::choice::Choice;
 use super::companion;
 use super::error::{Problem, ReadError};
 use super::open::open_regular;
-use super::payload::{ByteSkip, Encoding, Layout, read_values};
+use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
 use super::values::Decoded;
 
-/// Reads a NIfTI file, packed by gzip or not, or a header and the `.img` file beside it.
+/// Reads a NIfTI file, packed by gzip or not, or a header and the `.img` file beside it, whichever of the two is named.
 ///
 /// # Errors
 /// [`ReadError`] names the file, what was wrong and what was expected; see [`Problem`].
-pub fn read(path: &Path) -> Result<Decoded, ReadError> {
+pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
+    if let Some(header) = header_beside(path) {
+        let note = format!("the header is in {}", header.display());
+        return read(&header, choice).map(|decoded| decoded.with_notes(vec![note]));
+    }
     let fail = |problem| ReadError::new(path, problem);
     let (mut source, len) = open_regular(path)?;
     let packed = is_gzip(&mut source).map_err(fail)?;
@@ -33,7 +39,7 @@ pub fn read(path: &Path) -> Result<Decoded, ReadError> {
     if header.attached {
         // The unpacker is started anew, so that the payload reader counts from the file's first byte.
         let (mut source, _) = open_regular(path)?;
-        return finish(&header, &mut source, len, packed, header.data_offset, name).map_err(fail);
+        return finish(&header, &mut source, len, packed, name, choice).map_err(fail);
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let stem = stem.strip_suffix(".hdr").unwrap_or(&stem).to_owned();
@@ -45,14 +51,14 @@ pub fn read(path: &Path) -> Result<Decoded, ReadError> {
     let (mut source, len) = open_regular(&data_path)?;
     let at_data = |problem| ReadError::new(&data_path, problem);
     let packed = is_gzip(&mut source).map_err(at_data)?;
-    finish(&header, &mut source, len, packed, header.data_offset, name).map_err(at_data)
+    finish(&header, &mut source, len, packed, name, choice).map_err(at_data)
 }
 
 /// Reads a NIfTI file that is already in memory; `name` stands for its path in messages.
 ///
 /// # Errors
 /// As [`read`]; a header without its data is refused.
-pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, ReadError> {
     let fail = |problem| ReadError::new(Path::new(name), problem);
     let mut source = Cursor::new(bytes);
     let packed = is_gzip(&mut source).map_err(fail)?;
@@ -62,8 +68,15 @@ pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
         return Err(fail(Problem::format(NAME, fault)));
     }
     let mut source = Cursor::new(bytes);
-    let (len, skip) = (bytes.len() as u64, header.data_offset);
-    finish(&header, &mut source, len, packed, skip, name.to_owned()).map_err(fail)
+    finish(
+        &header,
+        &mut source,
+        bytes.len() as u64,
+        packed,
+        name.to_owned(),
+        choice,
+    )
+    .map_err(fail)
 }
 
 /// Whether a file that begins so is a NIfTI header; `start` may be packed.
@@ -73,6 +86,15 @@ pub(super) fn recognise(start: &[u8]) -> bool {
         return MultiGzDecoder::new(start).read_exact(&mut unpacked).is_ok() && header::has_magic(&unpacked);
     }
     header::has_magic(start)
+}
+
+/// The header that belongs to a data file `NAME.img` or `NAME.img.gz`: `NAME.hdr` or `NAME.hdr.gz` beside it.
+pub(super) fn header_beside(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let lower = name.to_ascii_lowercase();
+    let stem_len = lower.strip_suffix(".gz").unwrap_or(&lower).strip_suffix(".img")?.len();
+    let candidates = ["hdr", "HDR", "hdr.gz"].map(|end| path.with_file_name(format!("{}.{end}", &name[..stem_len])));
+    candidates.into_iter().find(|header| header.is_file())
 }
 
 /// Whether the source begins with a gzip member.
@@ -96,8 +118,8 @@ fn finish(
     source: &mut impl BufRead,
     source_len: u64,
     packed: bool,
-    skip: u64,
     name: String,
+    choice: &Choice,
 ) -> Result<Decoded, Problem> {
     let orientation = orientation(header)?;
     let layout = Layout {
@@ -106,14 +128,17 @@ fn finish(
         endian: header.endian,
         encoding: if packed { Encoding::Gzip } else { Encoding::Raw },
         line_skip: 0,
-        byte_skip: ByteSkip::Bytes(skip),
+        byte_skip: ByteSkip::Bytes(header.data_offset),
+        tail: Tail::LeftOut,
     };
-    let values = read_values(&layout, source, source_len)?;
+    let mut notes = header.notes.clone();
+    let values = read_values(&layout, source, source_len, &mut notes)?;
     let dims = header.dims.map(|d| d as usize);
     let [low, high] = header.display_range;
-    let mut decoded = Decoded::new(name, dims, orientation.spacing, values)?
+    let scale = if header.slope == 0.0 { 1.0 } else { header.slope };
+    let mut decoded = Decoded::with_nan(name, dims, orientation.spacing, values, (choice.nan, scale))?
         .with_stated_window(Some([low, high]))
-        .with_notes(header.notes.clone())
+        .with_notes(notes)
         .with_notes(orientation.notes);
     if header.slope != 0.0 {
         decoded = decoded.with_rescale(NAME, header.slope, header.intercept)?;

@@ -1,25 +1,29 @@
 //! NRRD volumes (`.nrrd`, and `.nhdr` with a data file beside it).
 //!
 //! Read: versions 1 to 5; integers of 8 to 64 bits, `float`, `double`; either byte order; encodings `raw`, `gzip`,
-//! `bzip2` and `ascii`; exactly three dimensions. Spacing comes from `spacings`, or from the lengths of
-//! `space directions`, or is 1. With `space directions` the voxels are reordered and reversed so that they run along the
+//! `bzip2` and `ascii`; three axes, beside which others may have one entry; data attached, in one file or in many
+//! (`LIST` or a pattern). Spacing comes from `spacings`, or from the lengths of
+//! `space directions`, or is 1; `space units` and `units` bring it to millimetres. With `space directions` the voxels are reordered and reversed so that they run along the
 //! axes of the space: the patient's (LPS) if `space` is one of the three patient spaces. Two keys of our own:
 //! `hounsfield_offset:=N` makes the data's unit the stored value plus N, `modality:=CT` tells what made the values.
 
 mod header;
 mod orientation;
+mod surplus;
 
 use std::io::{BufRead, Cursor};
 use std::path::Path;
 
-use self::header::Header;
+use self::header::{Header, is_list};
 use self::orientation::Directions;
+use super::choice::Choice;
 use super::companion;
 use super::error::{Problem, ReadError};
+use super::files::{DataFiles, expand};
 use super::open::open_regular;
-use super::payload::{ByteSkip, Encoding, Layout, read_values};
+use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
 use super::text::shorten;
-use super::values::{Decoded, Endian, Modality, ValueType, check_spacing};
+use super::values::{Decoded, Endian, Modality, ValueType, Values, check_spacing};
 
 /// What a header says about its volume, interpreted.
 #[derive(Debug)]
@@ -29,48 +33,74 @@ struct Description {
     directions: Option<Directions>,
     value_offset: i32,
     modality: Option<Modality>,
-    data_file: Option<String>,
+    data: Data,
     notes: Vec<String>,
+}
+
+/// Where the data are.
+#[derive(Debug)]
+enum Data {
+    /// After the header.
+    Attached,
+    /// In a file.
+    File(String),
+    /// In many files.
+    Files(DataFiles),
 }
 
 /// Reads an NRRD file. A detached header's data file must lie in the header's folder or below it.
 ///
 /// # Errors
 /// [`ReadError`] names the file (header or data), what was wrong and what was expected; see [`Problem`].
-pub fn read(path: &Path) -> Result<Decoded, ReadError> {
+pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
     let at_header = |problem| ReadError::new(path, problem);
     let (mut source, len) = open_regular(path)?;
-    let (header, description) = describe(&mut source).map_err(at_header)?;
+    let (header, mut description) = describe(&mut source).map_err(at_header)?;
     let name = path.display().to_string();
-    let Some(data_file) = &description.data_file else {
-        return attached(&header, description, &mut source, len, name).map_err(at_header);
+    let (layout, notes) = (&description.layout, &mut description.notes);
+    let (data_path, values) = match &description.data {
+        Data::Attached => {
+            let values = attached(&header, layout, &mut source, len, notes).map_err(at_header)?;
+            (path.to_owned(), values)
+        }
+        Data::File(data_file) => {
+            let data_path = companion::data_file(path, data_file)?;
+            let (mut data, data_len) = open_regular(&data_path)?;
+            let values = read_values(layout, &mut data, data_len, notes);
+            (
+                data_path.clone(),
+                values.map_err(|problem| ReadError::new(&data_path, problem))?,
+            )
+        }
+        Data::Files(files) => (path.to_owned(), files.read(path, layout, |layout, _| layout, notes)?),
     };
-    let data_path = companion::data_file(path, data_file)?;
-    let (mut data, data_len) = open_regular(&data_path)?;
-    finish(description, &mut data, data_len, name).map_err(|problem| ReadError::new(&data_path, problem))
+    finish(description, values, name, choice).map_err(|problem| ReadError::new(&data_path, problem))
 }
 
 /// Reads an NRRD file with attached data that is already in memory; `name` stands for its path in messages.
 ///
 /// # Errors
 /// As [`read`]; a header that names a data file is refused.
-pub fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, ReadError> {
     let fail = |problem| ReadError::new(Path::new(name), problem);
     let mut source = Cursor::new(bytes);
-    let (header, description) = describe(&mut source).map_err(fail)?;
-    if description.data_file.is_some() {
+    let (header, mut description) = describe(&mut source).map_err(fail)?;
+    if !matches!(description.data, Data::Attached) {
         return Err(fail(Problem::FieldValue {
             field: "data file",
             value: shorten(header.get("data file").unwrap_or_default()),
             expected: "no such field, since the data have to be attached here",
         }));
     }
-    attached(&header, description, &mut source, bytes.len() as u64, name.to_owned()).map_err(fail)
+    let (layout, len) = (&description.layout, bytes.len() as u64);
+    let values = attached(&header, layout, &mut source, len, &mut description.notes).map_err(fail)?;
+    finish(description, values, name.to_owned(), choice).map_err(fail)
 }
 
 /// Reads and interprets a header.
 fn describe(source: &mut impl BufRead) -> Result<(Header, Description), Problem> {
-    let header = Header::read(source)?;
+    let mut header = Header::read(source)?;
+    surplus::leave_out(&mut header)?;
     let description = interpret(&header)?;
     Ok((header, description))
 }
@@ -78,27 +108,21 @@ fn describe(source: &mut impl BufRead) -> Result<(Header, Description), Problem>
 /// Reads data that follow the header in the same file of `file_len` bytes.
 fn attached(
     header: &Header,
-    description: Description,
+    layout: &Layout,
     source: &mut impl BufRead,
     file_len: u64,
-    name: String,
-) -> Result<Decoded, Problem> {
+    notes: &mut Vec<String>,
+) -> Result<Values, Problem> {
     if !header.ended {
         return Err(Problem::NoData);
     }
-    finish(description, source, file_len.saturating_sub(header.len), name)
+    read_values(layout, source, file_len.saturating_sub(header.len), notes)
 }
 
-/// Reads the data and joins them with the header's description.
-fn finish(
-    description: Description,
-    source: &mut impl BufRead,
-    source_len: u64,
-    name: String,
-) -> Result<Decoded, Problem> {
-    let values = read_values(&description.layout, source, source_len)?;
+/// Joins the values with the header's description.
+fn finish(description: Description, values: Values, name: String, choice: &Choice) -> Result<Decoded, Problem> {
     let dims = description.layout.dims.map(|d| d as usize);
-    let decoded = Decoded::new(name, dims, description.spacing, values)?;
+    let decoded = Decoded::with_nan(name, dims, description.spacing, values, (choice.nan, 1.0))?;
     let decoded = decoded
         .with_value_offset(description.value_offset)
         .with_modality(description.modality)
@@ -123,7 +147,8 @@ fn interpret(header: &Header) -> Result<Description, Problem> {
     let dims = three(sizes, |word| word.parse::<u64>().ok());
     let dims = dims.ok_or_else(|| refuse("sizes", sizes, "three whole numbers"))?;
     check_kinds(header)?;
-    let (spacing, directions, notes) = orientation::read(header)?;
+    let (spacing, directions, orientation_notes) = orientation::read(header)?;
+    let notes = [header.notes.clone(), orientation_notes].concat();
     check_spacing(spacing)?;
     let encoding = encoding(header)?;
     let layout = Layout {
@@ -133,6 +158,7 @@ fn interpret(header: &Header) -> Result<Description, Problem> {
         encoding,
         line_skip: line_skip(header)?,
         byte_skip: byte_skip(header, encoding)?,
+        tail: Tail::Refused,
     };
     let value_offset = value_offset(header)?;
     Ok(Description {
@@ -141,7 +167,7 @@ fn interpret(header: &Header) -> Result<Description, Problem> {
         directions,
         value_offset,
         modality: header.keys.get("modality").and_then(|code| Modality::from_code(code)),
-        data_file: data_file(header)?,
+        data: data(header)?,
         notes,
     })
 }
@@ -215,17 +241,37 @@ fn value_offset(header: &Header) -> Result<i32, Problem> {
         .map_err(|_| refuse("hounsfield_offset", text, "a whole number of at most 32 bits"))
 }
 
-/// The data file's name.
-fn data_file(header: &Header) -> Result<Option<String>, Problem> {
+/// Where the data are.
+fn data(header: &Header) -> Result<Data, Problem> {
     let Some(text) = header.get("data file") else {
-        return Ok(None);
+        return Ok(Data::Attached);
     };
     let words: Vec<&str> = text.split_ascii_whitespace().collect();
-    let numbered = text.contains('%') && words.len() >= 4;
-    if words.first() == Some(&"LIST") || numbered {
-        return Err(refuse("data file", text, "one file: data in many files are not read"));
+    let axes = |word: Option<&&str>| match word {
+        // By default a file holds a slice.
+        None => Ok(2),
+        Some(word) => word
+            .parse()
+            .map_err(|_| refuse("data file", text, "a number of axes, 1 to 3, at the end")),
+    };
+    if is_list(text) {
+        let (names, axes) = (header.listed.clone(), axes(words.get(1))?);
+        return Ok(Data::Files(DataFiles { names, axes }));
     }
-    Ok(Some(text.to_owned()))
+    let [pattern, first, last, step, more @ ..] = &words[..] else {
+        return Ok(Data::File(text.to_owned()));
+    };
+    if !pattern.contains('%') {
+        return Ok(Data::File(text.to_owned()));
+    }
+    let number = |word: &str| word.parse::<i64>().ok();
+    let numbers = number(first).zip(number(last)).zip(number(step));
+    let ((first, last), step) = numbers.ok_or_else(|| refuse("data file", text, "PATTERN FIRST LAST STEP"))?;
+    let names = expand(pattern, [first, last, step]).map_err(|expected| refuse("data file", text, expected))?;
+    Ok(Data::Files(DataFiles {
+        names,
+        axes: axes(more.first())?,
+    }))
 }
 
 /// Exactly three words, each read by `parse`.

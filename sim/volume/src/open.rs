@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::choice::Choice;
 use super::error::{Problem, ReadError};
-use super::mapping::{MappingError, MappingReport, Window, map};
-use super::values::{Decoded, Modality, Orientation, Values};
+use super::mapping::{Labels, Mapped, MappingError, MappingReport, Window, map};
+use super::values::{Decoded, Modality, Orientation};
 use super::{Volume, dicom, metaimage, nifti, nrrd, raw, tiff};
 
 /// The CT head that comes with the program, 64 x 64 x 93 voxels (see `sim/volume/data/LICENSE-headsq.txt`).
@@ -32,7 +32,7 @@ pub enum LoadError {
 /// What a user may state about a volume beside its path.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Which of several volumes.
+    /// Which of several volumes, and what becomes of NaN.
     pub choice: Choice,
     /// The file is raw data of this shape, whatever it looks like.
     pub raw: Option<raw::describe::Description>,
@@ -55,19 +55,25 @@ pub fn read_with(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
     if path.is_dir() {
         return read_folder(path, options);
     }
+    let choice = &options.choice;
+    let fail = |problem| ReadError::new(path, problem);
     if let Some(description) = &options.raw {
-        return raw::read_described(path, description);
+        choice.check_single().map_err(fail)?;
+        return raw::read_described(path, description, choice);
     }
     let (mut source, _) = open_regular(path)?;
-    let fail = |problem| ReadError::new(path, problem);
     let start = source.fill_buf().map_err(Problem::io("read the file")).map_err(fail)?;
-    match Format::of(start, path) {
-        Some(Format::Nrrd) => nrrd::read(path),
-        Some(Format::Nifti) => nifti::read(path),
-        Some(Format::MetaImage) => metaimage::read(path),
-        Some(Format::Dicom) => dicom::read_with_file(path, &options.choice),
-        Some(Format::Tiff) => tiff::read(path),
-        None => match raw::read_by_sidecar(path) {
+    let format = Format::of(start, path);
+    if format != Some(Format::Tiff) {
+        choice.check_single().map_err(fail)?;
+    }
+    match format {
+        Some(Format::Nrrd) => nrrd::read(path, choice),
+        Some(Format::Nifti) => nifti::read(path, choice),
+        Some(Format::MetaImage) => metaimage::read(path, choice),
+        Some(Format::Dicom) => dicom::read_with_file(path, choice),
+        Some(Format::Tiff) => tiff::read(path, choice),
+        None => match raw::read_by_sidecar(path, choice) {
             Some(read) => read,
             None => Err(fail(Problem::UnknownFormat {
                 first_bytes: format!("\"{}\"", start[..start.len().min(8)].escape_ascii()),
@@ -88,12 +94,18 @@ fn read_folder(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
         Err(ReadError {
             problem: Problem::NoImages,
             ..
-        }) if any_tiff => tiff::read_folder(path),
+        }) if any_tiff => tiff::read_folder(path, &options.choice),
         Err(ReadError {
             problem: Problem::NoImages,
             ..
-        }) => dicom::read_tree(path, &options.choice),
-        read => read,
+        }) => {
+            options.choice.check_single().map_err(fail)?;
+            dicom::read_tree(path, &options.choice)
+        }
+        read => {
+            options.choice.check_single().map_err(fail)?;
+            read
+        }
     }
 }
 
@@ -125,6 +137,7 @@ impl Format {
         [
             (ends(&[".nrrd", ".nhdr"]), Self::Nrrd),
             (ends(&[".nii", ".nii.gz", ".hdr"]), Self::Nifti),
+            (nifti::header_beside(path).is_some(), Self::Nifti),
             (ends(&[".mhd", ".mha"]), Self::MetaImage),
             (ends(&[".dcm"]), Self::Dicom),
             (ends(&[".tif", ".tiff"]), Self::Tiff),
@@ -139,7 +152,7 @@ impl Format {
 /// # Errors
 /// None in a sound build; a test reads it.
 pub fn read_built_in() -> Result<Decoded, ReadError> {
-    nrrd::read_bytes(BUILT_IN, "built-in CT head")
+    nrrd::read_bytes(BUILT_IN, "built-in CT head", &Choice::default())
 }
 
 /// A volume ready for the pipeline, and what the user should know about it.
@@ -155,8 +168,10 @@ pub struct Loaded {
     pub modality: Option<Modality>,
     /// How the volume lies in the patient.
     pub orientation: Orientation,
-    /// Whether the stored values are integers.
+    /// Whether the stored values are integers, in whatever type.
     pub integers: bool,
+    /// The labels, if the volume is a label map.
+    pub labels: Option<Labels>,
 }
 
 /// Reads a volume file, or the built-in CT head if there is no path, and maps it to 12 bits.
@@ -185,13 +200,14 @@ pub fn load_with(path: Option<&Path>, window: Window, options: &Options) -> Resu
 /// [`LoadError::Mapping`] if its values cannot be mapped as asked.
 pub fn prepare(decoded: &Decoded, window: Window) -> Result<Loaded, LoadError> {
     match map(decoded, window) {
-        Ok((volume, report)) => Ok(Loaded {
+        Ok(Mapped { volume, report, labels }) => Ok(Loaded {
             volume,
             report,
+            labels,
             notes: decoded.notes().to_vec(),
             modality: decoded.modality(),
             orientation: decoded.orientation().clone(),
-            integers: !matches!(decoded.values(), Values::F32(_) | Values::F64(_)),
+            integers: decoded.values().are_whole(),
         }),
         Err(error) => Err(LoadError::Mapping {
             name: decoded.name().to_owned(),

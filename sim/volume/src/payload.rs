@@ -7,7 +7,7 @@ use std::io::{self, BufRead, Read};
 use std::str::FromStr;
 
 use bzip2::bufread::MultiBzDecoder;
-use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use flate2::bufread::{GzDecoder, ZlibDecoder};
 
 use super::error::Problem;
 use super::text::shorten_bytes;
@@ -53,6 +53,15 @@ pub(super) enum ByteSkip {
     FromEnd,
 }
 
+/// What becomes of bytes after the values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Tail {
+    /// The data are refused: their shape is in doubt.
+    Refused,
+    /// They are left out, with a note.
+    LeftOut,
+}
+
 /// What the bytes mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
@@ -68,9 +77,24 @@ pub(super) struct Layout {
     pub line_skip: u64,
     /// Bytes to skip after unpacking.
     pub byte_skip: ByteSkip,
+    /// Bytes after the values.
+    pub tail: Tail,
 }
 
 impl Layout {
+    /// Refuses packed volumes that would take more memory than any volume may. Plain ones are held to their file's length.
+    ///
+    /// # Errors
+    /// [`Problem::TooLarge`], or a shape that no volume has.
+    pub fn check_memory(&self) -> Result<(), Problem> {
+        let bytes = voxel_count(self.dims)? * self.value_type.byte_len();
+        if self.encoding == Encoding::Raw {
+            Ok(())
+        } else {
+            check_memory(bytes)
+        }
+    }
+
     /// For messages.
     fn describe(&self) -> String {
         let [x, y, z] = self.dims;
@@ -78,8 +102,14 @@ impl Layout {
     }
 }
 
-/// Reads the values that `layout` describes from `source`, which has `source_len` bytes left.
-pub(super) fn read_values<R: BufRead>(layout: &Layout, source: &mut R, source_len: u64) -> Result<Values, Problem> {
+/// Reads the values that `layout` describes from `source`, which has `source_len` bytes left. Bytes that are left out add
+/// a note.
+pub(super) fn read_values<R: BufRead>(
+    layout: &Layout,
+    source: &mut R,
+    source_len: u64,
+    notes: &mut Vec<String>,
+) -> Result<Values, Problem> {
     let voxels = voxel_count(layout.dims)?;
     let expected = voxels * layout.value_type.byte_len();
     let remaining = source_len.saturating_sub(skip_lines(source, layout.line_skip)?);
@@ -89,7 +119,9 @@ pub(super) fn read_values<R: BufRead>(layout: &Layout, source: &mut R, source_le
                 ByteSkip::Bytes(n) => n,
                 ByteSkip::FromEnd => remaining.saturating_sub(expected),
             };
-            if skip.checked_add(expected) != Some(remaining) {
+            let end = skip.checked_add(expected);
+            let rest = end.and_then(|end| remaining.checked_sub(end));
+            let Some(rest) = rest.filter(|&rest| rest == 0 || layout.tail == Tail::LeftOut) else {
                 let place = if skip == 0 {
                     String::new()
                 } else {
@@ -102,6 +134,9 @@ pub(super) fn read_values<R: BufRead>(layout: &Layout, source: &mut R, source_le
                     place,
                     shape: layout.describe(),
                 });
+            };
+            if rest > 0 {
+                notes.push(format!("{rest} bytes after the voxels are left out"));
             }
             skip_bytes(source, skip, Problem::io("read the file"))?;
             // The file was seen to hold all of them, so the whole buffer may be reserved at once.
@@ -109,9 +144,16 @@ pub(super) fn read_values<R: BufRead>(layout: &Layout, source: &mut R, source_le
             read.map_err(Problem::io("read the file"))?;
             complete(layout, expected, values)
         }
-        Encoding::Gzip => unpack(layout, MultiGzDecoder::new(source), voxels, expected),
-        Encoding::Zlib => unpack(layout, ZlibDecoder::new(source), voxels, expected),
-        Encoding::Bzip2 => unpack(layout, MultiBzDecoder::new(source), voxels, expected),
+        Encoding::Gzip => {
+            let mut members = GzipMembers::new(source);
+            let values = unpack(layout, &mut members, voxels, expected, notes)?;
+            if members.padded {
+                notes.push("bytes after the gzip data are left out".into());
+            }
+            Ok(values)
+        }
+        Encoding::Zlib => unpack(layout, ZlibDecoder::new(source), voxels, expected, notes),
+        Encoding::Bzip2 => unpack(layout, MultiBzDecoder::new(source), voxels, expected, notes),
         Encoding::Text => {
             check_memory(expected)?;
             if let ByteSkip::Bytes(n) = layout.byte_skip {
@@ -120,6 +162,46 @@ pub(super) fn read_values<R: BufRead>(layout: &Layout, source: &mut R, source_le
             let values = text_values(layout, source, voxels)?;
             complete(layout, expected, values)
         }
+    }
+}
+
+/// Gzip members one after another. What follows the last one and begins no member is padding, as on tapes.
+struct GzipMembers<R> {
+    /// `None` once the last member has ended.
+    member: Option<GzDecoder<R>>,
+    padded: bool,
+}
+
+impl<R: BufRead> GzipMembers<R> {
+    fn new(source: R) -> Self {
+        Self {
+            member: Some(GzDecoder::new(source)),
+            padded: false,
+        }
+    }
+}
+
+impl<R: BufRead> Read for GzipMembers<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if buffer.is_empty() {
+            return Ok(0);
+        }
+        while let Some(member) = &mut self.member {
+            match member.read(buffer)? {
+                0 => {}
+                n => return Ok(n),
+            }
+            let mut source = match self.member.take() {
+                Some(member) => member.into_inner(),
+                None => break,
+            };
+            match source.fill_buf()?.first() {
+                None => {}
+                Some(0x1f) => self.member = Some(GzDecoder::new(source)),
+                Some(_) => self.padded = true,
+            }
+        }
+        Ok(0)
     }
 }
 
@@ -136,7 +218,13 @@ fn check_memory(bytes: u64) -> Result<(), Problem> {
 }
 
 /// Reads values from an unpacker, which is asked for one byte more than they need.
-fn unpack<R: Read>(layout: &Layout, mut unpacked: R, voxels: u64, expected: u64) -> Result<Values, Problem> {
+fn unpack<R: Read>(
+    layout: &Layout,
+    mut unpacked: R,
+    voxels: u64,
+    expected: u64,
+    notes: &mut Vec<String>,
+) -> Result<Values, Problem> {
     check_memory(expected)?;
     let packing = layout.encoding.name();
     let damaged = |done: u64| {
@@ -163,6 +251,10 @@ fn unpack<R: Read>(layout: &Layout, mut unpacked: R, voxels: u64, expected: u64)
     match read_full(&mut unpacked, &mut [0]) {
         (0, Ok(())) => Ok(values),
         (0, Err(error)) => Err(damaged(expected)(error)),
+        _ if layout.tail == Tail::LeftOut => {
+            notes.push("more data follow the voxels and are left out".into());
+            Ok(values)
+        }
         _ => Err(Problem::UnpacksTooLong {
             expected,
             shape: layout.describe(),

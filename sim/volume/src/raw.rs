@@ -7,9 +7,10 @@ use std::io::Read;
 use std::path::Path;
 
 use self::describe::Description;
+use super::choice::{Choice, NanRule};
 use super::error::{Problem, ReadError};
 use super::open::open_regular;
-use super::payload::{ByteSkip, Encoding, Layout, read_values};
+use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
 use super::values::{Decoded, Endian, ValueType, check_spacing};
 
 /// The format's name in messages.
@@ -39,6 +40,11 @@ pub struct RawShape {
 /// [`ReadError`] if the shape is out of range, the file is no regular file, cannot be read or is shorter or longer than
 /// the shape says, or a voxel is NaN or infinite.
 pub fn read(path: &Path, shape: &RawShape) -> Result<Decoded, ReadError> {
+    read_with(path, shape, (NanRule::Refuse, 1.0))
+}
+
+/// As [`read`], with NaN treated by a rule; the factor is that from stored values to the data's unit.
+fn read_with(path: &Path, shape: &RawShape, nan: (NanRule, f64)) -> Result<Decoded, ReadError> {
     let fail = |problem| ReadError::new(path, problem);
     check_spacing(shape.spacing).map_err(|error| ReadError::new(path, error))?;
     let layout = Layout {
@@ -48,21 +54,24 @@ pub fn read(path: &Path, shape: &RawShape) -> Result<Decoded, ReadError> {
         encoding: Encoding::Raw,
         line_skip: 0,
         byte_skip: ByteSkip::Bytes(shape.skip),
+        tail: Tail::Refused,
     };
     let (mut source, len) = open_regular(path)?;
-    let values = read_values(&layout, &mut source, len).map_err(fail)?;
+    let values = read_values(&layout, &mut source, len, &mut Vec::new()).map_err(fail)?;
     let dims = shape.dims.map(|d| d as usize);
-    Decoded::new(path.display().to_string(), dims, shape.spacing, values).map_err(|error| ReadError::new(path, error))
+    let decoded = Decoded::with_nan(path.display().to_string(), dims, shape.spacing, values, nan);
+    decoded.map_err(|error| ReadError::new(path, error))
 }
 
 /// Reads a raw file as described.
 ///
 /// # Errors
 /// As [`read`]; and if the scale or the axes are not usable.
-pub fn read_described(path: &Path, description: &Description) -> Result<Decoded, ReadError> {
+pub fn read_described(path: &Path, description: &Description, choice: &Choice) -> Result<Decoded, ReadError> {
     let fail = |problem| ReadError::new(path, problem);
-    let decoded = read(path, &description.shape)?.with_modality(description.modality);
+    let decoded = read_with(path, &description.shape, (choice.nan, description.scale))?;
     let decoded = decoded
+        .with_modality(description.modality)
         .with_rescale(NAME, description.scale, description.offset)
         .map_err(fail)?;
     match description.directions {
@@ -75,17 +84,17 @@ pub fn read_described(path: &Path, description: &Description) -> Result<Decoded,
 ///
 /// # Errors
 /// As [`read_described`]; a sidecar that cannot be read is the file at fault.
-pub fn read_by_sidecar(path: &Path) -> Option<Result<Decoded, ReadError>> {
+pub fn read_by_sidecar(path: &Path, choice: &Choice) -> Option<Result<Decoded, ReadError>> {
     let sidecar = describe::sidecar_path(path);
     if sidecar.exists() {
         return Some(sidecar_text(&sidecar).and_then(|text| {
             let description = describe::from_toml(&text).map_err(|problem| ReadError::new(&sidecar, problem))?;
-            read_described(path, &description)
+            read_described(path, &description, choice)
         }));
     }
     let description = describe::from_name(path)?;
     let note = "shape and type come from the file's name; little endian and spacing 1 are assumed";
-    Some(read_described(path, &description).map(|decoded| decoded.with_notes(vec![note.into()])))
+    Some(read_described(path, &description, choice).map(|decoded| decoded.with_notes(vec![note.into()])))
 }
 
 /// A sidecar's text.

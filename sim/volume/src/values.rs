@@ -12,6 +12,12 @@ pub const MAX_AXIS: usize = 8192;
 /// Voxels that a volume may have in all (2^31, which is 4 GiB of 12-bit voxels).
 pub const MAX_VOXELS: u64 = 1 << 31;
 
+/// The shortest distance between voxels; squares and products of shorter ones leave the range of numbers.
+pub const MIN_SPACING: f64 = 1e-30;
+
+/// The longest distance between voxels.
+pub const MAX_SPACING: f64 = 1e30;
+
 /// Bytes that the stored values of a packed or decoded volume may take (4 GiB). Plain data may take what their file has.
 pub const MAX_BYTES: u64 = 1 << 32;
 
@@ -159,6 +165,37 @@ impl Values {
         }
     }
 
+    /// Hands the values over, one after another, until `take` returns false.
+    pub(super) fn for_each(&self, mut take: impl FnMut(f64) -> bool) {
+        fn all<T: Copy + Into<f64>>(values: &[T], take: &mut impl FnMut(f64) -> bool) {
+            // `all` ends with the first false.
+            let _ended = values.iter().all(|&value| take(value.into()));
+        }
+        match self {
+            Self::I8(v) => all(v, &mut take),
+            Self::U8(v) => all(v, &mut take),
+            Self::I16(v) => all(v, &mut take),
+            Self::U16(v) => all(v, &mut take),
+            Self::I32(v) => all(v, &mut take),
+            Self::U32(v) => all(v, &mut take),
+            Self::F32(v) => all(v, &mut take),
+            Self::F64(v) => all(v, &mut take),
+        }
+    }
+
+    /// Whether all of them are whole numbers that doubles tell apart, whatever their type.
+    pub fn are_whole(&self) -> bool {
+        const EXACT: f64 = 9_007_199_254_740_992.0;
+        let mut whole = true;
+        if matches!(self, Self::F32(_) | Self::F64(_)) {
+            self.for_each(|value| {
+                whole = value.fract() == 0.0 && value.abs() <= EXACT;
+                whole
+            });
+        }
+        whole
+    }
+
     /// The values times `scale` plus `offset`, as single precision if their type has at most 16 bits.
     pub(super) fn rescaled(&self, scale: f64, offset: f64) -> Result<Self, Problem> {
         Ok(match self {
@@ -171,6 +208,54 @@ impl Values {
             Self::F32(v) => Self::F64(converted(v, |x| f64::from(x) * scale + offset)?),
             Self::F64(v) => Self::F64(converted(v, |x| x * scale + offset)?),
         })
+    }
+
+    /// Adds values of the same type; `false`, and nothing changed, if theirs is another.
+    pub(super) fn append(&mut self, more: &Self) -> Result<bool, Problem> {
+        fn extend<T: Copy>(values: &mut Vec<T>, more: &[T]) -> Result<bool, Problem> {
+            values.try_reserve(more.len()).map_err(|_| Problem::Memory {
+                bytes: ((values.len() + more.len()) * size_of::<T>()) as u64,
+            })?;
+            values.extend_from_slice(more);
+            Ok(true)
+        }
+        match (self, more) {
+            (Self::I8(v), Self::I8(m)) => extend(v, m),
+            (Self::U8(v), Self::U8(m)) => extend(v, m),
+            (Self::I16(v), Self::I16(m)) => extend(v, m),
+            (Self::U16(v), Self::U16(m)) => extend(v, m),
+            (Self::I32(v), Self::I32(m)) => extend(v, m),
+            (Self::U32(v), Self::U32(m)) => extend(v, m),
+            (Self::F32(v), Self::F32(m)) => extend(v, m),
+            (Self::F64(v), Self::F64(m)) => extend(v, m),
+            _ => Ok(false),
+        }
+    }
+
+    /// Exchanges the least and the greatest value of an unsigned type, and all between; `false` of any other type.
+    pub(super) fn invert(&mut self) -> bool {
+        match self {
+            Self::U8(v) => v.iter_mut().for_each(|value| *value = !*value),
+            Self::U16(v) => v.iter_mut().for_each(|value| *value = !*value),
+            Self::U32(v) => v.iter_mut().for_each(|value| *value = !*value),
+            _ => return false,
+        }
+        true
+    }
+
+    /// Puts the least number in place of NaN (the greatest one where `falling`) and returns how often; `None` if there is
+    /// no number at all.
+    pub(super) fn fill_nan(&mut self, falling: bool) -> Option<usize> {
+        fn fill<T: Copy>(values: &mut [T], is_nan: fn(T) -> bool, pick: fn(T, T) -> T) -> Option<usize> {
+            let background = values.iter().copied().filter(|&v| !is_nan(v)).reduce(pick)?;
+            let holes = values.iter_mut().filter(|v| is_nan(**v));
+            Some(holes.map(|value| *value = background).count())
+        }
+        match self {
+            Self::F32(v) => fill(v, f32::is_nan, if falling { f32::max } else { f32::min }),
+            Self::F64(v) => fill(v, f64::is_nan, if falling { f64::max } else { f64::min }),
+            _ => Some(0),
+        }
     }
 
     /// CRC-32 (as zlib's) of the values as little-endian bytes, for comparison with other readers.
@@ -234,7 +319,7 @@ pub(super) fn voxel_count(dims: [u64; 3]) -> Result<u64, ShapeError> {
 
 /// Refuses spacings that are no lengths.
 pub(super) fn check_spacing(spacing: [f64; 3]) -> Result<(), ShapeError> {
-    match (0..3).find(|&axis| !(spacing[axis].is_finite() && spacing[axis] > 0.0)) {
+    match (0..3).find(|&axis| !(MIN_SPACING..=MAX_SPACING).contains(&spacing[axis])) {
         Some(axis) => Err(ShapeError::Spacing {
             axis,
             spacing: spacing[axis],
@@ -280,10 +365,15 @@ mod tests {
 
     #[test]
     fn spacings_that_are_no_lengths_are_refused() {
-        for bad in [0.0, -1.0, f64::INFINITY] {
+        for bad in [0.0, -1.0, 1e-320, 1e31, f64::INFINITY] {
             let result = Decoded::new("t".into(), [1; 3], [1.0, bad, 1.0], Values::U8(vec![0]));
             assert_eq!(result, Err(ShapeError::Spacing { axis: 1, spacing: bad }));
         }
+        let message = check_spacing([1.0, 1e-320, 1.0]).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "has spacing 1e-320 along y, expected a length from 1e-30 to 1e30"
+        );
         assert!(check_spacing([f64::NAN, 1.0, 1.0]).is_err());
     }
 

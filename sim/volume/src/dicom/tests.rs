@@ -206,7 +206,7 @@ fn series_are_told_apart() {
     let choose = |name: &str| {
         let choice = Choice {
             series: Series::Named(name.into()),
-            phase: None,
+            ..Choice::default()
         };
         read_bytes(&named, "s", &choice)
     };

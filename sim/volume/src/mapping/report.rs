@@ -15,6 +15,10 @@ pub struct MappingReport {
     pub clipped_low: u64,
     /// Voxels above the window, now code 4095.
     pub clipped_high: u64,
+    /// Whether what is clipped are outliers (see [`Window::Auto`](super::Window::Auto)).
+    pub outliers: bool,
+    /// How many labels the codes count, if they do.
+    pub labels: Option<usize>,
     /// Whether every data value can be had back from its code (for integers, by rounding).
     pub lossless: bool,
     /// Bits of an integer's resolution that the codes do not keep: log2 of the integers in use per code, at least 0.
@@ -28,6 +32,13 @@ impl fmt::Display for MappingReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, high] = self.range;
         let [first, last] = self.window;
+        if let Some(count) = self.labels {
+            return write!(
+                f,
+                "{count} labels from {low} to {high} renumbered: codes 0 to {} are the labels in ascending order, without loss",
+                count - 1
+            );
+        }
         write!(
             f,
             "values {low} to {high} mapped to 12 bits: codes 0 to 4095 are {first} to {last}"
@@ -44,6 +55,11 @@ impl fmt::Display for MappingReport {
         match (self.clipped_low, self.clipped_high) {
             (0, 0) => write!(f, "nothing clipped"),
             (low, high) => write!(f, "clipped {low} voxels below and {high} above"),
+        }?;
+        if self.outliers {
+            let rule = "outliers, farther beyond the middle 99.98 % of the voxels than twice their range";
+            write!(f, " ({rule}; a window shows them)")?;
         }
+        Ok(())
     }
 }

@@ -7,12 +7,13 @@ fn map_auto(values: Values) -> (Volume, MappingReport) {
 }
 
 fn map_in(values: Values, window: Window, offset: i32) -> Result<(Volume, MappingReport), MappingError> {
-    let rows = values.len().div_ceil(8192);
+    let least_rows = values.len().div_ceil(8192);
+    let rows = (least_rows..).find(|rows| values.len().is_multiple_of(*rows)).unwrap();
     let dims = [values.len() / rows, rows, 1];
     let decoded = Decoded::new("test".into(), dims, [1.0; 3], values)
         .unwrap()
         .with_value_offset(offset);
-    map(&decoded, window)
+    map(&decoded, window).map(|mapped| (mapped.volume, mapped.report))
 }
 
 /// Codes, scale, offset of an automatic mapping that must lose nothing.
@@ -88,13 +89,23 @@ fn ranges_that_cannot_be_divided_are_refused() {
         }
     );
     assert!(map_in(Values::F64(vec![0.0, f64::MIN_POSITIVE]), Window::Auto, 0).is_err());
-    assert!(map_in(Values::F64(vec![1e299, -1e299]), Window::Auto, 0).is_ok());
+    assert!(map_in(Values::F64(vec![1e12, -1e12, 0.5]), Window::Auto, 0).is_ok());
+    // Long integers are whole, and still beyond what a scene can speak of.
+    let wide = map_in(Values::F64(vec![0.0, 18_446_744_073_709_551_615.0]), Window::Auto, 0).unwrap_err();
+    assert_eq!(
+        wide.to_string(),
+        "values from 0 to 18446744073709552000 cannot be divided into 4096 codes, expected a range of at least 1e-290 \
+         within -1e12 to 1e12"
+    );
+    let same = map_in(Values::F64(vec![2e12; 2]), Window::Auto, 0);
+    assert!(matches!(same, Err(MappingError::Range { .. })));
     for (low, high) in [
         (0.0, 0.0),
         (1.0, 0.0),
         (f64::NAN, 1.0),
         (0.0, f64::INFINITY),
         (f64::MIN, f64::MAX),
+        (0.0, 2e12),
     ] {
         let result = map_in(Values::U8(vec![0]), Window::Range { low, high }, 0);
         assert!(matches!(result, Err(MappingError::Window { .. })), "{low} {high}");
@@ -129,4 +140,187 @@ fn a_value_offset_changes_the_unit_and_no_code() {
     assert_eq!(volume.voxels, [0, 1024, 3926]);
     assert_eq!((volume.mapping.scale, volume.mapping.offset), (1.0, -1024.0));
     assert_eq!((report.range, report.window), ([-1024.0, 2902.0], [-1024.0, 3071.0]));
+}
+
+/// A head of 40 x 44 x 32 in noise, 0 to 611, and `hot` in one voxel.
+fn head(hot: Option<f64>) -> Vec<f64> {
+    let mut state = 1_u32;
+    let mut values: Vec<f64> = (0..40 * 44 * 32)
+        .map(|index| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let inside = index % 44 > 10 && index % 44 < 35;
+            f64::from(state >> 24) + if inside { 356.0 } else { 0.0 }
+        })
+        .collect();
+    if let Some(hot) = hot {
+        values[20_000] = hot;
+    }
+    values
+}
+
+#[test]
+fn a_hot_voxel_does_not_decide_the_mapping() {
+    let (plain, _) = map_auto(Values::I16(head(None).iter().map(|&v| v as i16).collect()));
+    let (hot, report) = map_auto(Values::I16(head(Some(32767.0)).iter().map(|&v| v as i16).collect()));
+    let differing = plain.voxels.iter().zip(&hot.voxels).filter(|(a, b)| a != b).count();
+    assert_eq!((differing, hot.voxels[20_000], hot.mapping), (1, 4095, plain.mapping));
+    assert_eq!((report.clipped_low, report.clipped_high, report.outliers), (0, 1, true));
+    assert_eq!((report.range, report.window), ([0.0, 32767.0], [0.0, 4095.0]));
+    assert!(
+        report
+            .to_string()
+            .contains("clipped 0 voxels below and 1 above (outliers, "),
+        "{report}"
+    );
+    // Floats with a fraction, at either end.
+    let third = |values: Vec<f64>| Values::F32(values.iter().map(|&v| (v / 3.0) as f32).collect());
+    let (plain, plain_report) = map_auto(third(head(None)));
+    for (value, counts) in [(1e6, (0, 1)), (-1e6, (1, 0))] {
+        let (hot, report) = map_auto(third(head(Some(value))));
+        assert_eq!((report.clipped_low, report.clipped_high), counts);
+        assert_eq!((hot.mapping, report.window), (plain.mapping, plain_report.window));
+    }
+}
+
+#[test]
+fn a_thin_tail_of_signal_is_kept() {
+    // Vessels: 0.1 % of the voxels, up to five times as bright as the rest; and a single voxel at twice the range.
+    let mut values: Vec<f32> = head(None).iter().map(|&v| v as f32 + 0.5).collect();
+    for index in 0..56 {
+        values[index * 1000] = 611.0 + 44.25 * index as f32;
+    }
+    let (volume, report) = map_auto(Values::F32(values.clone()));
+    assert_eq!(
+        (report.clipped_low, report.clipped_high, report.outliers),
+        (0, 0, false),
+        "{report}"
+    );
+    assert_eq!(volume.voxels[55_000], 4095);
+    let mut single: Vec<f32> = head(None).iter().map(|&v| v as f32 + 0.5).collect();
+    single[9] = 1800.0;
+    assert_eq!(map_auto(Values::F32(single)).1.clipped_high, 0);
+    // In a few voxels none is an exception.
+    assert_eq!(
+        map_auto(Values::F32([vec![0.5; 500], vec![0.0; 498], vec![1e6]].concat()))
+            .1
+            .clipped_high,
+        0
+    );
+    // Points in an empty volume are the data, however few.
+    let mut points = vec![0.25_f32; 50_000];
+    points[7] = 1e6;
+    assert_eq!(map_auto(Values::F32(points)).1.clipped_high, 0);
+}
+
+#[test]
+fn whole_floats_are_integers() {
+    assert_eq!(lossless(Values::F32(vec![24.0, 2424.0])), (vec![24, 2424], 1.0, 0.0));
+    assert_eq!(
+        lossless(Values::F64(vec![-1000.0, 1400.0])),
+        (vec![24, 2424], 1.0, -1024.0)
+    );
+}
+
+/// Blocks of labels in a background of zeros: runs of 4 along x.
+fn blocks(labels: &[f64]) -> Vec<f64> {
+    let runs = labels.iter().flat_map(|&label| [0.0, 0.0, label, label, label, label]);
+    runs.collect()
+}
+
+fn mapped(values: Values, width: usize) -> Mapped {
+    let dims = [width, values.len() / width, 1];
+    map(&Decoded::new("t".into(), dims, [1.0; 3], values).unwrap(), Window::Auto).unwrap()
+}
+
+#[test]
+fn labels_above_the_codes_are_renumbered() {
+    let names: Vec<f64> = (0..98).map(|i| 11_000.0 + 7.0 * f64::from(i)).collect();
+    let stored = blocks(&names);
+    for values in [
+        Values::I32(stored.iter().map(|&v| v as i32).collect()),
+        Values::U16(stored.iter().map(|&v| v as u16).collect()),
+        Values::F32(stored.iter().map(|&v| v as f32).collect()),
+        Values::F64(stored.clone()),
+    ] {
+        let mapped = mapped(values, 12);
+        let labels = mapped.labels.unwrap();
+        assert!(labels.renumbered());
+        assert_eq!(mapped.report.labels, Some(99));
+        let text = mapped.report.to_string();
+        assert_eq!(
+            text,
+            "99 labels from 0 to 11679 renumbered: codes 0 to 98 are the labels in ascending order, without loss"
+        );
+        for (voxel, &label) in mapped.volume.voxels.iter().zip(&stored) {
+            assert_eq!(labels.of(*voxel), Some(label));
+        }
+        assert_eq!(
+            labels.entries()[1],
+            Label {
+                code: 1,
+                value: 11_000.0,
+                voxels: 4
+            }
+        );
+        assert_eq!(
+            (labels.code_of(11_679.0), labels.code_of(5.0), labels.of(99)),
+            (Some(98), None, None)
+        );
+    }
+}
+
+#[test]
+fn labels_that_fit_keep_their_codes() {
+    let names: Vec<f64> = (1..=98).map(|i| 20.0 * f64::from(i)).collect();
+    let stored = blocks(&names);
+    let floats = mapped(Values::F32(stored.iter().map(|&v| v as f32).collect()), 12);
+    let labels = floats.labels.unwrap();
+    assert!(!labels.renumbered() && floats.report.labels.is_none());
+    assert_eq!((labels.entries().len(), labels.of(1960)), (99, Some(1960.0)));
+    assert_eq!(floats.volume.voxels[3], 20);
+    let bytes = mapped(Values::U8(blocks(&[3.0, 7.0]).iter().map(|&v| v as u8).collect()), 12);
+    let labels = bytes.labels.unwrap();
+    let codes: Vec<(u16, f64)> = labels.entries().iter().map(|label| (label.code, label.value)).collect();
+    assert_eq!(codes, [(0, 0.0), (48, 3.0), (112, 7.0)]);
+}
+
+#[test]
+fn images_are_no_label_maps() {
+    let noise: Vec<f64> = head(None)
+        .iter()
+        .map(|&v| if v < 200.0 { 0.0 } else { 13.0 * v })
+        .collect();
+    assert!(
+        mapped(Values::U16(noise.iter().map(|&v| v as u16).collect()), 40)
+            .labels
+            .is_none()
+    );
+    assert!(
+        mapped(Values::F32(noise.iter().map(|&v| v as f32).collect()), 40)
+            .labels
+            .is_none()
+    );
+    // Nothing is 0; one value only; a fraction; a modality that measures; a window asked for.
+    let names = blocks(&[1.0, 2.0]);
+    assert!(
+        mapped(Values::I16(names.iter().map(|&v| v as i16 + 1).collect()), 12)
+            .labels
+            .is_none()
+    );
+    assert!(mapped(Values::I16(vec![0; 12]), 12).labels.is_none());
+    assert!(
+        mapped(Values::F32(names.iter().map(|&v| v as f32 / 2.0).collect()), 12)
+            .labels
+            .is_none()
+    );
+    let decoded = Decoded::new("t".into(), [12, 1, 1], [1.0; 3], Values::F64(names)).unwrap();
+    assert!(map(&decoded, Window::Auto).unwrap().labels.is_some());
+    assert!(
+        map(&decoded, Window::Range { low: 0.0, high: 9.0 })
+            .unwrap()
+            .labels
+            .is_none()
+    );
+    let mr = decoded.with_modality(Some(Modality::Mr));
+    assert!(map(&mr, Window::Auto).unwrap().labels.is_none());
 }

@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 
 use super::{DATA_FILE, refuse};
 use crate::error::Problem;
-use crate::text::shorten;
+use crate::text::{decode, shorten};
 
 /// The format's name in messages.
 pub(super) const NAME: &str = "MetaImage";
@@ -17,6 +17,10 @@ const MAX_LEN: u64 = 1 << 20;
 #[derive(Debug, Default)]
 pub(super) struct Header {
     fields: HashMap<String, String>,
+    /// The names that follow `ElementDataFile = LIST`, a line each.
+    pub listed: Vec<String>,
+    /// What the user should know.
+    pub notes: Vec<String>,
     /// Bytes up to the data.
     pub len: u64,
 }
@@ -26,6 +30,7 @@ impl Header {
     pub fn read(source: &mut impl BufRead) -> Result<Self, Problem> {
         let mut header = Self::default();
         let mut bytes = Vec::new();
+        let mut listing = false;
         for line in 1.. {
             bytes.clear();
             let room = MAX_LEN + 1 - header.len;
@@ -34,14 +39,27 @@ impl Header {
             if header.len > MAX_LEN {
                 return Err(Problem::HeaderTooLong { limit: MAX_LEN });
             }
+            if bytes.is_empty() && listing {
+                break;
+            }
             if bytes.is_empty() {
                 return Err(Problem::MissingField {
                     field: DATA_FILE,
                     expected: "`LOCAL` or a file's name at the header's end",
                 });
             }
-            let text = str::from_utf8(&bytes).map_err(|_| Problem::HeaderNotUtf8 { line })?;
+            let (text, latin) = decode(&bytes);
             let text = text.trim();
+            if latin {
+                let note = format!("header line {line} is not UTF-8 text: it is taken as Latin-1");
+                header.notes.push(note);
+            }
+            if listing {
+                if !text.is_empty() {
+                    header.listed.push(text.to_owned());
+                }
+                continue;
+            }
             if text.is_empty() || text.starts_with('#') {
                 continue;
             }
@@ -50,7 +68,9 @@ impl Header {
                 return Err(Problem::format(NAME, fault));
             };
             let (key, value) = (key.trim(), value.trim());
-            if header.fields.insert(key.to_owned(), value.to_owned()).is_some() {
+            let given_before = header.fields.insert(key.to_owned(), value.to_owned()).is_some();
+            // Comments may follow one another; any other field is stated once.
+            if given_before && key != "Comment" {
                 return Err(Problem::HeaderField {
                     line,
                     field: shorten(key),
@@ -58,10 +78,18 @@ impl Header {
                 });
             }
             if key == DATA_FILE {
-                break;
+                listing = is_list(value);
+                if !listing {
+                    break;
+                }
             }
         }
         Ok(header)
+    }
+
+    /// Whether the data are in the files listed.
+    pub fn has_list(&self) -> bool {
+        self.get(&[DATA_FILE]).is_some_and(is_list)
     }
 
     /// A field of one of these names, the first that is there.
@@ -85,4 +113,9 @@ impl Header {
             _ => Err(refuse(names[0], text, "True or False")),
         }
     }
+}
+
+/// Whether a data file's name announces a list of names.
+fn is_list(data_file: &str) -> bool {
+    data_file.split_ascii_whitespace().next() == Some("LIST")
 }

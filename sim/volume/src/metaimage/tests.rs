@@ -9,6 +9,16 @@ use proptest::prelude::*;
 use super::*;
 use crate::values::{Orientation, Values};
 
+/// As [`super::read_bytes`], without a choice.
+fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+    super::read_bytes(bytes, name, &Choice::default())
+}
+
+/// As [`super::read`], without a choice.
+fn read(path: &Path) -> Result<Decoded, ReadError> {
+    super::read(path, &Choice::default())
+}
+
 /// A header of 3 x 2 x 1 int16, with `replace` in place of the named fields (empty: left out).
 fn header(replace: &[(&str, &str)]) -> String {
     let fields = [
@@ -149,7 +159,7 @@ fn wrong_fields_and_data_are_refused_by_name() {
     assert!(plain(b"").contains("no field `ElementDataFile`"));
     assert!(plain(b"NDims = 3\n").contains("no field `ElementDataFile`"));
     assert!(plain(b"NDims: 3\n").contains("header line 1 is `NDims: 3`, expected `Key = Value`"));
-    assert!(plain(b"NDims = \xff\n").contains("header line 1 is not UTF-8"));
+    assert!(plain(b"NDims = \xff\n").contains("no field `ElementDataFile`"));
     assert!(plain(b"NDims = 3\nNDims = 3\n").contains("field `NDims` is given twice"));
     let text = read_file(&[("BinaryData", "False")], b"1 2 3 4 5 6 7")
         .unwrap_err()
@@ -173,6 +183,73 @@ fn wrong_fields_and_data_are_refused_by_name() {
     ];
     let text = read_file(&huge, &zlib(&DATA)).unwrap_err().to_string();
     assert!(text.contains("would take 17179869184 bytes of memory"), "{text}");
+}
+
+#[test]
+fn comments_axes_of_one_entry_and_units_are_read() {
+    let fields = [
+        ("NDims", "4"),
+        ("DimSize", "3 2 1 1"),
+        ("ElementSpacing", "1000 1000 2000 1"),
+        ("DistanceUnits", "um"),
+        ("TransformMatrix", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"),
+    ];
+    let text = header(&fields);
+    let comments = [
+        &b"Comment = Universit\xe4t\nComment = second\n"[..],
+        text.as_bytes(),
+        &DATA,
+    ]
+    .concat();
+    let volume = read_bytes(&comments, "t").unwrap();
+    assert_eq!((volume.dims(), volume.spacing()), ([3, 2, 1], [1.0, 1.0, 2.0]));
+    assert_eq!(volume.values(), &Values::I16(vec![1, 2, 3, 4, 5, 6]));
+    assert_eq!(volume.notes().len(), 3, "{:?}", volume.notes());
+    let text = read_file(&[("NDims", "4"), ("DimSize", "3 1 1 2")], &DATA)
+        .unwrap_err()
+        .to_string();
+    assert!(text.contains("expected 1 for every axis after the third"), "{text}");
+}
+
+#[test]
+fn data_in_many_files_are_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    for (index, part) in DATA.chunks(4).enumerate() {
+        std::fs::write(folder.path().join(format!("s{index}.raw")), part).unwrap();
+        std::fs::write(folder.path().join(format!("s{index}.zraw")), zlib(part)).unwrap();
+    }
+    let path = folder.path().join("v.mhd");
+    let with = |name: &str, packed: &str, names: &str| {
+        let fields = [("DimSize", "2 1 3"), ("CompressedData", packed), (DATA_FILE, name)];
+        std::fs::write(&path, header(&fields) + names).unwrap();
+        read(&path)
+    };
+    for (name, packed, names) in [
+        ("LIST", "False", "s0.raw\ns1.raw\ns2.raw\n"),
+        ("LIST 2D", "True", "s0.zraw\ns1.zraw\ns2.zraw"),
+        ("LIST 3", "False", "s0.raw\n\ns1.raw\ns2.raw\n"),
+        ("s%d.raw 0 2 1", "False", ""),
+        ("s%d.raw 0 2", "False", ""),
+        ("s%01d.zraw 0 2 1 2", "True", ""),
+    ] {
+        let volume = with(name, packed, names).unwrap();
+        assert_eq!(volume.values(), &Values::I16(vec![1, 2, 3, 4, 5, 6]), "{name}");
+        assert_eq!(volume.notes(), ["the data are in 3 files"]);
+    }
+    for (name, names, expected) in [
+        (
+            "LIST",
+            "s0.raw\n",
+            "v.mhd: data in many files: 1 files are named, expected 3 slices",
+        ),
+        ("LIST", "s0.raw\ns1.raw\n../s2.raw\n", "names the data file `../s2.raw`"),
+        ("LIST", "s0.raw\ns1.raw\nv.mhd\n", "v.mhd: has "),
+        ("s%d.raw 1 3 1", "", "s3.raw: cannot find the file"),
+        ("s%d.raw 0 a 1", "", "PATTERN FIRST LAST STEP"),
+    ] {
+        let text = with(name, "False", names).unwrap_err().to_string();
+        assert!(text.contains(expected), "{name}: {text}");
+    }
 }
 
 #[test]

@@ -120,6 +120,7 @@ impl Header {
 
     /// NIfTI-1.
     fn first(fields: &Fields<'_>) -> Result<Self, Problem> {
+        let mut notes = Vec::new();
         let attached = magic(fields.bytes, 344, [b"n+1\0", b"ni1\0"])?;
         let offset = fields.f32(108);
         let whole = (0.0..=4294967296.0).contains(&offset) && offset.fract() == 0.0;
@@ -130,7 +131,7 @@ impl Header {
             ));
         }
         Self {
-            dims: dims([0, 1, 2, 3, 4, 5, 6, 7].map(|i| fields.i16(40 + 2 * i)))?,
+            dims: dims([0, 1, 2, 3, 4, 5, 6, 7].map(|i| fields.i16(40 + 2 * i)), &mut notes)?,
             value_type: value_type(fields.i16(70))?,
             endian: fields.endian,
             attached,
@@ -145,19 +146,20 @@ impl Header {
             sform_code: fields.i16(254) as i32,
             quaternion: [256, 260, 264].map(|at| fields.f32(at)),
             sform: [280, 296, 312].map(|row| [0, 4, 8].map(|column| fields.f32(row + column))),
-            notes: Vec::new(),
+            notes,
         }
         .checked(i32::from(fields.bytes.get(123).copied().unwrap_or(0)), LEN_1 as u64 + 4)
     }
 
     /// NIfTI-2.
     fn second(fields: &Fields<'_>) -> Result<Self, Problem> {
+        let mut notes = Vec::new();
         let attached = magic(fields.bytes, 4, [b"n+2\0", b"ni2\0"])?;
         let offset = fields.i64(168);
         let data_offset = u64::try_from(offset)
             .map_err(|_| Problem::format(NAME, format!("vox_offset is {offset}, expected 0 or more")))?;
         Self {
-            dims: dims([0, 1, 2, 3, 4, 5, 6, 7].map(|i| fields.i64(16 + 8 * i)))?,
+            dims: dims([0, 1, 2, 3, 4, 5, 6, 7].map(|i| fields.i64(16 + 8 * i)), &mut notes)?,
             value_type: value_type(fields.i16(12))?,
             endian: fields.endian,
             attached,
@@ -172,7 +174,7 @@ impl Header {
             sform_code: fields.i32(348),
             quaternion: [352, 360, 368].map(|at| fields.f64(at)),
             sform: [400, 432, 464].map(|row| [0, 8, 16].map(|column| fields.f64(row + column))),
-            notes: Vec::new(),
+            notes,
         }
         .checked(fields.i32(500), LEN_2 as u64 + 4)
     }
@@ -215,18 +217,25 @@ fn magic(bytes: &[u8], at: usize, words: [&[u8; 4]; 2]) -> Result<bool, Problem>
     }
 }
 
-/// Voxels along x, y, z; further axes must have one entry each.
-fn dims([count, sides @ ..]: [i64; 8]) -> Result<[u64; 3], Problem> {
+/// Voxels along x, y, z; further axes must have one entry each, or none.
+fn dims([count, sides @ ..]: [i64; 8], notes: &mut Vec<String>) -> Result<[u64; 3], Problem> {
     let axes = match usize::try_from(count) {
         Ok(axes @ 1..=7) => axes,
         _ => return Err(Problem::format(NAME, format!("dim[0] is {count}, expected 1 to 7"))),
     };
-    let stated = &sides[..axes];
+    let mut stated = &sides[..axes];
+    // Some programs count axes that they leave at 0.
+    while let [space @ .., 0] = stated
+        && space.len() >= 3
+    {
+        notes.push(format!("dim[{}] is 0: the axis is left out", stated.len()));
+        stated = space;
+    }
     if let Some(i) = stated.iter().position(|&side| side < 1) {
         let fault = format!("dim[{}] is {}, expected 1 or more", i + 1, stated[i]);
         return Err(Problem::format(NAME, fault));
     }
-    let (space, more) = stated.split_at(axes.min(3));
+    let (space, more) = stated.split_at(stated.len().min(3));
     if let Some(i) = more.iter().position(|&side| side != 1) {
         return Err(Problem::Unsupported {
             format: NAME,

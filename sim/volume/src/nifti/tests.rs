@@ -9,6 +9,16 @@ use proptest::prelude::*;
 use super::*;
 use crate::values::{Orientation, Values};
 
+/// As [`super::read_bytes`], without a choice.
+fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+    super::read_bytes(bytes, name, &Choice::default())
+}
+
+/// As [`super::read`], without a choice.
+fn read(path: &Path) -> Result<Decoded, ReadError> {
+    super::read(path, &Choice::default())
+}
+
 /// A NIfTI-1 file of 2 x 3 x 1 int16 with an RAS sform of 2 x 3 x 4 mm, as (field offset, bytes) overrides allow.
 fn file(changes: &[(usize, &[u8])]) -> Vec<u8> {
     let mut bytes = vec![0; 352];
@@ -149,8 +159,99 @@ fn a_pair_is_read_from_its_header() {
             .to_string()
             .contains("v.img: cannot find the file")
     );
-    std::fs::write(folder.path().join("v.img"), &whole[352..]).unwrap();
-    assert_eq!(read(&header).unwrap().dims(), [2, 3, 1]);
+    let data = folder.path().join("v.img");
+    std::fs::write(&data, &whole[352..]).unwrap();
+    let volume = read(&header).unwrap();
+    assert_eq!(volume.dims(), [2, 3, 1]);
+    let by_data = crate::open::read(&data).unwrap();
+    assert_eq!(
+        (by_data.values(), by_data.spacing()),
+        (volume.values(), volume.spacing())
+    );
+    assert!(
+        by_data.notes().last().unwrap().ends_with("v.hdr"),
+        "{:?}",
+        by_data.notes()
+    );
+    std::fs::rename(&data, folder.path().join("v.img.gz")).unwrap();
+    std::fs::write(folder.path().join("v.img.gz"), gzip(&whole[352..])).unwrap();
+    assert_eq!(
+        crate::open::read(&folder.path().join("v.img.gz")).unwrap().values(),
+        volume.values()
+    );
+    // Data without a header are of no known format.
+    let alone = folder.path().join("w.img");
+    std::fs::write(&alone, &whole[352..]).unwrap();
+    assert!(
+        crate::open::read(&alone)
+            .unwrap_err()
+            .to_string()
+            .contains("is of no known format")
+    );
+}
+
+#[test]
+fn what_follows_the_voxels_is_left_out_with_a_note() {
+    let expected = Values::I16(vec![6, 5, 4, 3, 2, 1]);
+    let longer = [&file(&[])[..], &[9; 5]].concat();
+    for (bytes, note) in [
+        (longer.clone(), "5 bytes after the voxels are left out"),
+        (gzip(&longer), "more data follow the voxels and are left out"),
+        (
+            [&gzip(&file(&[]))[..], &[0; 512]].concat(),
+            "bytes after the gzip data are left out",
+        ),
+    ] {
+        let volume = read_bytes(&bytes, "t").unwrap();
+        assert_eq!(volume.values(), &expected);
+        assert!(
+            volume.notes().iter().any(|found| found == note),
+            "{note}: {:?}",
+            volume.notes()
+        );
+    }
+    let members = [gzip(&file(&[])[..355]), gzip(&file(&[])[355..])].concat();
+    let volume = read_bytes(&members, "t").unwrap();
+    assert_eq!((volume.values(), volume.notes().len()), (&expected, 1));
+}
+
+#[test]
+fn axes_of_one_entry_or_none_are_left_out() {
+    for sides in [[5_i16, 2, 3, 1, 1, 1], [5, 2, 3, 1, 1, 0], [5, 2, 3, 1, 0, 0]] {
+        let bytes = sides.map(i16::to_le_bytes).concat();
+        let volume = read_bytes(&file(&[(40, &bytes)]), "t").unwrap();
+        assert_eq!(volume.dims(), [2, 3, 1]);
+        let told = volume
+            .notes()
+            .iter()
+            .filter(|note| note.contains("the axis is left out"))
+            .count();
+        assert_eq!(told, sides.iter().filter(|&&side| side == 0).count());
+    }
+}
+
+#[test]
+fn nan_is_background_on_demand() {
+    let values = [f32::NAN, 1.0, 2.0, 3.0, f32::NAN, 0.5].map(f32::to_le_bytes).concat();
+    let with = |slope: f32| {
+        let head = file(&[(70, &[16, 0]), (112, &slope.to_le_bytes())]);
+        [&head[..352], &values].concat()
+    };
+    assert!(message(&with(1.0)).contains("`--nan background`"));
+    let choice = Choice {
+        nan: crate::choice::NanRule::Background,
+        ..Choice::default()
+    };
+    let volume = super::read_bytes(&with(1.0), "t", &choice).unwrap();
+    assert_eq!(volume.values(), &Values::F32(vec![0.5, 0.5, 3.0, 2.0, 1.0, 0.5]));
+    assert!(
+        volume.notes()[0].starts_with("2 of 6 voxels are NaN"),
+        "{:?}",
+        volume.notes()
+    );
+    // Values that fall: the greatest stored one is the least.
+    let volume = super::read_bytes(&with(-1.0), "t", &choice).unwrap();
+    assert_eq!(volume.values(), &Values::F64(vec![-0.5, -3.0, -3.0, -2.0, -1.0, -3.0]));
 }
 
 proptest! {

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::io::{BufRead, Read};
 
 use crate::error::Problem;
-use crate::text::shorten;
+use crate::text::{decode, shorten};
 
 /// Bytes that a header may have.
 pub(super) const MAX_LEN: u64 = 1 << 20;
@@ -63,8 +63,12 @@ const FIELDS: [(&str, &str); 40] = [
 pub(super) struct Header {
     /// Values by the field's full name.
     pub fields: HashMap<&'static str, String>,
+    /// The names that follow `data file: LIST`, a line each.
+    pub listed: Vec<String>,
     /// Values of `key:=value` pairs by key; of a key given twice, the last.
     pub keys: HashMap<String, String>,
+    /// What the user should know.
+    pub notes: Vec<String>,
     /// Bytes up to the data.
     pub len: u64,
     /// Whether an empty line ended it (data may follow) rather than the file's end.
@@ -76,6 +80,7 @@ impl Header {
     pub fn read<R: BufRead>(source: &mut R) -> Result<Self, Problem> {
         let mut header = Self::default();
         let mut bytes = Vec::new();
+        let mut first_latin = None;
         for line in 1.. {
             bytes.clear();
             // One byte over the limit tells a line that breaks it from a file that ends there.
@@ -98,15 +103,27 @@ impl Header {
                 header.ended = true;
                 break;
             }
-            let text = str::from_utf8(text).map_err(|_| Problem::HeaderNotUtf8 { line })?;
-            header.take_line(line, text)?;
+            let (text, latin) = decode(text);
+            if latin && first_latin.is_none() {
+                first_latin = Some(line);
+            }
+            if header.get("data file").is_some_and(is_list) {
+                header.listed.push(text);
+            } else {
+                header.take_line(line, &text)?;
+            }
+        }
+        if let Some(line) = first_latin {
+            header
+                .notes
+                .push(format!("header line {line} is not UTF-8 text: it is taken as Latin-1"));
         }
         Ok(header)
     }
 
     /// Sorts one line in.
     fn take_line(&mut self, line: usize, text: &str) -> Result<(), Problem> {
-        if text.starts_with('#') {
+        if text.trim_start().starts_with('#') {
             return Ok(());
         }
         let key_at = text.find(":=");
@@ -149,6 +166,11 @@ impl Header {
     pub fn require(&self, field: &'static str, expected: &'static str) -> Result<&str, Problem> {
         self.get(field).ok_or(Problem::MissingField { field, expected })
     }
+}
+
+/// Whether a data file's name announces a list of names.
+pub(super) fn is_list(data_file: &str) -> bool {
+    data_file.split_ascii_whitespace().next() == Some("LIST")
 }
 
 /// Refuses everything but the five versions of the format.
@@ -211,10 +233,23 @@ mod tests {
         );
         let error = read(b"NRRD0005\nline skip: 1\nlineskip: 1\n").unwrap_err().to_string();
         assert_eq!(error, "header line 3: field `lineskip` is given twice, expected once");
-        assert!(matches!(
-            read(b"NRRD0005\n# \xff\n"),
-            Err(Problem::HeaderNotUtf8 { line: 2 })
-        ));
+    }
+
+    #[test]
+    fn comments_may_be_in_latin_1() {
+        let header = read(b"NRRD0005\n# Universit\xe4t\n  # indented\ncontent: \xb5CT\n\n").unwrap();
+        assert_eq!(header.get("content"), Some("\u{b5}CT"));
+        assert_eq!(
+            header.notes,
+            ["header line 2 is not UTF-8 text: it is taken as Latin-1"]
+        );
+    }
+
+    #[test]
+    fn a_list_of_files_ends_the_header() {
+        let header = read(b"NRRD0004\ndata file: LIST 2\na: b.raw\nNRRD: c\n").unwrap();
+        assert_eq!(header.listed, ["a: b.raw", "NRRD: c"]);
+        assert_eq!(read(b"NRRD0004\ndata file: LIST\na\n\nb").unwrap().listed, ["a"]);
     }
 
     #[test]

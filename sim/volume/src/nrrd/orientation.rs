@@ -1,8 +1,10 @@
-//! Spacing and axes from `spacings`, `space directions` and `space`.
+//! Spacing and axes from `spacings`, `space directions` and `space`, in the units that `units` or `space units` state.
 
 use super::header::Header;
 use super::{refuse, three};
 use crate::error::Problem;
+use crate::length::millimetres;
+use crate::text::shorten;
 
 /// What two statements of the same spacing may differ by, as a part of it.
 const AGREEMENT: f64 = 1e-3;
@@ -23,15 +25,20 @@ type Stated = ([f64; 3], Option<Directions>, Vec<String>);
 /// the axes' directions, and notes for the user.
 pub(super) fn read(header: &Header) -> Result<Stated, Problem> {
     let stated = header.get("spacings").map(spacings).transpose()?;
+    let mut notes = Vec::new();
     let Some(text) = header.get("space directions") else {
-        return Ok(match stated {
-            Some(stated) => (stated, None, Vec::new()),
-            None => ([1.0; 3], None, vec!["the file states no spacing: 1 is assumed".into()]),
-        });
+        let Some(stated) = stated else {
+            return Ok(([1.0; 3], None, vec!["the file states no spacing: 1 is assumed".into()]));
+        };
+        let factors = factors(header, "units", &mut notes)?;
+        return Ok(([0, 1, 2].map(|i| stated[i] * factors[i]), None, notes));
     };
     let expected = "three vectors `(x,y,z)` of finite numbers";
     let vectors = vectors(text).ok_or_else(|| refuse("space directions", text, expected))?;
-    let measured = vectors.map(|v| v.iter().map(|c| c * c).sum::<f64>().sqrt());
+    // The units are those of the space's axes, not of the file's.
+    let factors = factors(header, "space units", &mut notes)?;
+    let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let measured = vectors.map(length);
     if let Some(stated) = stated {
         let agree = (0..3).all(|i| (stated[i] - measured[i]).abs() <= AGREEMENT * measured[i]);
         if !agree {
@@ -40,7 +47,8 @@ pub(super) fn read(header: &Header) -> Result<Stated, Problem> {
             return Err(refuse("spacings", text, expected));
         }
     }
-    Ok((measured, Some(in_space(header, vectors)?), Vec::new()))
+    let vectors = vectors.map(|v| [0, 1, 2].map(|axis| v[axis] * factors[axis]));
+    Ok((vectors.map(length), Some(in_space(header, vectors)?), notes))
 }
 
 /// The vectors in LPS if the file's space is a patient's.
@@ -59,6 +67,41 @@ fn in_space(header: &Header, vectors: [[f64; 3]; 3]) -> Result<Directions, Probl
             return Err(refuse("space", space, expected));
         }
     })
+}
+
+/// Millimetres per unit along each of three axes; 1 where no unit of length is stated.
+fn factors(header: &Header, field: &'static str, notes: &mut Vec<String>) -> Result<[f64; 3], Problem> {
+    let Some(text) = header.get(field) else {
+        return Ok([1.0; 3]);
+    };
+    let expected = "three quoted names of units";
+    let names: [String; 3] = quoted(text)
+        .and_then(|names| names.try_into().ok())
+        .ok_or_else(|| refuse(field, text, expected))?;
+    let factors = names.each_ref().map(|name| millimetres(name));
+    if factors != [Some(1.0); 3] {
+        let shown = shorten(&names.join(", "));
+        notes.push(match factors {
+            [Some(_), Some(_), Some(_)] => format!("{field} {shown} are brought to millimetres"),
+            _ => format!("{field} {shown}: what is no unit of length is taken as mm"),
+        });
+    }
+    Ok(factors.map(|factor| factor.unwrap_or(1.0)))
+}
+
+/// Words in double quotes; words without quotes count too, since some programs leave them out.
+fn quoted(text: &str) -> Option<Vec<String>> {
+    let mut words = Vec::new();
+    let mut rest = text.trim();
+    while !rest.is_empty() {
+        let (word, after) = match rest.strip_prefix('"') {
+            Some(rest) => rest.split_once('"')?,
+            None => rest.split_once(char::is_whitespace).unwrap_or((rest, "")),
+        };
+        words.push(word.to_owned());
+        rest = after.trim_start();
+    }
+    Some(words)
 }
 
 /// Three numbers.
@@ -144,6 +187,29 @@ mod tests {
         );
         assert!(read_lines(&format!("{directions}\nspacings: 1 1 1")).is_err());
         assert!(read_lines(&format!("{directions}\nspacings: 1 1 nan")).is_err());
+    }
+
+    #[test]
+    fn units_become_millimetres() {
+        let directions = "space: LPS\nspace directions: (0.0014,0,0) (0,0.0014,0) (0,0,0.0028)";
+        let (spacing, _, notes) = read_lines(&format!("{directions}\nspace units: \"m\" \"m\" \"m\"")).unwrap();
+        assert_eq!(spacing, [1.4, 1.4, 2.8]);
+        assert!(notes[0].contains("brought to millimetres"), "{notes:?}");
+        // The unit belongs to the axis of space: here the file's first axis runs along the third, which is in metres.
+        let turned = "space: LPS\nspace directions: (0,0,0.003) (1,0,0) (0,20,0)";
+        let (spacing, axes, _) = read_lines(&format!("{turned}\nspace units: \"mm\" \"um\" \"m\"")).unwrap();
+        assert_eq!(spacing, [3.0, 1.0, 0.02]);
+        let vectors = [[0.0, 0.0, 3.0], [1.0, 0.0, 0.0], [0.0, 0.02, 0.0]];
+        assert_eq!(axes, Some(Directions::Patient(vectors)));
+        let (spacing, _, notes) = read_lines("spacings: 1 2 3\nunits: \"mm\" cm \"\u{b5}m\"").unwrap();
+        assert_eq!((spacing, notes.len()), ([1.0, 20.0, 0.003], 1));
+        let (spacing, _, notes) = read_lines("spacings: 1 2 3\nunits: \"mm\" \"mm\" \"mm\"").unwrap();
+        assert_eq!((spacing, notes.len()), ([1.0, 2.0, 3.0], 0));
+        let (spacing, _, notes) = read_lines("spacings: 1 2 3\nunits: \"\" \"mm\" \"furlong\"").unwrap();
+        assert_eq!(spacing, [1.0, 2.0, 3.0]);
+        assert!(notes[0].contains("taken as mm"), "{notes:?}");
+        assert!(read_lines("spacings: 1 2 3\nunits: \"mm\" \"mm\"").is_err());
+        assert!(read_lines("spacings: 1 2 3\nunits: \"mm\" \"mm\" \"mm").is_err());
     }
 
     #[test]

@@ -2,13 +2,25 @@
 
 use std::fs;
 use std::io::Write;
+use std::path::PathBuf;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use proptest::prelude::*;
 
 use super::*;
+use crate::choice::NanRule;
 use crate::values::Values;
+
+/// As [`super::read_bytes`], without a choice.
+fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+    super::read_bytes(bytes, name, &Choice::default())
+}
+
+/// As [`super::read`], without a choice.
+fn read(path: &Path) -> Result<Decoded, ReadError> {
+    super::read(path, &Choice::default())
+}
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
@@ -252,8 +264,8 @@ fn wrong_fields_are_refused_by_name() {
         ("data file", "/etc/passwd", "expected no such field"),
         ("data file", "../a.raw", "expected no such field"),
         ("data file", "a/../../b.raw", "expected no such field"),
-        ("data file", "LIST", "many files"),
-        ("data file", "s%03d.raw 0 9 1", "many files"),
+        ("data file", "LIST", "expected no such field"),
+        ("data file", "s%03d.raw 0 9 1", "expected no such field"),
     ] {
         let text = message(&[(field, value)], &six);
         assert!(
@@ -293,7 +305,6 @@ fn damaged_packed_data_are_refused() {
     flipped[crc_at] ^= 1;
     assert!(message(&packed, &flipped).contains("gzip data are damaged after 6 unpacked bytes of 6"));
     assert!(message(&packed, b"not gzip").contains("gzip data are damaged after 0"));
-    assert!(message(&packed, &[whole.as_slice(), b"tail"].concat()).contains("damaged"));
     // A small file that claims 2^31 voxels costs no more than what it unpacks to.
     let lying = [("encoding", "gzip"), ("sizes", "8192 8192 32")];
     assert!(message(&lying, &whole).contains("has 6 bytes of data that can be read, expected 2147483648"));
@@ -305,7 +316,168 @@ fn values_that_are_no_numbers_are_refused() {
     let mut values = [0.0_f64; 6];
     values[4] = f64::NAN;
     let text = message(&fields, &values.map(f64::to_le_bytes).concat());
-    assert_eq!(text, "t.nrrd: voxel (1, 1, 0) is NaN, expected finite numbers only");
+    let expected = "expected finite numbers only; `--nan background` takes NaN for background";
+    assert_eq!(text, format!("t.nrrd: voxel (1, 1, 0) is NaN, {expected}"));
+}
+
+#[test]
+fn nan_is_background_on_demand() {
+    let choice = Choice {
+        nan: NanRule::Background,
+        ..Choice::default()
+    };
+    let fields = [("type", "float"), ("endian", "little")];
+    let read_values =
+        |values: [f32; 6]| super::read_bytes(&file(&fields, &values.map(f32::to_le_bytes).concat()), "t", &choice);
+    let volume = read_values([f32::NAN, 3.0, 0.5, f32::NAN, 9.0, 0.5]).unwrap();
+    assert_eq!(volume.values(), &Values::F32(vec![0.5, 3.0, 0.5, 0.5, 9.0, 0.5]));
+    assert!(
+        volume.notes()[0].starts_with("2 of 6 voxels are NaN"),
+        "{:?}",
+        volume.notes()
+    );
+    let error = read_values([f32::NAN; 6]).unwrap_err().to_string();
+    assert_eq!(error, "t: has no voxel that is a number, expected some beside NaN");
+    let error = read_values([f32::NAN, f32::INFINITY, 0.0, 0.0, 0.0, 0.0])
+        .unwrap_err()
+        .to_string();
+    assert_eq!(error, "t: voxel (1, 0, 0) is inf, expected finite numbers only");
+}
+
+#[test]
+fn padding_after_gzip_is_left_out_with_a_note() {
+    let packed = [("encoding", "gzip")];
+    let whole = gzip(&[1, 2, 3, 4, 5, 6]);
+    for tail in [&[0; 512][..], b"tail"] {
+        let volume = read_file(&packed, &[whole.as_slice(), tail].concat()).unwrap();
+        assert_eq!(volume.values(), &Values::U8(vec![1, 2, 3, 4, 5, 6]));
+        assert_eq!(volume.notes(), ["bytes after the gzip data are left out"]);
+    }
+    // What begins as a member and is none is damage.
+    assert!(message(&packed, &[whole.as_slice(), b"\x1f\x8bx"].concat()).contains("damaged"));
+}
+
+#[test]
+fn axes_of_one_entry_are_left_out() {
+    let six = [1, 2, 3, 4, 5, 6];
+    for fields in [
+        [("dimension", "4"), ("sizes", "3 2 1 1"), ("spacings", "1 1 2 nan")],
+        [("dimension", "4"), ("sizes", "1 3 2 1"), ("spacings", "1 1 2 9")],
+        [("dimension", "5"), ("sizes", "3 2 1 1 1"), ("spacings", "1 1 2 0 0")],
+    ] {
+        let volume = read_file(&fields, &six).unwrap();
+        let leading = fields[1].1.starts_with('1');
+        assert_eq!(volume.dims(), if leading { [1, 3, 2] } else { [3, 2, 1] });
+        assert_eq!(volume.spacing(), [1.0, 1.0, 2.0]);
+        assert!(volume.notes()[0].contains("of one entry"), "{:?}", volume.notes());
+    }
+    let vectors = [
+        ("dimension", "4"),
+        ("sizes", "1 3 2 1"),
+        ("spacings", ""),
+        ("kinds", "vector domain domain domain"),
+        ("space", "left-posterior-superior"),
+        ("space directions", "none (1,0,0) (0, 1, 0) (0,0,2)"),
+    ];
+    assert_eq!(read_file(&vectors, &six).unwrap().dims(), [3, 2, 1]);
+    let between = [("dimension", "4"), ("sizes", "3 1 1 2"), ("spacings", "1 1 1 1")];
+    assert_eq!(read_file(&between, &six).unwrap().dims(), [3, 1, 2]);
+    let four = [("dimension", "4"), ("sizes", "3 2 2 2"), ("spacings", "1 1 1 1")];
+    assert!(message(&four, &six).contains("`dimension` is `4`, expected 3"));
+}
+
+/// A folder with a detached header and files of two bytes each, `a1` to `a3` and `b1` to `b3`.
+fn parts(data_file: &str, more: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    for (index, name) in ["a1", "a2", "a3"].iter().enumerate() {
+        let first = 2 * index as u8 + 1;
+        fs::write(folder.path().join(format!("{name}.raw")), [first, first + 1]).unwrap();
+        fs::write(folder.path().join(format!("{name}.gz")), gzip(&[first, first + 1])).unwrap();
+    }
+    let header = folder.path().join("h.nhdr");
+    let fields = [("sizes", "2 1 3"), ("data file", data_file)];
+    let text = String::from_utf8(file(&fields, &[])).unwrap();
+    fs::write(&header, text.trim_end().to_owned() + "\n" + more).unwrap();
+    (folder, header)
+}
+
+#[test]
+fn data_in_many_files_are_joined() {
+    let expected = Values::U8(vec![1, 2, 3, 4, 5, 6]);
+    for (data_file, names) in [
+        ("LIST", "a1.raw\na2.raw\na3.raw\n"),
+        ("LIST 2", "a1.raw\na2.raw\na3.raw"),
+        ("LIST 3", "a1.raw\na2.raw\na3.raw\n\n"),
+        ("LIST 1", "a1.raw\na2.raw\na3.raw\n"),
+        ("a%d.raw 1 3 1", ""),
+        ("a%01d.raw 1 3 1 2", ""),
+    ] {
+        let (_folder, header) = parts(data_file, names);
+        let volume = read(&header).unwrap();
+        assert_eq!((volume.values(), volume.dims()), (&expected, [2, 1, 3]), "{data_file}");
+        assert_eq!(volume.notes(), ["the data are in 3 files"]);
+    }
+    let (_folder, header) = parts("a%d.raw 3 1 -1", "");
+    assert_eq!(read(&header).unwrap().values(), &Values::U8(vec![5, 6, 3, 4, 1, 2]));
+    let (_folder, header) = parts("a%d.gz 1 3 1", "");
+    let text = fs::read_to_string(&header)
+        .unwrap()
+        .replace("encoding: raw", "encoding: gzip");
+    fs::write(&header, text).unwrap();
+    assert_eq!(read(&header).unwrap().values(), &expected);
+}
+
+#[test]
+fn files_that_do_not_make_up_the_volume_are_refused() {
+    for (data_file, names, expected) in [
+        (
+            "LIST",
+            "a1.raw\na2.raw\n",
+            "h.nhdr: data in many files: 2 files are named, expected 3 slices",
+        ),
+        (
+            "LIST",
+            "",
+            "h.nhdr: data in many files: 0 files are named, expected 3 slices",
+        ),
+        ("LIST x", "a1.raw\n", "a number of axes, 1 to 3"),
+        ("LIST 4", "a1.raw\n", "expected files of 1 to 3 axes"),
+        ("LIST", "a1.raw\na2.raw\n../h.nhdr\n", "names the data file `../h.nhdr`"),
+        (
+            "LIST",
+            "a1.raw\na2.raw\n/etc/passwd\n",
+            "names the data file `/etc/passwd`",
+        ),
+        ("LIST", "a1.raw\na2.raw\nh.nhdr\n", "h.nhdr: has "),
+        ("a%d.raw 1 4 1", "", "4 files are named, expected 3 slices"),
+        ("a%d.raw 2 4 1", "", "a4.raw: cannot find the file"),
+        ("a%d.raw 1 999999999 1", "", "at most 65536 files"),
+        ("a%s.raw 1 3 1", "", "one `%d`, `%i` or `%u`"),
+        ("a%d.raw 1 3 x", "", "PATTERN FIRST LAST STEP"),
+    ] {
+        let (_folder, header) = parts(data_file, names);
+        let text = read(&header).unwrap_err().to_string();
+        assert!(text.contains(expected), "{data_file}: {text}");
+    }
+}
+
+#[test]
+fn long_integers_in_many_files_have_one_type() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("0"), (-7_i64).to_le_bytes()).unwrap();
+    fs::write(folder.path().join("1"), (1_i64 << 40).to_le_bytes()).unwrap();
+    let header = folder.path().join("h.nhdr");
+    let fields = [
+        ("type", "int64"),
+        ("endian", "little"),
+        ("sizes", "1 1 2"),
+        ("data file", "%d 0 1 1"),
+    ];
+    fs::write(&header, file(&fields, &[])).unwrap();
+    assert_eq!(
+        read(&header).unwrap().values(),
+        &Values::F64(vec![-7.0, (1_i64 << 40) as f64])
+    );
 }
 
 #[test]

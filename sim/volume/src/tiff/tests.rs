@@ -3,7 +3,20 @@
 use proptest::prelude::*;
 use tiff::encoder::{Compression, TiffEncoder, colortype};
 
+use tiff::tags::Tag;
+
 use super::*;
+use crate::values::Values;
+
+/// As [`super::read_bytes`], without a choice.
+fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {
+    super::read_bytes(bytes, name, &Choice::default())
+}
+
+/// As [`super::read_folder`], without a choice.
+fn read_folder(path: &Path) -> Result<Decoded, ReadError> {
+    super::read_folder(path, &Choice::default())
+}
 
 /// Pages of 3 x 2 16-bit pixels, values 10 i … 10 i + 5.
 fn stack(pages: u16, compression: Compression) -> Vec<u8> {

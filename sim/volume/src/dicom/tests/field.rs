@@ -337,7 +337,7 @@ fn localizers_of_the_same_series_are_named() {
     // Named by its number, it is the largest of them.
     let choice = Choice {
         series: Series::Named("7".into()),
-        phase: None,
+        ..Choice::default()
     };
     check(read_folder(folder.path(), &choice).unwrap());
     assert_eq!(read(&folder.path().join("loc2.dcm")).unwrap().dims(), [2, 1, 2]);

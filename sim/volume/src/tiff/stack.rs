@@ -1,0 +1,334 @@
+//! Pages of one file or of many, joined to a volume.
+
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use tiff::ColorType;
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::{ByteOrder, CompressionMethod, PhotometricInterpretation, Tag};
+
+use super::NAME;
+use super::description::Description;
+use super::patched::Patched;
+use crate::choice::Choice;
+use crate::error::Problem;
+use crate::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
+use crate::values::{Decoded, Endian, MAX_BYTES, ValueType, Values, voxel_count};
+
+/// More than any of the read packings unpacks a byte to.
+const EXPANSION_MAX: u64 = 3000;
+
+/// Pages read so far.
+pub(super) struct Stack {
+    choice: Choice,
+    size: Option<[u32; 2]>,
+    count: u64,
+    values: Option<Values>,
+    /// Of the first file.
+    description: Option<Description>,
+    white_is_zero: bool,
+    notes: Vec<String>,
+}
+
+impl Stack {
+    /// No page yet.
+    pub fn new(choice: Choice) -> Self {
+        Self {
+            choice,
+            size: None,
+            count: 0,
+            values: None,
+            description: None,
+            white_is_zero: false,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Adds something that the user should know.
+    pub fn note(&mut self, note: String) {
+        self.notes.push(note);
+    }
+
+    /// Adds the slices of a file of `len` bytes. A panic of the library, of which none is known, becomes an error.
+    pub fn add_file<R: Read + Seek>(&mut self, source: R, len: u64) -> Result<(), Problem> {
+        let read = catch_unwind(AssertUnwindSafe(|| self.add_slices(source, len)));
+        read.unwrap_or_else(|_| {
+            Err(Problem::format(
+                NAME,
+                "is damaged in a way that its library does not expect",
+            ))
+        })
+    }
+
+    fn add_slices<R: Read + Seek>(&mut self, mut source: R, len: u64) -> Result<(), Problem> {
+        source.seek(SeekFrom::Start(0)).map_err(Problem::io("read the file"))?;
+        let mut limits = Limits::default();
+        let page_max = len.saturating_mul(EXPANSION_MAX).min(MAX_BYTES);
+        limits.decoding_buffer_size = usize::try_from(page_max).unwrap_or(usize::MAX);
+        limits.intermediate_buffer_size = limits.decoding_buffer_size.min(1 << 28);
+        limits.ifd_value_size = 1 << 22;
+        let mut decoder = Decoder::new(Patched::new(source)).map_err(damaged)?.with_limits(limits);
+        check_grey(&mut decoder)?;
+        let (width, height) = decoder.dimensions().map_err(damaged)?;
+        let mut description = Description::read(&mut decoder, [width, height])?;
+        let mut pages = 1;
+        while decoder.more_images() {
+            decoder.next_image().map_err(damaged)?;
+            pages += 1;
+        }
+        let mut notes = std::mem::take(&mut description.notes);
+        let planes = description.planes.take();
+        let wanted = match &planes {
+            None => (0..pages).collect(),
+            Some(planes) => planes.slices(&self.choice, &mut notes)?,
+        };
+        if planes.is_none() {
+            self.choice.check_single()?;
+        }
+        let stated = planes.as_ref().map(|planes| (planes.total(), planes.pages.is_some()));
+        if self.description.is_none() {
+            self.description = Some(description);
+            self.notes.append(&mut notes);
+        }
+        match stated {
+            Some((images, false)) if images > 1 && pages == 1 => {
+                self.add_contiguous(&mut decoder, len, images, &wanted)?;
+                self.note(format!("{images} images behind one directory"));
+                return Ok(());
+            }
+            Some((images, false)) if images != pages => {
+                let fault = format!("the description states {images} images, the file has {pages} pages");
+                return Err(Problem::format(NAME, format!("{fault}, expected as many")));
+            }
+            _ => {}
+        }
+        for index in wanted {
+            if index >= pages {
+                let fault = format!("the description names page {}, the file has {pages}", index + 1);
+                return Err(Problem::format(NAME, fault));
+            }
+            decoder.seek_to_image(index).map_err(damaged)?;
+            self.set_black_is_zero(&mut decoder, index)?;
+            self.add_page(&mut decoder, page_max)?;
+        }
+        Ok(())
+    }
+
+    /// Has a page's values arrive as they are stored, even where white is 0.
+    fn set_black_is_zero<R: Read + Seek>(
+        &mut self,
+        decoder: &mut Decoder<Patched<R>>,
+        index: usize,
+    ) -> Result<(), Problem> {
+        let white = PhotometricInterpretation::WhiteIsZero.to_u16();
+        if decoder
+            .find_tag_unsigned::<u16>(Tag::PhotometricInterpretation)
+            .map_err(damaged)?
+            != Some(white)
+        {
+            return Ok(());
+        }
+        self.white_is_zero = true;
+        let directory = decoder.ifd_pointer().map_or(0, |pointer| pointer.0);
+        let found = decoder.inner().set_black_is_zero(directory);
+        if found.map_err(Problem::io("read the file"))? {
+            decoder.seek_to_image(index).map_err(damaged)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the current page.
+    fn add_page<R: Read + Seek>(&mut self, decoder: &mut Decoder<R>, file_max: u64) -> Result<(), Problem> {
+        let bits = check_grey(decoder)?;
+        let [width, height] = self.take_size(decoder, 1)?;
+        let bytes = voxel_count([width.into(), height.into(), self.count])? * bits / 8;
+        // A folder's files add up, so that a single one's expansion is no bound below this.
+        let limit = file_max.clamp(MAX_BYTES / 64, MAX_BYTES);
+        if bytes > limit {
+            let what = "the pages so far";
+            return Err(Problem::TooLarge { bytes, what, limit });
+        }
+        let page = match decoder.read_image().map_err(damaged)? {
+            DecodingResult::U8(v) => Values::U8(v),
+            DecodingResult::I8(v) => Values::I8(v),
+            DecodingResult::U16(v) => Values::U16(v),
+            DecodingResult::I16(v) => Values::I16(v),
+            DecodingResult::U32(v) => Values::U32(v),
+            DecodingResult::I32(v) => Values::I32(v),
+            DecodingResult::F32(v) => Values::F32(v),
+            DecodingResult::F64(v) => Values::F64(v),
+            _ => {
+                return Err(Problem::Unsupported {
+                    format: NAME,
+                    found: "a page of 64-bit integers or half precision".into(),
+                    expected: "integers of 8 to 32 bits, float or double",
+                });
+            }
+        };
+        let pixels = u64::from(width) * u64::from(height);
+        if page.len() as u64 != pixels {
+            let fault = format!("page {} has {} values, expected {pixels}", self.count, page.len());
+            return Err(Problem::format(NAME, fault));
+        }
+        self.append(page)
+    }
+
+    /// Adds the wanted ones of the `images` that follow one another behind the only directory, as ImageJ writes them
+    /// above 4 GB.
+    fn add_contiguous<R: Read + Seek>(
+        &mut self,
+        decoder: &mut Decoder<Patched<R>>,
+        file_len: u64,
+        images: usize,
+        wanted: &[usize],
+    ) -> Result<(), Problem> {
+        let fault =
+            |why: String| Problem::format(NAME, format!("{images} images are stated and 1 page is found, {why}"));
+        let plain = [None, Some(CompressionMethod::None.to_u16())];
+        if !plain.contains(&decoder.find_tag_unsigned(Tag::Compression).map_err(damaged)?) {
+            return Err(fault("which is packed: the others cannot be found".into()));
+        }
+        self.white_is_zero |= decoder
+            .find_tag_unsigned::<u16>(Tag::PhotometricInterpretation)
+            .map_err(damaged)?
+            == Some(0);
+        let value_type = value_type(decoder)?;
+        let offsets = decoder
+            .find_tag_unsigned_vec::<u64>(Tag::StripOffsets)
+            .map_err(damaged)?;
+        let start = offsets.and_then(|offsets| offsets.first().copied());
+        let start = start.ok_or_else(|| fault("without strips".into()))?;
+        let endian = match decoder.byte_order() {
+            ByteOrder::LittleEndian => Endian::Little,
+            ByteOrder::BigEndian => Endian::Big,
+        };
+        let [width, height] = self.take_size(decoder, wanted.len() as u64)?;
+        voxel_count([width.into(), height.into(), self.count])?;
+        let image_len = u64::from(width) * u64::from(height) * value_type.byte_len();
+        let needed = image_len.saturating_mul(images as u64);
+        let found = file_len.saturating_sub(start);
+        if needed > found {
+            return Err(fault(format!(
+                "behind which {found} bytes follow, expected {needed} for {images} of {width} x {height} {}",
+                value_type.name()
+            )));
+        }
+        let layout = Layout {
+            dims: [width.into(), height.into(), 1],
+            value_type,
+            endian,
+            encoding: Encoding::Raw,
+            line_skip: 0,
+            byte_skip: ByteSkip::Bytes(0),
+            tail: Tail::LeftOut,
+        };
+        for &index in wanted {
+            let at = start + index as u64 * image_len;
+            let source = decoder.inner();
+            source.seek(SeekFrom::Start(at)).map_err(Problem::io("read the file"))?;
+            // What follows an image is the next one.
+            let page = read_values(&layout, &mut BufReader::new(source), file_len - at, &mut Vec::new())?;
+            self.append(page)?;
+        }
+        Ok(())
+    }
+
+    /// Counts `more` pages of the decoder's size, which has to be that of the pages before.
+    fn take_size<R: Read + Seek>(&mut self, decoder: &mut Decoder<R>, more: u64) -> Result<[u32; 2], Problem> {
+        let (width, height) = decoder.dimensions().map_err(damaged)?;
+        self.count += more;
+        let size = *self.size.get_or_insert([width, height]);
+        if size != [width, height] {
+            let fault = format!(
+                "page {} is {width} x {height}, expected {} x {}",
+                self.count, size[0], size[1]
+            );
+            return Err(Problem::format(NAME, fault));
+        }
+        Ok(size)
+    }
+
+    fn append(&mut self, page: Values) -> Result<(), Problem> {
+        let Some(values) = &mut self.values else {
+            self.values = Some(page);
+            return Ok(());
+        };
+        if values.append(&page)? {
+            return Ok(());
+        }
+        let (found, expected, number) = (page.value_type().name(), values.value_type().name(), self.count);
+        Err(Problem::format(
+            NAME,
+            format!("page {number} is of type {found}, expected {expected}"),
+        ))
+    }
+
+    /// The volume.
+    pub fn finish(mut self, name: String) -> Result<Decoded, Problem> {
+        let (Some([width, height]), Some(mut values)) = (self.size, self.values.take()) else {
+            return Err(Problem::format(NAME, "has no page, expected slices"));
+        };
+        if self.white_is_zero {
+            self.notes.push(
+                match values.invert() {
+                    true => "white is 0 in the file: values are inverted, so that more is brighter",
+                    false => "white is 0 in the file: values with a sign or a fraction are taken as stored",
+                }
+                .into(),
+            );
+        }
+        let description = self.description.unwrap_or_default();
+        let (spacing, mut notes) = description.spacing();
+        self.notes.append(&mut notes);
+        let dims = [width as usize, height as usize, self.count as usize];
+        let [scale, offset] = description.calibration.unwrap_or([1.0, 0.0]);
+        let decoded = Decoded::with_nan(name, dims, spacing, values, (self.choice.nan, scale))?.with_notes(self.notes);
+        match description.calibration {
+            Some(_) => decoded.with_rescale(NAME, scale, offset),
+            None => Ok(decoded),
+        }
+    }
+}
+
+/// The bits of a grey page.
+fn check_grey<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<u64, Problem> {
+    match decoder.colortype().map_err(damaged)? {
+        ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => Ok(bits.into()),
+        other => Err(Problem::Unsupported {
+            format: NAME,
+            found: format!("a page of colour type {other:?}"),
+            expected: "grey of 8, 16 or 32 bits",
+        }),
+    }
+}
+
+/// The type of a page's values, from its tags.
+fn value_type<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<ValueType, Problem> {
+    let bits = check_grey(decoder)?;
+    let format = decoder.find_tag_unsigned::<u16>(Tag::SampleFormat).map_err(damaged)?;
+    match (format.unwrap_or(1), bits) {
+        (1, 8) => Ok(ValueType::U8),
+        (1, 16) => Ok(ValueType::U16),
+        (1, 32) => Ok(ValueType::U32),
+        (2, 8) => Ok(ValueType::I8),
+        (2, 16) => Ok(ValueType::I16),
+        (2, 32) => Ok(ValueType::I32),
+        (3, 32) => Ok(ValueType::F32),
+        (3, 64) => Ok(ValueType::F64),
+        (format, bits) => Err(Problem::Unsupported {
+            format: NAME,
+            found: format!("a page of {bits} bits of sample format {format}"),
+            expected: "integers of 8 to 32 bits, float or double",
+        }),
+    }
+}
+
+/// The library's message as a fault.
+fn damaged(error: tiff::TiffError) -> Problem {
+    Problem::format(NAME, shorten_line(&error.to_string()))
+}
+
+/// One line.
+fn shorten_line(text: &str) -> String {
+    text.lines().next().unwrap_or_default().chars().take(200).collect()
+}
