@@ -222,9 +222,9 @@ impl<'a> Fields<'a> {
             }
             bytes
         };
-        match ordered(bytes.to_vec()).as_slice() {
-            &[a, b, c, d] => u32::from_le_bytes([a, b, c, d]).to_string(),
-            &[a, b, c, d, e, f, g, h] => f64::from_le_bytes([a, b, c, d, e, f, g, h]).to_string(),
+        match *ordered(bytes.to_vec()).as_slice() {
+            [a, b, c, d] => u32::from_le_bytes([a, b, c, d]).to_string(),
+            [a, b, c, d, e, f, g, h] => f64::from_le_bytes([a, b, c, d, e, f, g, h]).to_string(),
             _ => String::new(),
         }
     }
