@@ -186,12 +186,12 @@ fn map_values<T: Copy + Into<f64>>(
         return Ok(renumber(decoded, stored, range.map(data), labels.clone()));
     }
     let hounsfield = decoded.modality() == Some(Modality::Ct) && scale == 1.0;
-    let is_lossless = kind != Kind::Floats && Coding::lossless(range, kind).is_some();
-    let inliers = match window {
-        Window::Auto if !is_lossless && !(hounsfield && kind == Kind::Integers) => {
-            outliers::inliers(decoded.values(), range)
-        }
-        _ => range,
+    // Where nothing is lost, and where the unit is known, every value counts.
+    let is_fixed = kind != Kind::Floats && (hounsfield || Coding::lossless(range, kind).is_some());
+    let inliers = if window == Window::Auto && !is_fixed {
+        outliers::inliers(decoded.values(), range)
+    } else {
+        range
     };
     let coding = Coding::choose(window, inliers, [scale, shift], kind, hounsfield)?;
     let window_values = [data(coding.low), data(coding.high)];
