@@ -49,8 +49,16 @@ fn packages_stand_by_themselves() {
 #[test]
 fn paths_have_versions() {
     let manifest = read(&root().join("Cargo.toml"));
-    let version = manifest.split("version = \"").nth(1).unwrap().split('"').next().unwrap();
-    let paths = manifest.lines().filter(|line| line.contains("path = \"") && !line.contains("host-tests"));
+    let version = manifest
+        .split("version = \"")
+        .nth(1)
+        .unwrap()
+        .split('"')
+        .next()
+        .unwrap();
+    let paths = manifest
+        .lines()
+        .filter(|line| line.contains("path = \"") && !line.contains("host-tests"));
     let paths: Vec<&str> = paths.collect();
     assert_eq!(paths.len(), 8, "{paths:?}");
     for line in paths {

@@ -305,7 +305,10 @@ fn hard(cases: &[Case]) -> Markup {
     html! {
         section {
             h2 { "Hard cases" }
-            p { "What theory expects and what each precision gives. A verdict needs a limit; figures without one are there to be compared." }
+            p {
+                "What theory expects and what each precision gives. A verdict needs a limit; figures without one are there to be "
+                "compared. Smaller volumes and fewer views than those of " code { "slicecast hard" } ", which takes longer."
+            }
             div.scroll tabindex="0" role="region" aria-label="Hard cases" {
                 table {
                     thead {
