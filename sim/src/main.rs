@@ -10,6 +10,8 @@ mod presets;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // Whatever reads the output may have enough of it (`slicecast inspect scan.nrrd | head`): that is no fault.
+    sigpipe::reset();
     match cli::Cli::of_command_line().run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

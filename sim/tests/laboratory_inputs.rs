@@ -107,7 +107,7 @@ const REFUSED: &[(&str, i32, &str)] = &[
     (
         "sweep a.nrrd --scene ct-fog --rows old.jsonl",
         2,
-        "old.jsonl: holds sweep rows of version 1, expected version 2: run the sweep again",
+        "old.jsonl: holds sweep rows of version 1, expected version 3: run the sweep again",
     ),
     (
         "sweep a.nrrd --scene ct-fog --rows damaged.jsonl",

@@ -55,11 +55,10 @@ pub struct Row {
     pub stages: Vec<StageRow>,
     /// Samples a second.
     pub samples_per_second: f64,
-    /// Speed over that of the base configuration, measured in turns with it.
+    /// Speed over that of the base configuration, measured in turns with it: the median of the rounds' ratios.
     pub relative_speed: f64,
     /// How far that ratio scatters over the rounds: half the distance between its quartiles, as a share of the median;
-    /// `None` of fewer than four rounds, and in rows of earlier versions.
-    #[serde(default)]
+    /// `None` of fewer than four rounds.
     pub speed_spread: Option<f64>,
     /// Frames of which the fastest counts.
     pub rounds: u32,
@@ -114,7 +113,7 @@ pub enum RowsError {
 }
 
 /// The version of rows that this program writes.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The first line.
 #[derive(Serialize, Deserialize)]
@@ -314,7 +313,7 @@ pub(crate) mod tests {
         }
         fs::write(&path, "{\"slicecast\":\"sweep rows\",\"version\":1}\n{}\n").unwrap();
         assert!(matches!(read(&path), Err(RowsError::Version { found: 1, .. })));
-        fs::write(&path, "{\"slicecast\":\"sweep rows\",\"version\":2}\n{}\n").unwrap();
+        fs::write(&path, "{\"slicecast\":\"sweep rows\",\"version\":3}\n{}\n").unwrap();
         assert!(matches!(read(&path), Err(RowsError::Row { line: 2, .. })));
     }
 }

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use comfy_table::CellAlignment;
-use slicecast_laboratory::hard::{Case, Size, run};
+use comfy_table::{CellAlignment, Table};
+use slicecast_laboratory::hard::{Case, Outcome, Size, run};
 
 use super::Failure;
 use super::output::{check_free, write_file};
@@ -35,7 +35,7 @@ impl Args {
     pub fn run(self) -> Result<(), Failure> {
         check_free(&self.json, self.force)?;
         let cases = with_bar("hard cases", |progress| run(Size::Full, progress))?;
-        print(&cases, self.all);
+        println!("{}", page(&cases, self.all));
         if let Some(path) = &self.json {
             let json = serde_json::to_vec_pretty(&cases).map_err(Failure::machine)?;
             write_file(path, self.force, &json)?;
@@ -48,7 +48,29 @@ impl Args {
     }
 }
 
-fn print(cases: &[Case], all: bool) {
+/// The cases as a page: the table, what others say, every outcome that has no column, and what fails.
+fn page(cases: &[Case], all: bool) -> String {
+    let told = cases.iter().flat_map(|case| {
+        let said = [("Squeeze", &case.paper), ("study", &case.study)];
+        let line = move |(whose, says): (&str, &Option<String>)| {
+            let says = says.as_deref()?;
+            let line = format!("{}: {}; {whose}: {says}", case.group, case.name);
+            Some(paragraph(&line, "  "))
+        };
+        said.into_iter().filter_map(line)
+    });
+    let shown = |case: &&Case| all || !case.outcomes.iter().any(|o| NAMED.contains(&o.who.as_str()));
+    let parts = [
+        table(cases).to_string(),
+        told.collect::<Vec<_>>().join("\n"),
+        cases.iter().filter(shown).map(outcomes).collect::<Vec<_>>().join("\n"),
+        cases.iter().flat_map(failures).collect::<Vec<_>>().join("\n"),
+    ];
+    let parts = parts.into_iter().filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join("\n\n")
+}
+
+fn table(cases: &[Case]) -> Table {
     let mut columns = vec!["case", "figure", "theory"];
     columns.extend(NAMED);
     columns.push("verdict");
@@ -69,49 +91,67 @@ fn print(cases: &[Case], all: bool) {
         cells.push(if case.holds() { "holds" } else { "FAILS" }.into());
         table.add_row(cells);
     }
-    println!("{table}\n");
-    for case in cases {
-        for (whose, says) in [("Squeeze", &case.paper), ("study", &case.study)] {
-            if let Some(says) = says {
-                let line = format!("{}: {}; {whose}: {says}", case.group, case.name);
-                println!("{}", paragraph(&line, "  "));
-            }
-        }
+    table
+}
+
+/// Every outcome of a case.
+fn outcomes(case: &Case) -> String {
+    let heading = format!(
+        "{}: {}; {}; theory: {} ({})",
+        case.group,
+        case.name,
+        case.quantity,
+        short(case.expected),
+        case.theory
+    );
+    let mut lines = vec![paragraph(&heading, "    ")];
+    for outcome in &case.outcomes {
+        let limit = outcome
+            .allowed
+            .map_or(String::new(), |a| format!("   within {}", short(a)));
+        lines.push(format!("  {:<40} {:>12}{limit}", outcome.who, short(outcome.value)));
     }
-    println!();
-    let shown = |case: &&Case| all || !case.outcomes.iter().any(|o| NAMED.contains(&o.who.as_str()));
-    for case in cases.iter().filter(shown) {
-        let heading = format!(
-            "{}: {}; {}; theory: {} ({})",
+    if let Some(note) = &case.note {
+        lines.push(paragraph(&format!("  note: {note}"), "    "));
+    }
+    lines.join("\n")
+}
+
+/// What does not keep to its limits.
+fn failures(case: &Case) -> Vec<String> {
+    let line = |outcome: &Outcome| {
+        let line = format!(
+            "FAILS: {}: {}: {}: {} instead of {} within {}",
             case.group,
             case.name,
-            case.quantity,
-            short(case.expected),
-            case.theory
+            outcome.who,
+            outcome.value,
+            case.expected,
+            outcome.allowed.unwrap_or(f64::NAN)
         );
-        println!("{}", paragraph(&heading, "    "));
-        for outcome in &case.outcomes {
-            let limit = outcome
-                .allowed
-                .map_or(String::new(), |a| format!("   within {}", short(a)));
-            println!("  {:<40} {:>12}{limit}", outcome.who, short(outcome.value));
-        }
-        if let Some(note) = &case.note {
-            println!("{}", paragraph(&format!("  note: {note}"), "    "));
-        }
-    }
-    for case in cases {
-        for outcome in case.failures() {
-            let line = format!(
-                "FAILS: {}: {}: {}: {} instead of {} within {}",
-                case.group,
-                case.name,
-                outcome.who,
-                outcome.value,
-                case.expected,
-                outcome.allowed.unwrap_or(f64::NAN)
-            );
-            println!("{}", paragraph(&line, "  "));
+        paragraph(&line, "  ")
+    };
+    case.failures().into_iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_fits_the_page() {
+        let cases = run(Size::Reduced, &|_, _| ()).unwrap();
+        for all in [false, true] {
+            let page = page(&cases, all);
+            for line in page.lines() {
+                assert!(line.chars().count() <= 100, "{line}");
+            }
+            // What has no column of its own is still told.
+            for case in &cases {
+                assert!(page.contains(case.group), "{}", case.group);
+                let said = case.paper.as_deref().and_then(|says| says.split(' ').next());
+                assert!(said.is_none_or(|word| page.contains(word)), "{}", case.name);
+            }
         }
     }
 }

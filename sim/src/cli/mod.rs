@@ -111,7 +111,9 @@ impl Cli {
             // clap takes any unknown flag for a value that was meant, which it never is here.
             if let Some(ContextValue::StyledStrs(mut tips)) = error.remove(ContextKind::Suggested) {
                 tips.retain(|tip| !tip.to_string().contains("as a value, use"));
-                error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+                if !tips.is_empty() {
+                    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+                }
             }
             error.exit()
         })

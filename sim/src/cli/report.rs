@@ -39,7 +39,7 @@ pub struct Args {
     /// Leave out speed against error.
     #[arg(long, conflicts_with = "rows")]
     no_sweep: bool,
-    /// Leave out the hard cases.
+    /// Leave out the hard cases. Those of a report are the reduced form of what `slicecast hard` runs.
     #[arg(long)]
     no_hard: bool,
     /// Leave out the error of the algorithm, against the converged integral.
@@ -101,7 +101,7 @@ impl Args {
         let cases = if self.no_hard {
             Vec::new()
         } else {
-            with_titled_bar("hard cases", |progress| hard::run(Size::Full, progress))?
+            with_titled_bar("hard cases", |progress| hard::run(Size::Reduced, progress))?
         };
         let contents = Contents {
             prepared: &prepared,

@@ -15,8 +15,8 @@ use super::tables::{header, percent, short};
 const LEGEND: &str = "\
 Errors: steps of 1/255 on the base plane against the f64 model at the positions of the full step. `worst stage`: the
 stage with the fewest right bits on its own inputs. Speeds: fastest frame of several, rendered by the host with these
-lanes and taken in turns with `compact`; `speed` is the ratio, and `± %` half the distance between its quartiles over the
-rounds. Front: no configuration is at least as fast and at least as exact in the mean, and clearly better in one of the
+lanes and taken in turns with `compact`; `speed` is the median of the rounds' ratios, and `± %` half the distance between
+their quartiles. Front: no configuration is at least as fast and at least as exact in the mean, and clearly better in one of the
 two; speeds that differ by no more than they scatter (at least 1 %) are one speed. `~` would be on the front if they
 were exact.";
 

@@ -21,7 +21,7 @@ use serde::Serialize;
 pub enum Size {
     /// Everything, for a release build.
     Full,
-    /// A part that a test can afford.
+    /// A part that a test and a report can afford.
     Reduced,
 }
 

@@ -260,10 +260,10 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
         section {
             h2 { "Speed against error" }
             p {
-                "One point a configuration. On the line, and * in the table: nothing is at least as fast and at least as exact in "
+                "One point a configuration. On the line, and with a dot in the table: nothing is at least as fast and at least as exact in "
                 "the mean, and clearly better in one of the two. Speeds that differ by no more than they scatter (±, at least "
-                "1 %) are one speed; ~ would be on the line if they were exact. Errors are of " (views) ". Speeds are the fastest "
-                "of several frames on " (threads) " with " (lanes.join(", ")) ", each taken in turn with one of compact."
+                "1 %) are one speed; ~ would be on the line if they were exact. Errors are of " (views) ". Frames were timed on "
+                (threads) " with " (lanes.join(", ")) ", each in turn with one of compact; speed is the median of their ratios."
             }
             (PreEscaped(plot))
             div.scroll tabindex="0" role="region" aria-label="All configurations" {
@@ -277,7 +277,7 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
                     tbody {
                         @for (row, place) in rows.iter().zip(marked) {
                             tr.front[place == Place::Front] {
-                                td { (row.name) @if place != Place::Beaten { " " (place.sign()) } }
+                                td { (row.name) @if place == Place::WithinSpread { " " (place.sign()) } }
                                 td { (row.pixel_bytes) }
                                 td { (row.table_bytes) }
                                 td { (format!("{:.2}", row.image.equal_percent)) }
@@ -305,7 +305,10 @@ fn hard(cases: &[Case]) -> Markup {
     html! {
         section {
             h2 { "Hard cases" }
-            p { "What theory expects and what each precision gives. A verdict needs a limit; figures without one are there to be compared." }
+            p {
+                "What theory expects and what each precision gives. A verdict needs a limit; figures without one are there to be "
+                "compared. Smaller volumes and fewer views than those of " code { "slicecast hard" } ", which takes longer."
+            }
             div.scroll tabindex="0" role="region" aria-label="Hard cases" {
                 table {
                     thead {

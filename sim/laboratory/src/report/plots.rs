@@ -40,6 +40,15 @@ fn finish(svg: &str, label: &str) -> String {
     svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
 }
 
+/// Places on a logarithmic axis: 1, 2 and 5 of each decade, or of many decades each 1. A range without a power of ten has
+/// some as well.
+fn decades(low: f64, high: f64) -> Vec<f64> {
+    let [first, last] = [low, high].map(|end| end.log10().floor() as i32);
+    let steps: &[f64] = if last - first > 4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let places = (first..=last).flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
+    places.filter(|place| (low..=high).contains(place)).collect()
+}
+
 /// The label of a place on an axis: as many digits as tell it from its neighbours, and none of the noise of its sum.
 fn tick(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
@@ -126,7 +135,8 @@ pub fn front(rows: &[Row], label: &str) -> Result<String, PlotError> {
     {
         let root = SVGBackend::with_string(&mut svg, (860, 520)).into_drawing_area();
         let x_range = slowest * 0.95..fastest * 1.12;
-        let y_range = (least / 2.0..most * 2.0).log_scale();
+        let (low, high) = (least / 2.0, most * 2.0);
+        let y_range = (low..high).log_scale().with_key_points(decades(low, high));
         let mut chart = ChartBuilder::on(&root)
             .margin(10)
             .x_label_area_size(40)

@@ -273,7 +273,7 @@ fn impossible_transfer_functions_are_refused() {
         ),
         (
             format!("{a}, {{ value = nan, colour = [1, 1, 1], opacity = 0 }}"),
-            "`transfer.points[1].value` is NaN, expected a number from -1000000000000 to 1000000000000",
+            "`transfer.points[1].value` is NaN, expected a number from -1e100 to 1e100",
         ),
         (
             "{ value = 0, colour = [1, 1, 1], opacity = 1.01 }".into(),
