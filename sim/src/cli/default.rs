@@ -13,9 +13,10 @@ use slicecast_volume::open::load;
 use super::Failure;
 use super::compare::figured;
 use super::inputs::ThreadArgs;
-use super::output::{Folder, png};
+use super::output::Folder;
 use super::progress::with_bar;
 use super::tables;
+use crate::raster::rgb_png;
 
 /// Options of the main job.
 #[derive(clap::Args)]
@@ -88,15 +89,21 @@ impl Args {
                 written.push(folder.write(&file, &contents)?);
                 Ok(())
             };
-            write(format!("head-{name}.png"), png(&streamed.picture)?)?;
+            write(
+                format!("head-{name}.png"),
+                rgb_png(streamed.picture).map_err(Failure::machine)?,
+            )?;
             let heat = heat_map(&comparison.frame.base, &comparison.model, HEAT_FULL);
-            write(format!("head-{name}-difference.png"), png(&heat)?)?;
+            write(
+                format!("head-{name}-difference.png"),
+                rgb_png(heat).map_err(Failure::machine)?,
+            )?;
             let figures = figured(&prepared, &comparison, ModelPositions::Pipeline);
             let json = serde_json::to_vec_pretty(&figures).map_err(Failure::machine)?;
             write(format!("head-{name}.json"), json)?;
             if precision == PrecisionName::Wide {
                 let model = model_picture(&comparison.model_picture, scene.image.background);
-                write("head-model.png".into(), png(&model)?)?;
+                write("head-model.png".into(), rgb_png(model).map_err(Failure::machine)?)?;
             }
         }
         println!("== pictures against the model ==\n");
