@@ -57,6 +57,20 @@ impl Sheet {
     }
 }
 
+/// A picture with a line of text below it, and as wide as that at least.
+pub fn captioned(picture: Rgb, text: &str) -> Rgb {
+    let [width, height] = picture.size;
+    let letters = u32::try_from(text.chars().count()).unwrap_or(u32::MAX);
+    let wide = width.max(LETTER.saturating_mul(letters.saturating_add(1)));
+    let mut sheet = Sheet::black([wide, height + LINE]);
+    let rows = picture.bytes.chunks_exact((3 * width as usize).max(1));
+    for (out, row) in sheet.0.bytes.chunks_exact_mut(3 * wide as usize).zip(rows) {
+        out[..row.len()].copy_from_slice(row);
+    }
+    sheet.write(text, [LETTER / 2, height + 1]);
+    sheet.0
+}
+
 impl OriginDimensions for Sheet {
     fn size(&self) -> Size {
         let [width, height] = self.0.size;
@@ -105,6 +119,19 @@ mod tests {
         assert_eq!(lit(&written("8 8", [0, 0])), 2 * lit(&one));
         assert!(lit(&written("88", [36, 0])) < lit(&one));
         assert_eq!(lit(&written("8", [400, u32::MAX])), 0);
+    }
+
+    #[test]
+    fn captions_stand_below_the_picture() {
+        let picture = Rgb {
+            size: [2, 3],
+            bytes: vec![9; 18],
+        };
+        let with = captioned(picture, "0.5");
+        assert_eq!(with.size, [28, 3 + LINE]);
+        let pixel = |x: usize, y: usize| &with.bytes[3 * (28 * y + x)..][..3];
+        assert_eq!((pixel(1, 2), pixel(2, 2)), (&[9; 3][..], &[0; 3][..]));
+        assert!(with.bytes[3 * 28 * 3..].contains(&255));
     }
 
     #[test]

@@ -88,10 +88,10 @@ pub fn described(ramp: &TransferFunction) -> String {
     match &ramp.points[..] {
         [low, .., high] => format!(
             "grey from {} (dark) to {} (bright)",
-            rounded(low.value),
-            rounded(high.value)
+            rounded(low.value, 5),
+            rounded(high.value, 5)
         ),
-        [only] => format!("every ray keeps {}, which is drawn grey", rounded(only.value)),
+        [only] => format!("every ray keeps {}, which is drawn grey", rounded(only.value, 5)),
         [] => "nothing".into(),
     }
 }

@@ -59,7 +59,7 @@ fn share(picture: &Rgb, background: [f64; 3], within: impl Fn(usize, usize) -> b
 fn reason(prepared: &Prepared<'_>, base: &BaseImage, known: &Circumstances<'_>) -> (String, String) {
     let (scene, volume) = (prepared.scene, prepared.volume);
     let statistics = known.statistics;
-    let value = |code: usize| rounded(volume.mapping.value(code as f64));
+    let value = |code: usize| rounded(volume.mapping.value(code as f64), 5);
     let visible = |code: &usize| prepared.table.opacity(*code) > Opacity::ZERO;
     let fitting = format!("`--scene {}` fits the values", known.fitting);
     let codes = statistics.counts().len();
@@ -156,9 +156,11 @@ fn reason(prepared: &Prepared<'_>, base: &BaseImage, known: &Circumstances<'_>) 
     }
 }
 
-/// A number of five digits, for people to read.
-pub fn rounded(value: f64) -> f64 {
-    format!("{value:.4e}").parse().unwrap_or(value)
+/// A number of so many digits, for people to read.
+pub fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1))
+        .parse()
+        .unwrap_or(value)
 }
 
 fn too_thin(prepared: &Prepared<'_>) -> String {
@@ -168,13 +170,13 @@ fn too_thin(prepared: &Prepared<'_>) -> String {
     format!(
         "opacities are meant for a length of {}, and the volume is {} from corner to corner",
         prepared.scene.transfer.unit_distance,
-        rounded(across)
+        rounded(across, 5)
     )
 }
 
 fn unit_distance(prepared: &Prepared<'_>) -> String {
     let shortest = prepared.volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
-    format!("`--unit-distance {}` means them for one voxel", rounded(shortest))
+    format!("`--unit-distance {}` means them for one voxel", rounded(shortest, 5))
 }
 
 #[cfg(test)]
