@@ -5,7 +5,15 @@
 
 mod cli;
 mod export;
+mod framing;
+mod labels;
+mod legend;
+mod lettering;
 mod presets;
+mod projection;
+mod raster;
+mod slab;
+mod visibility;
 
 use std::process::ExitCode;
 

@@ -7,9 +7,12 @@
 //! | ct-soft-tissue | CT                               | skin and muscle, opaque                  |
 //! | ct-vessels     | CT with contrast                 | vessels and bone                         |
 //! | mr             | anything without a unit          | two surfaces where the histogram splits  |
-//! | labels         | few whole numbers                | every label in a colour of its own       |
+//! | labels         | whole numbers that are names     | every label in a colour of its own       |
 //! | fog            | anything                         | everything, thin                         |
+//! | mip            | angiograms, anything             | the largest value of each ray, in grey   |
 
+use crate::labels::labels;
+use crate::projection;
 use slicecast_scene::file::{self, SceneError};
 use slicecast_scene::{Blend, check};
 use slicecast_scene::{Image, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
@@ -19,7 +22,7 @@ use slicecast_volume::statistics::Statistics;
 use slicecast_volume::values::Modality;
 
 /// The names of the presets, those for CT first.
-pub const NAMES: [&str; 7] = [
+pub const NAMES: [&str; 8] = [
     "headsq",
     "ct-bone",
     "ct-soft-tissue",
@@ -27,7 +30,13 @@ pub const NAMES: [&str; 7] = [
     "mr",
     "labels",
     "fog",
+    "mip",
 ];
+
+/// Whether a scene speaks of Hounsfield units: all that are not fitted to the volume do.
+pub fn is_for_hounsfield(name: &str) -> bool {
+    file::BUILT_IN.iter().any(|(known, _)| *known == name)
+}
 
 /// Labels that a label map may have; more values are a measurement.
 const LABELS_MAX: usize = 64;
@@ -58,7 +67,7 @@ pub fn fitting(loaded: &Loaded, statistics: &Statistics) -> Vec<&'static str> {
     let (first, _) = suggest(loaded, statistics);
     let hounsfield = first == "headsq";
     let fits = |name: &&str| match *name {
-        "mr" | "fog" => true,
+        "mr" | "fog" | "mip" => true,
         "labels" => looks_labelled(loaded, statistics),
         _ => hounsfield,
     };
@@ -90,11 +99,12 @@ fn looks_labelled(loaded: &Loaded, statistics: &Statistics) -> bool {
 pub fn scene(name: &str, volume: &Volume, statistics: &Statistics) -> Result<Scene, SceneError> {
     let transfer = match name {
         "mr" => two_surfaces(volume, statistics),
-        "labels" => labels(volume, statistics),
+        "labels" => coloured(volume, statistics),
         "fog" => fog(volume, statistics),
+        "mip" => projection::ramp(volume, Blend::Maximum),
         _ => return Ok(thrifty(file::built_in(name)?, volume)),
     };
-    let lit = name != "fog";
+    let lit = !["fog", "mip"].contains(&name);
     let scene = Scene {
         view: View {
             azimuth: 30.0,
@@ -108,7 +118,11 @@ pub fn scene(name: &str, volume: &Volume, statistics: &Statistics) -> Result<Sce
         },
         transfer,
         lighting: lit.then(Lighting::default),
-        blend: Blend::FrontToBack,
+        blend: if name == "mip" {
+            Blend::Maximum
+        } else {
+            Blend::FrontToBack
+        },
         precision: PrecisionName::Compact,
         table: None,
         lookup: None,
@@ -192,39 +206,15 @@ fn two_surfaces(volume: &Volume, statistics: &Statistics) -> TransferFunction {
     )
 }
 
-/// A colour a label. Between two labels the colours of those between them show in a thin line, since voxels are
-/// interpolated.
-fn labels(volume: &Volume, statistics: &Statistics) -> TransferFunction {
-    let mut listed = Vec::new();
-    let occurring = statistics.counts().iter().enumerate().filter(|(_, count)| **count > 0);
-    let codes: Vec<f64> = occurring.map(|(code, _)| code as f64).collect();
-    let colour = |index: usize| hue(index as f64 / codes.len().saturating_sub(2).max(1) as f64);
-    for (index, pair) in codes.windows(2).enumerate() {
-        let half = f64::midpoint(pair[0], pair[1]);
-        // Below its half the first label is invisible; the others have their predecessor's colour up to there.
-        if index == 0 {
-            listed.push((pair[0], colour(0), 0.0));
-            listed.push((half, colour(0), 0.0));
-        } else {
-            listed.push((half, colour(index - 1), 0.5));
-        }
-        listed.push((half + 1e-3, colour(index), 0.5));
-    }
-    if let Some(&last) = codes.last() {
-        listed.push((last, colour(codes.len().saturating_sub(2)), 0.5));
-    }
+/// A colour for every label, on an invisible background.
+fn coloured(volume: &Volume, statistics: &Statistics) -> TransferFunction {
+    let labels = labels(volume, statistics);
+    let [background, _] = statistics.range().map(|code| code as f64);
+    // The background fades in the colour of the label next to it.
+    let ground = labels.first().map_or([0; 3], |label| label.colour);
+    let mut listed = vec![(background, ground, 0.0)];
+    listed.extend(labels.iter().map(|label| (f64::from(label.code), label.colour, 0.5)));
     points(volume, &listed)
-}
-
-/// A colour along a wheel, 0 to 1: blue, green, yellow, red. Neighbouring labels are alike, so that the thin lines
-/// where interpolation passes through the labels between two others do not glare.
-fn hue(place: f64) -> [u8; 3] {
-    let turn = 4.0 - 4.0 * place.clamp(0.0, 1.0);
-    [5.0, 3.0, 1.0].map(|shift| {
-        let k = (turn + shift) % 6.0;
-        let strength = k.min(4.0 - k).clamp(0.0, 1.0);
-        (255.0 * (0.95 - 0.55 * strength)) as u8
-    })
 }
 
 /// Everything above the background, thin enough that about half of the light passes.

@@ -175,9 +175,9 @@ const REFUSED: &[(&str, i32, &str)] = &[
         "notes.txt exists; --force replaces it",
     ),
     (
-        "sweep a.nrrd --scene ct-fog --csv no/a.csv",
+        "sweep a.nrrd --scene ct-fog --csv notes.txt/a.csv",
         1,
-        "no/a.csv: cannot be written: No such file or directory (os error 2)",
+        "notes.txt/a.csv: cannot be written: Not a directory (os error 20)",
     ),
     (
         "sweep-merge none.jsonl",
@@ -215,9 +215,9 @@ const REFUSED: &[(&str, i32, &str)] = &[
         "notes.txt exists; --force replaces it",
     ),
     (
-        "report a.nrrd --scene ct-fog -o no/r.html",
+        "report a.nrrd --scene ct-fog -o notes.txt/r.html",
         1,
-        "no/r.html: cannot be written: No such file or directory (os error 2)",
+        "notes.txt/r.html: cannot be written: Not a directory (os error 20)",
     ),
     (
         "report a.nrrd --scene ct-fog --blend maximum -o r.html",

@@ -10,7 +10,7 @@ use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
 
 use slicecast_scene::check::shown;
-use slicecast_scene::{CameraAxes, Frame, Highlight, Light, Lighting, Scene};
+use slicecast_scene::{CameraAxes, Frame, Highlight, Light, Lighting, Scene, View as SceneView};
 use slicecast_volume::Volume;
 
 /// A scene that the pipeline cannot take.
@@ -200,6 +200,23 @@ pub struct Picture {
     pub affine: [[f64; 2]; 3],
 }
 
+/// How far the corners of a volume reach from one end to the other, across the picture and up it, as lengths.
+pub fn extent(view: &SceneView, dims: [usize; 3], spacing: [f64; 3]) -> [f64; 2] {
+    let CameraAxes { right, up, .. } = view.axes();
+    let sides = [0, 1, 2].map(|a| (dims[a].max(2) - 1) as f64 * spacing[a]);
+    [right, up].map(|axis| (0..3).map(|a| sides[a] * axis[a].abs()).sum())
+}
+
+/// The length of a picture pixel's side at which an extent fits into a size, with half a pixel of margin on each side.
+pub fn fitting_pixel([across, high]: [f64; 2], [width, height]: [u32; 2]) -> f64 {
+    (across / f64::from(width.max(2) - 1)).max(high / f64::from(height.max(2) - 1))
+}
+
+/// Pixels across and down that show an extent at pixels of this side, at most [`PICTURE_SIDE_MAX`].
+pub fn size_at(extent: [f64; 2], pixel: f64) -> [u32; 2] {
+    extent.map(|length| ((length / pixel).ceil() as u32).saturating_add(1).min(PICTURE_SIDE_MAX))
+}
+
 /// Places the picture: the middle of the volume in its middle, the whole volume inside it at a zoom of 1.
 ///
 /// Without a size the picture has square pixels as long as a voxel's shortest side divided by the rays per voxel.
@@ -215,22 +232,13 @@ pub fn picture(scene: &Scene, plan: &Plan, dims: [usize; 3], spacing: [f64; 3]) 
     let [ni, nj, nk] = plan.dims().map(f64::from);
     let rays = f64::from(plan.sampling().rays_per_voxel);
 
-    // How far the corners of the volume reach across and up, from its middle.
-    let sides = [0, 1, 2].map(|a| (dims[a].max(2) - 1) as f64 * spacing[a]);
-    let reach = |axis: [f64; 3]| (0..3).map(|a| sides[a] * axis[a].abs()).sum::<f64>();
-    let (across, high) = (reach(axes.right), reach(axes.up));
+    let extent = extent(&scene.view, dims, spacing);
     let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min) / rays;
-    let default = |extent: f64| {
-        ((extent / finest).ceil() as u32)
-            .saturating_add(1)
-            .min(PICTURE_SIDE_MAX)
-    };
-    let [width, height] = scene.image.size.unwrap_or([default(across), default(high)]);
+    let [width, height] = scene.image.size.unwrap_or_else(|| size_at(extent, finest));
     if !(1..=PICTURE_SIDE_MAX).contains(&width) || !(1..=PICTURE_SIDE_MAX).contains(&height) {
         return Err(CameraError::Picture { width, height });
     }
-    // World length of a picture pixel; half a pixel of margin on each side.
-    let pixel = (across / f64::from(width.max(2) - 1)).max(high / f64::from(height.max(2) - 1)) / scene.image.zoom;
+    let pixel = fitting_pixel(extent, [width, height]) / scene.image.zoom;
     let pixel = if pixel > 0.0 { pixel } else { finest };
 
     // A point p of the picture plane (world, from the volume's middle) lies on the ray that meets the first slice at

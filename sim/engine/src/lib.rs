@@ -3,6 +3,7 @@
 #![deny(unsafe_code)]
 
 pub mod camera;
+pub mod cutout;
 pub mod error;
 pub mod expanded;
 pub mod frame;

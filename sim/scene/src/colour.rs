@@ -1,4 +1,4 @@
-//! Colours as a scene file writes them: `"#rrggbb"` or three numbers.
+//! Colours as scene files and command lines write them: `"#rrggbb"` or three numbers.
 
 use std::fmt;
 
@@ -16,17 +16,20 @@ pub(super) enum Colour {
 impl Colour {
     /// Red, green, blue of a text `#rrggbb`, 255 being 1; `None` if it is not one. Numbers come back unchecked.
     pub fn rgb(&self) -> Option<[f64; 3]> {
-        let text = match self {
-            Self::Numbers(rgb) => return Some(*rgb),
-            Self::Text(text) => text,
-        };
-        let digits = text
-            .strip_prefix('#')
-            .filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
-        let number = u32::from_str_radix(digits, 16).ok()?;
-        let [_, rgb @ ..] = number.to_be_bytes();
-        Some(rgb.map(|channel| f64::from(channel) / 255.0))
+        match self {
+            Self::Numbers(rgb) => Some(*rgb),
+            Self::Text(text) => hexadecimal(text.strip_prefix('#')?),
+        }
     }
+}
+
+/// Red, green, blue of six hexadecimal digits, 255 being 1; `None` if they are not six or not hexadecimal.
+pub fn hexadecimal(digits: &str) -> Option<[f64; 3]> {
+    if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
+        return None;
+    }
+    let [_, rgb @ ..] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
+    Some(rgb.map(|channel| f64::from(channel) / 255.0))
 }
 
 impl<'de> Deserialize<'de> for Colour {

@@ -3,10 +3,11 @@
 //! The pipeline's tables, shears and light vectors are made from it (`table`, `camera`), and the f64 model reads it
 //! directly: nothing here has been rounded to a hardware format.
 //!
-//! [`mod@file`] reads scenes from TOML, [`check`] holds the range of every field, [`transfer`] evaluates transfer functions.
+//! [`mod@file`] reads scenes from TOML, [`check`] holds the range of every field, [`transfer`] evaluates transfer functions,
+//! [`colour`] reads colours.
 
 pub mod check;
-mod colour;
+pub mod colour;
 pub mod file;
 pub mod import;
 pub mod transfer;
@@ -271,6 +272,23 @@ impl Default for Light {
             frame: Frame::Camera,
             colour: [1.0; 3],
         }
+    }
+}
+
+impl Light {
+    /// A light towards a vector of any length but 0; `None` of one that has no direction. Very long and very short ones
+    /// have one.
+    pub fn towards(v: [f64; 3]) -> Option<Self> {
+        let largest = v.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+        if v.iter().any(|c| !c.is_finite()) || largest == 0.0 {
+            return None;
+        }
+        let scaled = v.map(|c| c / largest);
+        let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
+        Some(Self {
+            direction: scaled.map(|c| c / length),
+            ..Self::default()
+        })
     }
 }
 

@@ -17,6 +17,7 @@ use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::output::{Folder, check_free, write_file};
 use super::progress::with_bar;
 use super::tables;
+use crate::visibility;
 
 /// Compare every stage, and the picture, with the f64 model.
 #[derive(clap::Args)]
@@ -112,8 +113,9 @@ impl Args {
     pub fn run(self) -> Result<(), Failure> {
         check_free(&self.json, self.force)?;
         let loaded = self.volume.load()?;
-        let scene = self.scene.load_for(&self.volume, &loaded)?;
-        let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
+        let chosen = self.scene.choose(&self.volume, &loaded)?;
+        let scene = &chosen.scene;
+        let prepared = Prepared::new(scene, &loaded.volume)?.with_simd(self.threads.simd());
         let mut folder = match &self.npy {
             Some(path) => {
                 let folder = Folder::open(path, self.force)?;
@@ -130,6 +132,9 @@ impl Args {
         let comparison = with_bar("comparing", |progress| {
             on_threads(self.threads.count(), || compare(&prepared, positions, progress))
         })??;
+        if let Some(warning) = visibility::warning(&prepared, &comparison.frame, &chosen.circumstances()) {
+            eprintln!("warning: {warning}");
+        }
         println!("{}", tables::local(&comparison.stages));
         println!();
         println!("{}", tables::carried(&comparison.stages));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use slicecast_compare::image::{heat_map, model_picture};
+use slicecast_compare::image::{ImageFigures, heat_map, model_picture};
 use slicecast_compare::{Comparison, ModelPositions, compare};
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::threads::on_threads;
@@ -13,9 +13,12 @@ use slicecast_volume::open::load;
 use super::Failure;
 use super::compare::figured;
 use super::inputs::ThreadArgs;
-use super::output::{Folder, png};
+use super::output::Folder;
 use super::progress::with_bar;
 use super::tables;
+use crate::lettering::captioned;
+use crate::raster::rgb_png;
+use crate::visibility::rounded;
 
 /// Options of the main job.
 #[derive(clap::Args)]
@@ -29,9 +32,6 @@ pub struct Args {
     #[command(flatten)]
     threads: ThreadArgs,
 }
-
-/// A difference of this many steps of 1/255 is white in the heat map: from here on an 8-bit value may be another.
-const HEAT_FULL: f64 = 0.5;
 
 fn names() -> Vec<String> {
     let per_precision = |p: PrecisionName| {
@@ -47,6 +47,19 @@ fn names() -> Vec<String> {
     names
 }
 
+/// What white stands for in a picture of differences, steps of 1/255, and that in words. The scale follows the data: the
+/// differences of two precisions are orders of magnitude apart, and a single pixel would leave all others dark.
+fn difference_scale(figures: &ImageFigures) -> (f64, String) {
+    let largest = figures.max_lsb8;
+    let full = largest.min(6.0 * figures.mean_lsb8);
+    if full > 0.0 {
+        let [full, largest] = [full, largest].map(|value| rounded(value, 3));
+        (full, format!("white: {full} of 1/255 or more; largest: {largest}"))
+    } else {
+        (1.0, "no difference".into())
+    }
+}
+
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
@@ -59,6 +72,7 @@ impl Args {
         let base = slicecast_scene::file::built_in(slicecast_scene::file::DEFAULT).map_err(Failure::input)?;
         let mut summary = Vec::new();
         let mut written = Vec::new();
+        let mut captions = Vec::new();
         for precision in PrecisionName::ALL {
             let name = precision.name();
             let scene = Scene {
@@ -88,24 +102,63 @@ impl Args {
                 written.push(folder.write(&file, &contents)?);
                 Ok(())
             };
-            write(format!("head-{name}.png"), png(&streamed.picture)?)?;
-            let heat = heat_map(&comparison.frame.base, &comparison.model, HEAT_FULL);
-            write(format!("head-{name}-difference.png"), png(&heat)?)?;
+            write(
+                format!("head-{name}.png"),
+                rgb_png(streamed.picture).map_err(Failure::machine)?,
+            )?;
+            let (full, caption) = difference_scale(&comparison.image);
+            let heat = captioned(heat_map(&comparison.frame.base, &comparison.model, full), &caption);
+            captions.push(format!("{name}: {caption}"));
+            write(
+                format!("head-{name}-difference.png"),
+                rgb_png(heat).map_err(Failure::machine)?,
+            )?;
             let figures = figured(&prepared, &comparison, ModelPositions::Pipeline);
             let json = serde_json::to_vec_pretty(&figures).map_err(Failure::machine)?;
             write(format!("head-{name}.json"), json)?;
             if precision == PrecisionName::Wide {
                 let model = model_picture(&comparison.model_picture, scene.image.background);
-                write("head-model.png".into(), png(&model)?)?;
+                write("head-model.png".into(), rgb_png(model).map_err(Failure::machine)?)?;
             }
         }
         println!("== pictures against the model ==\n");
         println!("{}\n", tables::images(&summary));
         println!("Streamed slice by slice and rendered in place: the same bits at every precision.");
-        println!("Differences: base plane, black is none, white {HEAT_FULL} of a step of 1/255 or more.\n");
+        println!("Differences on the base plane, black is none:");
+        for caption in captions {
+            println!("  {caption}");
+        }
+        println!();
         for path in written {
             println!("wrote {}", path.display());
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_scaled_to_what_they_are() {
+        let scale = |max_lsb8, mean_lsb8| {
+            difference_scale(&ImageFigures {
+                values: 9,
+                max_lsb8,
+                mean_lsb8,
+                equal_percent: 99.0,
+                psnr_db: None,
+            })
+        };
+        assert_eq!(
+            scale(1.5, 0.125),
+            (0.75, "white: 0.75 of 1/255 or more; largest: 1.5".into())
+        );
+        assert_eq!(
+            scale(0.0625, 0.03),
+            (0.0625, "white: 0.0625 of 1/255 or more; largest: 0.0625".into())
+        );
+        assert_eq!(scale(0.0, 0.0), (1.0, "no difference".into()));
     }
 }

@@ -20,7 +20,10 @@ use slicecast_volume::statistics::Statistics;
 use slicecast_volume::values::{Decoded, Endian, Orientation, ValueType};
 
 use super::Failure;
+use super::chosen::Chosen;
+use super::look::LookArgs;
 use super::named_scene::{NamedScene, Transfer, is_fitted};
+use crate::projection;
 
 /// The parser of a number that a scene's field may have.
 pub fn number_in(range: RangeInclusive<f64>) -> impl Fn(&str) -> Result<f64, String> + Clone {
@@ -41,7 +44,7 @@ pub fn whole_in(range: RangeInclusive<i64>) -> impl Fn(&str) -> Result<u32, Stri
 }
 
 /// Numbers separated by `x` or commas.
-fn numbers<T: FromStr, const N: usize>(text: &str, separator: char, example: &str) -> Result<[T; N], String> {
+pub fn numbers<T: FromStr, const N: usize>(text: &str, separator: char, example: &str) -> Result<[T; N], String> {
     let parts: Option<Vec<T>> = text.split(separator).map(|part| part.trim().parse().ok()).collect();
     parts
         .and_then(|parts| parts.try_into().ok())
@@ -51,11 +54,6 @@ fn numbers<T: FromStr, const N: usize>(text: &str, separator: char, example: &st
 /// `WxHxD`.
 pub fn dims(text: &str) -> Result<[u64; 3], String> {
     numbers(text, 'x', "256x256x108")
-}
-
-/// `WxH`.
-pub fn size(text: &str) -> Result<[u32; 2], String> {
-    numbers(text, 'x', "512x512")
 }
 
 /// `x,y,z`.
@@ -241,13 +239,14 @@ enum BlendArg {
 #[derive(clap::Args)]
 pub struct SceneArgs {
     /// A scene file (TOML), or a name: headsq, ct-bone, ct-soft-tissue, ct-vessels, ct-fog, ct-fog8, or, fitted to the
-    /// volume's histogram, mr, labels, fog. Without it, the one that fits the volume.
+    /// volume's histogram, mr, labels, fog, mip. Without it, the one that fits the volume.
     #[arg(long, value_parser = NamedScene::parser())]
     scene: Option<NamedScene>,
     /// The transfer function of another program in place of the scene's: 3D Slicer (.vp, .vp.json), ParaView (.json).
     #[arg(long, value_name = "FILE", value_parser = Transfer::parser())]
     transfer: Option<Transfer>,
-    /// The side of the patient on which the viewer stands; without it, the scene's view.
+    /// The side of the patient on which the viewer stands, from which --azimuth and --elevation turn; without it, the
+    /// scene's view.
     #[arg(long, value_name = "SIDE", value_parser = ["anterior", "posterior", "left", "right", "superior", "inferior"])]
     view: Option<String>,
     /// Number formats; without it, the scene's.
@@ -259,7 +258,8 @@ pub struct SceneArgs {
     /// Table look-up; without it, the scene's or the precision's.
     #[arg(long)]
     lookup: Option<LookupArg>,
-    /// How samples of a ray combine; without it, the scene's.
+    /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum) of a named scene gets a grey
+    /// ramp over the values that rays keep.
     #[arg(long)]
     blend: Option<BlendArg>,
     /// Sample planes per voxel, 1 to 16; without it, the scene's.
@@ -268,12 +268,14 @@ pub struct SceneArgs {
     /// Rays per voxel along each side, 1 to 8; without it, the scene's.
     #[arg(long, value_name = "N", value_parser = whole_in(check::RAYS_PER_VOXEL))]
     rays: Option<u32>,
-    /// Turn of the viewer about the vertical axis, degrees; without it, the scene's.
+    /// Turn of the viewer about the vertical axis, degrees, from --view if it is given; without it, the scene's.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = number_in(check::TURN))]
     azimuth: Option<f64>,
-    /// Height of the viewer, degrees; without it, the scene's.
+    /// Height of the viewer, degrees, from --view if it is given; without it, the scene's.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = number_in(check::ELEVATION))]
     elevation: Option<f64>,
+    #[command(flatten)]
+    look: LookArgs,
 }
 
 impl SceneArgs {
@@ -281,6 +283,11 @@ impl SceneArgs {
     pub fn name(&self) -> String {
         let asked = self.scene.as_ref().map(NamedScene::name);
         asked.unwrap_or_else(|| "the fitting scene".into())
+    }
+
+    /// Whether the command line states the rays and the planes per voxel.
+    pub fn sampling_stated(&self) -> [bool; 2] {
+        [self.rays.is_some(), self.planes.is_some()]
     }
 
     /// Reads the scene and applies the overrides, without a volume.
@@ -298,11 +305,20 @@ impl SceneArgs {
 
     /// As [`SceneArgs::load`]; without a scene named, the one that fits the volume, which is told.
     pub fn load_for(&self, volume: &VolumeArgs, loaded: &Loaded) -> Result<Scene, Failure> {
-        self.load_or(slicecast_scene::file::DEFAULT, volume, loaded)
+        Ok(self.choose(volume, loaded)?.scene)
+    }
+
+    /// As [`SceneArgs::load_for`], and where the scene came from.
+    pub fn choose(&self, volume: &VolumeArgs, loaded: &Loaded) -> Result<Chosen, Failure> {
+        self.choose_or(slicecast_scene::file::DEFAULT, volume, loaded)
     }
 
     /// As [`SceneArgs::load_for`], with another scene for the built-in volume and for what looks like it.
     pub fn load_or(&self, default: &'static str, volume: &VolumeArgs, loaded: &Loaded) -> Result<Scene, Failure> {
+        Ok(self.choose_or(default, volume, loaded)?.scene)
+    }
+
+    fn choose_or(&self, default: &'static str, volume: &VolumeArgs, loaded: &Loaded) -> Result<Chosen, Failure> {
         let statistics = Statistics::of(&loaded.volume);
         let (fitting, reason) = presets::suggest(loaded, &statistics);
         let default = if volume.is_named() && fitting != slicecast_scene::file::DEFAULT {
@@ -316,7 +332,30 @@ impl SceneArgs {
         if self.view.is_some() && !matches!(loaded.orientation, Orientation::Patient { .. }) {
             eprintln!("note: the file does not say how the patient lies: --view follows the file's axes");
         }
-        self.finish(self.read(default, Some((loaded, &statistics)))?)
+        let mut scene = self.finish(self.read(default, Some((loaded, &statistics)))?)?;
+        let stock = self.stock(default);
+        let projection = matches!(scene.blend, Blend::Maximum | Blend::Minimum);
+        // Labels are names: they keep their colours.
+        if projection && stock.as_ref().is_some_and(|name| name != "labels") && self.transfer.is_none() {
+            scene.transfer = projection::ramp(&loaded.volume, scene.blend);
+            scene.check().map_err(Failure::input)?;
+            eprintln!("projection: {}", projection::described(&scene.transfer));
+        }
+        Ok(Chosen {
+            scene,
+            stock,
+            fitting,
+            statistics,
+        })
+    }
+
+    /// The name of the scene, if it is one of the program's.
+    fn stock(&self, default: &str) -> Option<String> {
+        match &self.scene {
+            None => Some(default.to_owned()),
+            Some(NamedScene::Known(name)) => Some(name.clone()),
+            Some(NamedScene::File(..)) => None,
+        }
     }
 
     /// The scene as named, before overrides.
@@ -348,9 +387,6 @@ impl SceneArgs {
                 Some(Shading::Off) => scene.lighting = None,
                 None => {}
             }
-        }
-        if let Some(view) = self.view.as_deref().and_then(View::named) {
-            scene.view = view;
         }
         if let Some(precision) = self.precision {
             scene.precision = match precision {
@@ -385,13 +421,27 @@ impl SceneArgs {
         if let Some(rays) = self.rays {
             scene.sampling.rays_per_voxel = rays;
         }
+        let side = self.view.as_deref().and_then(View::named);
+        if side.is_some() {
+            // Angles are first checked by themselves, then added to the side's.
+            scene.view = View::default();
+        }
         if let Some(azimuth) = self.azimuth {
             scene.view.azimuth = azimuth;
         }
         if let Some(elevation) = self.elevation {
             scene.view.elevation = elevation;
         }
+        self.look.apply(&mut scene)?;
         scene.check().map_err(Failure::input)?;
+        if let Some(side) = side {
+            scene.view = View {
+                elevation: side.elevation + scene.view.elevation,
+                roll: scene.view.roll,
+                ..side.turned(scene.view.azimuth)
+            };
+            scene.check().map_err(Failure::input)?;
+        }
         Ok(scene)
     }
 }

@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use crate::presets;
+use crate::framing::{Framing, Stated};
+use crate::labels::labels;
+use crate::{legend, presets};
 use serde::Serialize;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::pipelines::Job;
@@ -110,6 +112,14 @@ impl Args {
             facts.presets.join(", "),
             facts.scene_reason
         );
+        if facts.scene == "labels" {
+            println!(
+                "
+{}
+",
+                legend::text(&labels(&loaded.volume, &statistics))
+            );
+        }
         cost(facts.scene, &loaded, &statistics)
     }
 }
@@ -220,6 +230,9 @@ const MEASURED_MAX: u64 = 1 << 31;
 /// Memory and time of the default scene.
 fn cost(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<(), Failure> {
     let scene = presets::scene(name, &loaded.volume, statistics).map_err(Failure::input)?;
+    // As `render` would draw it.
+    let framing = Framing::of(std::slice::from_ref(&scene), &loaded.volume, Stated::default())?;
+    let scene = framing.scene(&scene, &loaded.volume);
     let prepared = Prepared::new(&scene, &loaded.volume)?;
     let plan = &prepared.setup.plan;
     let needs = prepared.dispatch(Count(plan))?;

@@ -1,14 +1,17 @@
 //! The command line: one file a subcommand.
 
 mod bench;
+mod chosen;
 mod compare;
 mod default;
 mod explain;
 mod hard;
 mod inputs;
 mod inspect;
+mod look;
 mod named_scene;
 mod output;
+mod picture;
 mod plan;
 mod progress;
 mod render;
@@ -90,12 +93,12 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Render(render::Args),
+    Render(Box<render::Args>),
     Compare(compare::Args),
     Plan(plan::Args),
     Inspect(inspect::Args),
     Table(table::Args),
-    Turntable(turntable::Args),
+    Turntable(Box<turntable::Args>),
     Sweep(sweep::Args),
     SweepMerge(sweep::MergeArgs),
     Hard(hard::Args),

@@ -5,11 +5,9 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use slicecast_engine::image::Rgb;
-
 use super::Failure;
 
-/// Writes a file: first beside it under a temporary name, then in its place.
+/// Writes a file: first beside it under a temporary name, then in its place. Its folder is made where it is missing.
 ///
 /// An existing file is only replaced with `force`.
 pub fn write_file(path: &Path, force: bool, contents: &[u8]) -> Result<(), Failure> {
@@ -22,8 +20,7 @@ pub fn write_file(path: &Path, force: bool, contents: &[u8]) -> Result<(), Failu
     replace(path, contents).map_err(|error| Failure::machine(format!("{}: {error}", path.display())))
 }
 
-/// Refuses now what [`write_file`] would refuse later: a file that exists, a folder that is not there or cannot be
-/// written.
+/// Refuses now what [`write_file`] would refuse later: a file that exists, a folder that can neither be written nor made.
 pub fn check_free<'a>(paths: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<(), Failure> {
     for path in paths {
         let shown = path.display();
@@ -36,7 +33,14 @@ pub fn check_free<'a>(paths: impl IntoIterator<Item = &'a PathBuf>, force: bool)
             )));
         }
         let part = part(path).map_err(|error| Failure::machine(format!("{shown}: {error}")))?;
-        let tried = fs::File::create_new(&part).and_then(|_| fs::remove_file(&part));
+        // Folders are made with the file; now the first one that exists has to take one.
+        let there = folder(&part)
+            .ancestors()
+            .find(|folder| folder.symlink_metadata().is_ok());
+        let trial = there
+            .unwrap_or(Path::new("."))
+            .join(part.file_name().unwrap_or_default());
+        let tried = fs::File::create_new(&trial).and_then(|_| fs::remove_file(&trial));
         tried.map_err(|error| Failure::machine(format!("{shown}: cannot be written: {error}")))?;
     }
     Ok(())
@@ -51,8 +55,17 @@ fn part(path: &Path) -> io::Result<PathBuf> {
     Ok(path.with_file_name(part))
 }
 
+/// The folder of a file.
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    }
+}
+
 fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     let temporary = part(path)?;
+    fs::create_dir_all(folder(path))?;
     let written = fs::File::create_new(&temporary).and_then(|mut file| {
         file.write_all(contents)?;
         file.sync_all()
@@ -61,23 +74,6 @@ fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
         // The part is of no use; that it cannot be removed either is no news.
         let _ = fs::remove_file(&temporary);
     })
-}
-
-/// An 8-bit RGB PNG.
-pub fn png(picture: &Rgb) -> Result<Vec<u8>, Failure> {
-    let mut bytes = Vec::new();
-    let [width, height] = picture.size;
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let encode = |encoder: png::Encoder<'_, &mut Vec<u8>>| {
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&picture.bytes)?;
-        writer.finish()
-    };
-    encode(encoder).map_err(Failure::machine)?;
-    Ok(bytes)
 }
 
 /// A folder that remembers what was written into it, so that the same job can run again without `--force` and still
@@ -173,10 +169,22 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_folder_is_the_machines_fault_and_leaves_nothing() {
+    fn folders_are_made_with_the_file_and_not_before() {
         let place = tempfile::tempdir().unwrap();
-        let failure = write_file(&place.path().join("no/such/a.png"), false, b"x").unwrap_err();
-        assert_eq!(failure.code, 1);
+        let path = place.path().join("new/folder/a.png");
+        check_free([&path], false).unwrap();
         assert_eq!(fs::read_dir(place.path()).unwrap().count(), 0);
+        write_file(&path, false, b"x").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"x");
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_the_machines_fault_and_leaves_nothing() {
+        let place = tempfile::tempdir().unwrap();
+        fs::write(place.path().join("file"), "mine").unwrap();
+        let path = place.path().join("file/new/a.png");
+        assert_eq!(check_free([&path], false).unwrap_err().code, 1);
+        assert_eq!(write_file(&path, false, b"x").unwrap_err().code, 1);
+        assert_eq!(fs::read_dir(place.path()).unwrap().count(), 1);
     }
 }

@@ -5,17 +5,25 @@ use std::path::PathBuf;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_volume::open::Loaded;
 
 use super::Failure;
-use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs, size};
-use super::output::{png, write_file};
+use super::chosen::Chosen;
+use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use super::output::{check_free, write_file};
+use super::picture::{PictureArgs, Target};
 use super::progress::with_bar;
+use crate::raster::{png, rgb_png};
+use crate::slab::thickened;
+use crate::{legend, visibility};
 
 /// Render a volume to a PNG picture.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast render -o head.png
   slicecast render scan.nrrd --scene bone.toml --precision wide --size 800x600 -o bone.png
+  slicecast render scan.nrrd --background none --depth 16 -o - | other-program
+  slicecast render angiogram.nrrd --scene mip -o vessels.png
   slicecast render voxels.raw --raw-dims 256x256x128 --raw-type uint8 --scene fog.toml -o fog.png")]
 pub struct Args {
     #[command(flatten)]
@@ -23,11 +31,10 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     #[command(flatten)]
+    picture: PictureArgs,
+    #[command(flatten)]
     threads: ThreadArgs,
-    /// Size of the picture; without it, the scene's, or large enough for every ray.
-    #[arg(long, value_name = "WxH", value_parser = size)]
-    size: Option<[u32; 2]>,
-    /// The picture.
+    /// The picture, a PNG; - is standard output. The legend of a label map is written beside it (.legend.png, .legend.json).
     #[arg(short, long, value_name = "FILE", default_value = "image.png")]
     output: PathBuf,
     /// Push the slices one by one through the stream layer, as firmware does.
@@ -41,17 +48,19 @@ pub struct Args {
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        if !self.force && self.output.symlink_metadata().is_ok() {
-            return Err(Failure::input(format!(
-                "{} exists; --force replaces it",
-                self.output.display()
-            )));
+        let target = Target::checked(&self.output, vec![self.output.clone()], self.force)?;
+        let mut loaded = self.volume.load()?;
+        let mut chosen = self.scene.choose(&self.volume, &loaded)?;
+        self.picture.apply(&mut chosen.scene);
+        let legend = self.legend(&target, &chosen, &loaded)?;
+        let (volume, note) = thickened(loaded.volume);
+        loaded.volume = volume;
+        if let Some(note) = note {
+            eprintln!("note: {note}");
         }
-        let loaded = self.volume.load()?;
-        let mut scene = self.scene.load_for(&self.volume, &loaded)?;
-        if let Some(size) = self.size {
-            scene.image.size = Some(size);
-        }
+        let scenes = std::slice::from_ref(&chosen.scene);
+        let framing = self.picture.frame(scenes, &loaded.volume, &self.scene)?;
+        let scene = framing.scene(&chosen.scene, &loaded.volume);
         let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
         let layer = if self.stream {
             Layer::Stream
@@ -61,9 +70,34 @@ impl Args {
         let frame = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || prepared.render(layer, progress))
         })??;
-        write_file(&self.output, self.force, &png(&frame.picture)?)?;
-        let [width, height] = frame.picture.size;
-        println!("{}: {width} x {height} pixels", self.output.display());
+        if let Some(warning) = visibility::warning(&prepared, &frame, &chosen.circumstances()) {
+            eprintln!("warning: {warning}");
+        }
+        let raster = self.picture.raster(&prepared, frame);
+        let [width, height] = raster.size();
+        let picture = png(&raster).map_err(Failure::machine)?;
+        target.write(self.force, &[picture], &format!("{width} x {height} pixels"))?;
+        for (path, contents) in legend {
+            write_file(&path, self.force, &contents)?;
+            println!("{}: the labels' colours", path.display());
+        }
         Ok(())
+    }
+
+    /// The legend of a label map, as files beside the picture; found fit to be written.
+    fn legend(&self, target: &Target, chosen: &Chosen, loaded: &Loaded) -> Result<Vec<(PathBuf, Vec<u8>)>, Failure> {
+        let Some(labels) = chosen.labels(&loaded.volume) else {
+            return Ok(Vec::new());
+        };
+        if let Target::Standard = target {
+            eprintln!("note: the labels' colours are written only beside a file; `slicecast inspect` lists them");
+            return Ok(Vec::new());
+        }
+        let json = legend::json(&loaded.volume.name, &labels).map_err(Failure::machine)?;
+        let picture = rgb_png(legend::picture(&labels)).map_err(Failure::machine)?;
+        let files = [("legend.json", json), ("legend.png", picture)];
+        let files = files.map(|(ending, contents)| (self.output.with_extension(ending), contents));
+        check_free(files.each_ref().map(|(path, _)| path), self.force)?;
+        Ok(files.into())
     }
 }

@@ -1,21 +1,23 @@
 //! `slicecast turntable`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
-use slicecast_engine::image::Rgb;
 use slicecast_engine::oriented::{Oriented, with_slices};
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_scene::Scene;
 
 use super::Failure;
-use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs, size};
-use super::output::{png, write_file};
+use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use super::picture::{PictureArgs, Target};
 use super::progress::with_bar;
+use crate::raster::{animated, png};
+use crate::slab::thickened;
+use crate::visibility;
 
-/// Render a volume from all sides: an animated PNG, or numbered pictures.
+/// Render a volume from all sides, at one scale: an animated PNG, or numbered pictures.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast turntable scan.nii.gz -o head.png
@@ -25,6 +27,8 @@ pub struct Args {
     volume: VolumeArgs,
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
     #[command(flatten)]
     threads: ThreadArgs,
     /// Pictures of a full turn.
@@ -36,10 +40,7 @@ pub struct Args {
     /// Write numbered pictures instead of an animation.
     #[arg(long)]
     numbered: bool,
-    /// Size of the pictures; without it, the scene's, or large enough for every ray of every picture.
-    #[arg(long, value_name = "WxH", value_parser = size)]
-    size: Option<[u32; 2]>,
-    /// The animation, or the pattern of the pictures' names.
+    /// The animation, or the pattern of the pictures' names; - is standard output, for an animation.
     #[arg(short, long, value_name = "FILE", default_value = "turntable.png")]
     output: PathBuf,
     /// Replace outputs that exist.
@@ -50,34 +51,36 @@ pub struct Args {
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        let names = self.names();
-        if let Some(there) = names.iter().find(|name| !self.force && name.symlink_metadata().is_ok()) {
-            return Err(Failure::input(format!(
-                "{} exists; --force replaces it",
-                there.display()
-            )));
+        if self.numbered && self.output == Path::new("-") {
+            return Err(Failure::input(
+                "-o -: one animation goes to standard output, --numbered makes several files",
+            ));
         }
-        let loaded = self.volume.load()?;
-        let mut scene = self.scene.load_for(&self.volume, &loaded)?;
-        let scenes: Vec<Scene> = (0..self.frames).map(|frame| self.turned(&scene, frame)).collect();
-        if let Some(size) = self.size.or(scene.image.size) {
-            scene.image.size = Some(size);
-        } else {
-            // One size for all, that of the largest.
-            let mut largest = [1; 2];
-            for scene in &scenes {
-                let Prepared { setup, .. } = Prepared::new(scene, &loaded.volume)?;
-                largest = [0, 1].map(|side| largest[side].max(setup.picture.size[side]));
-            }
-            scene.image.size = Some(largest);
+        let target = Target::checked(&self.output, self.names(), self.force)?;
+        let mut loaded = self.volume.load()?;
+        let mut chosen = self.scene.choose(&self.volume, &loaded)?;
+        self.picture.apply(&mut chosen.scene);
+        let (volume, note) = thickened(loaded.volume);
+        loaded.volume = volume;
+        if let Some(note) = note {
+            eprintln!("note: {note}");
         }
+        let turned: Vec<Scene> = (0..self.frames)
+            .map(|frame| self.turned(&chosen.scene, frame))
+            .collect();
+        let framing = self.picture.frame(&turned, &loaded.volume, &self.scene)?;
+        let scenes: Vec<Scene> = turned
+            .iter()
+            .map(|scene| framing.scene(scene, &loaded.volume))
+            .collect();
         let total = usize::from(self.frames);
-        let pictures = with_bar("rendering", |progress| {
+        let known = chosen.circumstances();
+        let (pictures, warnings) = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || {
-                let scenes: Vec<Scene> = (0..self.frames).map(|frame| self.turned(&scene, frame)).collect();
                 let prepared = scenes.iter().map(|scene| Prepared::new(scene, &loaded.volume));
                 let prepared: Vec<_> = prepared.collect::<Result<_, _>>()?;
                 let mut pictures = Vec::with_capacity(total);
+                let mut warnings = Vec::new();
                 let seen = |p: &Prepared<'_>| (p.setup.plan.view().major(), p.setup.plan.view().reversed());
                 // Slices are made once for all frames in a row that look along the same axis.
                 for run in prepared.chunk_by(|a, b| seen(a) == seen(b)) {
@@ -86,29 +89,28 @@ impl Args {
                         for frame in run {
                             let frame = frame.clone().with_simd(self.threads.simd());
                             let made = frame.render_oriented(&volume, Layer::Tiles(TILE_ROWS), &|_, _| {})?;
-                            pictures.push(made.picture);
+                            warnings.extend(visibility::warning(&frame, &made, &known));
+                            pictures.push(self.picture.raster(&frame, made));
                             progress(pictures.len(), total);
                         }
                         Ok::<_, RenderError>(())
                     })
                     .map_err(RenderError::from)??;
                 }
-                Ok::<_, Failure>(pictures)
+                Ok::<_, Failure>((pictures, warnings))
             })
         })??;
-        if self.numbered {
-            for (name, picture) in names.iter().zip(&pictures) {
-                write_file(name, self.force, &png(picture)?)?;
-            }
-        } else {
-            write_file(&self.output, self.force, &animated(&pictures, self.delay)?)?;
+        if let Some(warning) = warnings.first() {
+            eprintln!("warning: {} of {total} pictures: {warning}", warnings.len());
         }
-        let [width, height] = pictures.first().map_or([0; 2], |picture| picture.size);
-        println!(
-            "{}: {total} pictures of {width} x {height} pixels",
-            self.output.display()
-        );
-        Ok(())
+        let files = if self.numbered {
+            pictures.iter().map(png).collect()
+        } else {
+            animated(&pictures, self.delay).map(|file| vec![file])
+        };
+        let [width, height] = framing.size;
+        let said = format!("{total} pictures of {width} x {height} pixels");
+        target.write(self.force, &files.map_err(Failure::machine)?, &said)
     }
 
     /// The scene from another side.
@@ -127,24 +129,4 @@ impl Args {
         let numbered = |frame| self.output.with_file_name(format!("{stem}-{frame:03}.png"));
         (0..self.frames).map(numbered).collect()
     }
-}
-
-/// An endless animated PNG.
-fn animated(pictures: &[Rgb], delay: u16) -> Result<Vec<u8>, Failure> {
-    let mut bytes = Vec::new();
-    let [width, height] = pictures.first().map_or([1; 2], |picture| picture.size);
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let encode = |mut encoder: png::Encoder<'_, &mut Vec<u8>>| {
-        encoder.set_animated(pictures.len() as u32, 0)?;
-        encoder.set_frame_delay(delay, 1000)?;
-        let mut writer = encoder.write_header()?;
-        for picture in pictures {
-            writer.write_image_data(&picture.bytes)?;
-        }
-        writer.finish()
-    };
-    encode(encoder).map_err(Failure::machine)?;
-    Ok(bytes)
 }

@@ -210,19 +210,18 @@ impl LightingPart {
 impl LightPart {
     fn into_light((i, part): (usize, Self)) -> Result<Light, FieldError> {
         let field = format!("lighting.lights[{i}].direction");
-        let direction = normalised(part.direction).ok_or_else(|| {
+        let towards = Light::towards(part.direction).ok_or_else(|| {
             FieldError::new(
                 &field,
                 format!("{:?}", part.direction),
                 "three finite numbers, not all of them 0",
             )
         })?;
-        let default = Light::default();
-        let colour = colour_or(&format!("lighting.lights[{i}].colour"), part.colour, default.colour)?;
+        let colour = colour_or(&format!("lighting.lights[{i}].colour"), part.colour, towards.colour)?;
         Ok(Light {
-            direction,
-            frame: part.frame.unwrap_or(default.frame),
+            frame: part.frame.unwrap_or(towards.frame),
             colour,
+            ..towards
         })
     }
 }
@@ -233,17 +232,6 @@ fn exponent_log2(exponent: i64) -> Result<u32, FieldError> {
         Ok(small) if small.is_power_of_two() && small <= 256 => Ok(small.ilog2()),
         _ => Err(FieldError::new("lighting.exponent", exponent, EXPONENTS)),
     }
-}
-
-/// A vector of length 1, or `None` of one that has no direction. Very long and very short ones have one.
-fn normalised(v: [f64; 3]) -> Option<[f64; 3]> {
-    let largest = v.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
-    if v.iter().any(|c| !c.is_finite()) || largest == 0.0 {
-        return None;
-    }
-    let scaled = v.map(|c| c / largest);
-    let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
-    Some(scaled.map(|c| c / length))
 }
 
 /// A colour as numbers.

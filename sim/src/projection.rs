@@ -1,0 +1,198 @@
+//! Grey ramps for projections, which show of each ray one value alone.
+//!
+//! A ramp runs over what projections along x, y and z would keep, whatever the view, so that a turn has one ramp: the
+//! whole range of the data would leave the smallest values of rays black, and one outlier would leave all of them black.
+//! Values become grey in proportion. Smallest ones become grey by their rank where nearly every ray crosses air: its
+//! values lie close together, and in proportion they would all be black.
+
+use slicecast_scene::{Blend, Point, TransferFunction};
+use slicecast_volume::Volume;
+
+use crate::visibility::rounded;
+
+/// Shares of the largest values that are black and not above white.
+const SHARES: [f64; 2] = [0.01, 0.995];
+
+/// Shares of the smallest values at which the ramp by rank has a point.
+const RANKS: [f64; 9] = [0.0, 0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98, 1.0];
+
+/// The mean grey below which the smallest values are too dark in proportion.
+const DARK: f64 = 0.25;
+
+/// Codes of a volume.
+const CODES: usize = 4096;
+
+/// Black to white over the values that a projection of the volume keeps; opaque. One grey if it keeps one value only.
+pub fn ramp(volume: &Volume, blend: Blend) -> TransferFunction {
+    let greys = if blend == Blend::Minimum {
+        let counts = kept(volume, u16::MAX, u16::min);
+        let greys = in_proportion(&counts);
+        if mean(&counts, &greys) < DARK {
+            by_rank(&counts)
+        } else {
+            greys
+        }
+    } else {
+        in_proportion(&kept(volume, 0, u16::max))
+    };
+    let point = |&(code, grey): &(usize, f64)| Point {
+        value: volume.mapping.value(code as f64),
+        colour: [grey; 3],
+        opacity: 1.0,
+    };
+    TransferFunction {
+        unit_distance: 1.0,
+        points: greys.iter().map(point).collect(),
+    }
+}
+
+/// Codes and their greys, black and white near the ends of what is kept.
+fn in_proportion(counts: &[u64]) -> Vec<(usize, f64)> {
+    let [low, high] = SHARES.map(|share| rank(counts, share));
+    if low < high {
+        vec![(low, 0.0), (high, 1.0)]
+    } else {
+        vec![(low, 0.5)]
+    }
+}
+
+/// The mean grey of what is kept, on a ramp in proportion.
+fn mean(counts: &[u64], greys: &[(usize, f64)]) -> f64 {
+    let total = counts.iter().sum::<u64>().max(1) as f64;
+    let grey = |code: usize| match greys {
+        [(low, _), .., (high, _)] => ((code as f64 - *low as f64) / (high - low) as f64).clamp(0.0, 1.0),
+        _ => 0.5,
+    };
+    let sum: f64 = counts
+        .iter()
+        .enumerate()
+        .map(|(code, count)| *count as f64 * grey(code))
+        .sum();
+    sum / total
+}
+
+/// Codes and their greys: the share of what is kept that is smaller, one half of the equal ones counted in.
+fn by_rank(counts: &[u64]) -> Vec<(usize, f64)> {
+    let total = counts.iter().sum::<u64>().max(1) as f64;
+    let mut codes = RANKS.map(|share| rank(counts, share)).to_vec();
+    codes.dedup();
+    let grey = |code: usize| {
+        let below: u64 = counts[..code].iter().sum();
+        (code, (below as f64 + counts[code] as f64 / 2.0) / total)
+    };
+    codes.into_iter().map(grey).collect()
+}
+
+/// A ramp in words.
+pub fn described(ramp: &TransferFunction) -> String {
+    match &ramp.points[..] {
+        [low, .., high] => format!(
+            "grey from {} (dark) to {} (bright)",
+            rounded(low.value, 5),
+            rounded(high.value, 5)
+        ),
+        [only] => format!("every ray keeps {}, which is drawn grey", rounded(only.value, 5)),
+        [] => "nothing".into(),
+    }
+}
+
+/// How often rays along x, y and z keep each code.
+fn kept(volume: &Volume, none: u16, keep: fn(u16, u16) -> u16) -> Vec<u64> {
+    let [nx, ny, _] = volume.dims;
+    let mut counts = vec![0; CODES];
+    let mut count = |codes: &[u16]| {
+        for &code in codes {
+            counts[usize::from(code).min(CODES - 1)] += 1;
+        }
+    };
+    let mut along_z = vec![none; nx * ny];
+    for slice in volume.voxels.chunks_exact((nx * ny).max(1)) {
+        let mut along_y = vec![none; nx];
+        for (row, along_z) in slice.chunks_exact(nx).zip(along_z.chunks_exact_mut(nx)) {
+            for ((&code, y), z) in row.iter().zip(&mut along_y).zip(along_z) {
+                (*y, *z) = (keep(*y, code), keep(*z, code));
+            }
+            count(&[row.iter().copied().fold(none, keep)]);
+        }
+        count(&along_y);
+    }
+    count(&along_z);
+    counts
+}
+
+/// The least code that is not below this share of the counts.
+fn rank(counts: &[u64], share: f64) -> usize {
+    let total: u64 = counts.iter().sum();
+    let wanted = (share * total as f64).ceil().max(1.0) as u64;
+    let mut seen = 0;
+    let found = counts.iter().position(|count| {
+        seen += count;
+        seen >= wanted
+    });
+    found.unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slicecast_volume::Mapping;
+
+    /// Noise of 10 to 19 with a bright thread along x, and one outlier.
+    fn volume() -> Volume {
+        let voxel = |index: usize| match index {
+            0 => 4000,
+            _ if index / 20 == 205 => 600,
+            _ => 10 + ((7 * index + 3 * (index / 20) + index / 400) % 10) as u16,
+        };
+        Volume {
+            name: "t".into(),
+            dims: [20; 3],
+            spacing: [1.0; 3],
+            voxels: (0..8000).map(voxel).collect(),
+            mapping: Mapping {
+                scale: 2.0,
+                offset: -100.0,
+            },
+        }
+    }
+
+    fn ends(volume: &Volume, blend: Blend) -> Vec<(f64, f64)> {
+        let points = ramp(volume, blend).points;
+        points.iter().map(|point| (point.value, point.colour[0])).collect()
+    }
+
+    #[test]
+    fn ramps_run_over_what_rays_keep() {
+        // In the data's unit; the outlier is above the ramp.
+        assert_eq!(
+            ends(&volume(), Blend::Maximum),
+            [(2.0 * 19.0 - 100.0, 0.0), (1100.0, 1.0)]
+        );
+        // All rays but that along the thread meet the least of the noise.
+        assert_eq!(ends(&volume(), Blend::Minimum), [(2.0 * 10.0 - 100.0, 0.5)]);
+    }
+
+    #[test]
+    fn smallest_values_are_not_all_black() {
+        // A tenth of the slices along z has no air.
+        let mut air = volume();
+        air.voxels
+            .iter_mut()
+            .for_each(|code| *code = if *code < 20 { 5 } else { *code });
+        for slice in [4, 9] {
+            air.voxels[400 * slice..400 * (slice + 1)].fill(3000);
+        }
+        let ramp = ends(&air, Blend::Minimum);
+        let [(low, dark), .., (high, bright)] = ramp[..] else {
+            panic!("{ramp:?}");
+        };
+        assert_eq!((low, high), (2.0 * 5.0 - 100.0, 2.0 * 3000.0 - 100.0));
+        assert!((0.4..0.5).contains(&dark) && bright > 0.9, "{ramp:?}");
+        // Tissue all around: in proportion.
+        let mut dense = volume();
+        for (index, code) in dense.voxels.iter_mut().enumerate() {
+            *code = if index % 20 == 7 && index / 400 < 4 { 100 } else { 900 };
+        }
+        assert_eq!(ends(&dense, Blend::Minimum), [(100.0, 0.0), (1700.0, 1.0)]);
+    }
+}

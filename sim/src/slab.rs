@@ -1,0 +1,62 @@
+//! Volumes of one slice, made thick enough to be seen.
+//!
+//! Between the first and the last voxel of an axis of one voxel there is no length that a ray could cross.
+
+use slicecast_volume::Volume;
+
+/// The volume with every slice that stands alone drawn twice, one spacing apart; and what is to be said about it.
+pub fn thickened(mut volume: Volume) -> (Volume, Option<String>) {
+    let single: Vec<usize> = (0..3).filter(|&axis| volume.dims[axis] == 1).collect();
+    for &axis in &single {
+        let [nx, ny, _] = volume.dims;
+        let run = [1, nx, nx * ny][axis];
+        volume.voxels = volume
+            .voxels
+            .chunks(run)
+            .flat_map(|run| [run, run])
+            .flatten()
+            .copied()
+            .collect();
+        volume.dims[axis] = 2;
+    }
+    let names: Vec<&str> = single.iter().map(|&axis| ["x", "y", "z"][axis]).collect();
+    let note = (!names.is_empty()).then(|| {
+        format!(
+            "one slice along {} has no thickness: it is drawn twice, one spacing apart",
+            names.join(" and ")
+        )
+    });
+    (volume, note)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slicecast_volume::Mapping;
+
+    fn thick(dims: [usize; 3]) -> (Vec<u16>, [usize; 3], Option<String>) {
+        let volume = Volume {
+            name: "t".into(),
+            dims,
+            spacing: [1.0; 3],
+            voxels: (0..dims.iter().product::<usize>() as u16).collect(),
+            mapping: Mapping {
+                scale: 1.0,
+                offset: 0.0,
+            },
+        };
+        let (volume, note) = thickened(volume);
+        (volume.voxels, volume.dims, note)
+    }
+
+    #[test]
+    fn slices_that_stand_alone_are_drawn_twice() {
+        assert_eq!(thick([2; 3]), ((0..8).collect(), [2; 3], None));
+        let (voxels, dims, note) = thick([2, 2, 1]);
+        assert_eq!((voxels, dims), (vec![0, 1, 2, 3, 0, 1, 2, 3], [2; 3]));
+        assert!(note.unwrap().starts_with("one slice along z"));
+        assert_eq!(thick([1, 2, 2]).0, [0, 0, 1, 1, 2, 2, 3, 3]);
+        assert_eq!(thick([2, 1, 2]).0, [0, 1, 0, 1, 2, 3, 2, 3]);
+        assert_eq!(thick([1; 3]).0, [0; 8]);
+    }
+}
