@@ -39,10 +39,17 @@ def element(group, number, kind, value):
     return struct.pack("<2H2sH", group, number, kind, len(value)) + value
 
 
-def slice_of(z, pixels=bytes(32)):
+def slice_of(z, pixels=bytes(32), y=0, more=(), syntax=b"1.2.840.10008.1.2.1"):
     us = lambda n, v: element(0x28, n, b"US", struct.pack("<H", v))
-    return dicom(element(0x20, 0x32, b"DS", b"0\\0\\%4.1f" % z), element(0x20, 0x37, b"DS", b"1\\0\\0\\0\\1\\0 "), us(2, 1),
-                 us(0x10, 4), us(0x11, 4), us(0x100, 16), us(0x101, 12), us(0x102, 11), us(0x103, 0), element(0x7FE0, 0x10, b"OW", pixels))
+    return dicom(*more, element(0x20, 0x32, b"DS", b"0\\%3.1f\\%4.1f" % (y, z)), element(0x20, 0x37, b"DS", b"1\\0\\0\\0\\1\\0 "), us(2, 1),
+                 us(0x10, 4), us(0x11, 4), us(0x100, 16), us(0x101, 12), us(0x102, 11), us(0x103, 0), element(0x7FE0, 0x10, b"OW", pixels), syntax=syntax)
+
+
+def packed(syntax, frame):
+    """The same slice with one packed frame."""
+    item = lambda data: struct.pack("<2HI", 0xFFFE, 0xE000, len(data)) + data
+    plain = slice_of(0, b"", syntax=syntax)[:-12]
+    return plain + struct.pack("<2H2sHI", 0x7FE0, 0x10, b"OB", 0, 0xFFFFFFFF) + item(b"") + item(frame) + struct.pack("<2HI", 0xFFFE, 0xE0DD, 0)
 
 
 def tiff(description, pages):
@@ -110,7 +117,10 @@ def cases(root):
     yield "DICOM truncated", "a.dcm", slice_of(0)[:-7]
     yield "DICOM lying length", "a.dcm", dicom(struct.pack("<2H2sHI", 9, 1, b"UN", 0, 0xFFFFFFF0))
     yield "DICOM endless nesting", "a.dcm", dicom(nested)
-    yield "DICOM JPEG", "a.dcm", dicom(syntax=b"1.2.840.10008.1.2.4.70")
+    yield "DICOM JPEG XL", "a.dcm", slice_of(0, syntax=b"1.2.840.10008.1.2.4.110")
+    yield "DICOM cut JPEG 2000", "a.dcm", packed(b"1.2.840.10008.1.2.4.90", b"\xff\x4f\xff\x51\0\x29" + struct.pack(">H8IH3B", 0, 4, 4, 0, 0, 4, 4, 0, 0, 1, 15, 1, 1))
+    yield "DICOM tilted gantry", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(2.0 * i, y=0.5 * i) for i in range(4)})
+    yield "DICOM two phases", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(i // 2, more=[element(0x20, 0x12, b"IS", b"%d " % (i % 2 + 1))]) for i in range(4)})
     yield "DICOM missing slice", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(2.0 * i) for i in (0, 1, 2, 4, 5)})
     yield "DICOM uneven slices", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(z) for i, z in enumerate((0, 2, 4.7, 6.7))})
     yield "DICOM doubled slices", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(i // 2) for i in range(4)})
