@@ -15,6 +15,52 @@ use super::values::{Values, voxel_count};
 /// Data files that a header may name.
 const MAX_FILES: usize = 65536;
 
+/// Where a header's data are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Data {
+    /// After the header.
+    Attached,
+    /// In a file.
+    File(String),
+    /// In many files.
+    Files(DataFiles),
+}
+
+/// Whether the name of a data file announces a list of names.
+pub(super) fn is_list(data_file: &str) -> bool {
+    data_file.split_ascii_whitespace().next() == Some("LIST")
+}
+
+impl Data {
+    /// The data of a name that is not the format's word for attached data: `LIST AXES`, followed by the names `listed`,
+    /// `PATTERN FIRST LAST STEP AXES` or one file. The step may be missing (1), and so may the axes (2: files are slices).
+    ///
+    /// # Errors
+    /// What was expected.
+    pub fn named(text: &str, listed: &[String]) -> Result<Self, &'static str> {
+        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        let axes = |word: Option<&&str>| {
+            let number = word.map_or(Ok(2), |word| word.trim_end_matches(['D', 'd']).parse());
+            number.map_err(|_| "a number of axes, 1 to 3, at the end")
+        };
+        match &words[..] {
+            ["LIST", more @ ..] => Ok(Self::Files(DataFiles {
+                names: listed.to_vec(),
+                axes: axes(more.first())?,
+            })),
+            [pattern, first, last, more @ ..] if pattern.contains('%') => {
+                let number = |word: &str| word.parse::<i64>().map_err(|_| "PATTERN FIRST LAST STEP");
+                let step = more.first().map_or(Ok(1), |word| number(word))?;
+                Ok(Self::Files(DataFiles {
+                    names: expand(pattern, [number(first)?, number(last)?, step])?,
+                    axes: axes(more.get(1))?,
+                }))
+            }
+            _ => Ok(Self::File(text.to_owned())),
+        }
+    }
+}
+
 /// The files of a volume, in its order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct DataFiles {
@@ -28,7 +74,7 @@ pub(super) struct DataFiles {
 ///
 /// # Errors
 /// What was expected, if the pattern or the numbers are not usable.
-pub(super) fn expand(pattern: &str, [first, last, step]: [i64; 3]) -> Result<Vec<String>, &'static str> {
+fn expand(pattern: &str, [first, last, step]: [i64; 3]) -> Result<Vec<String>, &'static str> {
     let pieces = Pattern::parse(pattern).ok_or("one `%d`, `%i` or `%u` with at most a width, such as `%03d`")?;
     let towards = i128::from(last) - i128::from(first);
     let step_wide = i128::from(step);

@@ -12,6 +12,7 @@ mod decoded;
 pub mod dicom;
 pub mod error;
 mod files;
+mod gzip;
 mod length;
 pub mod mapping;
 pub mod metaimage;

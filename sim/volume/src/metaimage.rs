@@ -1,9 +1,10 @@
 //! MetaImage volumes (`.mhd` with a data file beside it, `.mha` with the data attached).
 //!
 //! Source: the MetaIO documentation of ITK. Read: three axes, beside which others may have one entry, one channel, data
-//! attached, in one file or in many (`LIST` or a pattern); integers of 8 to 64 bits, float, double,
-//! either byte order, plain, zlib-packed or written as text. `TransformMatrix` (or `Orientation`, `Rotation`) is taken as
-//! LPS, as ITK does; without it `AnatomicalOrientation` counts, and without both the orientation is unknown.
+//! attached, in one file or in many (`LIST` or a pattern); integers of 8 to 64 bits, float, double, either byte order,
+//! plain, zlib-packed or written as text. `DistanceUnits` are brought to millimetres. `TransformMatrix` (or `Orientation`,
+//! `Rotation`) is taken as LPS, as ITK does; without it `AnatomicalOrientation` counts, and without both the orientation is
+//! unknown.
 //! `CompressedDataSize` is not believed: real files state too little; the data end where their stream ends.
 
 mod header;
@@ -15,7 +16,7 @@ use self::header::{Header, NAME};
 use super::choice::Choice;
 use super::companion;
 use super::error::{Problem, ReadError};
-use super::files::{DataFiles, expand};
+use super::files::Data;
 use super::length::millimetres;
 use super::open::open_regular;
 use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
@@ -94,16 +95,6 @@ pub(super) fn recognise(start: &[u8]) -> bool {
         .find(|line| !line.trim_ascii().is_empty());
     let key = first.and_then(|line| line.split(|&byte| byte == b'=').next());
     key.is_some_and(|key| [&b"ObjectType"[..], b"NDims"].contains(&key.trim_ascii()) && key.len() < 32)
-}
-
-/// Where the data are.
-enum Data {
-    /// After the header.
-    Attached,
-    /// In a file.
-    File(String),
-    /// In many files.
-    Files(DataFiles),
 }
 
 /// What a header says, interpreted.
@@ -224,34 +215,9 @@ fn sniffed(layout: Layout, start: &[u8]) -> Layout {
 
 /// Where the data are.
 fn data(header: &Header) -> Result<Data, Problem> {
-    let text = header.require(DATA_FILE, "`LOCAL` or a file's name")?;
-    let words: Vec<&str> = text.split_ascii_whitespace().collect();
-    let axes = |word: Option<&&str>| match word {
-        // By default a file holds a slice.
-        None => Ok(2),
-        Some(word) => word
-            .trim_end_matches(['D', 'd'])
-            .parse()
-            .map_err(|_| refuse(DATA_FILE, text, "a number of axes, 1 to 3, at the end")),
-    };
-    if header.has_list() {
-        let (names, axes) = (header.listed.clone(), axes(words.get(1))?);
-        return Ok(Data::Files(DataFiles { names, axes }));
-    }
-    match &words[..] {
-        [pattern, first, last, more @ ..] if pattern.contains('%') => {
-            let number = |word: &str| word.parse::<i64>().ok();
-            let step = more.first().map_or(Some(1), |word| number(word));
-            let numbers = number(first).zip(number(last)).zip(step);
-            let ((first, last), step) = numbers.ok_or_else(|| refuse(DATA_FILE, text, "PATTERN FIRST LAST STEP"))?;
-            let names = expand(pattern, [first, last, step]).map_err(|expected| refuse(DATA_FILE, text, expected))?;
-            Ok(Data::Files(DataFiles {
-                names,
-                axes: axes(more.get(1))?,
-            }))
-        }
-        ["LOCAL"] => Ok(Data::Attached),
-        _ => Ok(Data::File(text.to_owned())),
+    match header.require(DATA_FILE, "`LOCAL` or a file's name")? {
+        "LOCAL" => Ok(Data::Attached),
+        text => Data::named(text, &header.listed).map_err(|expected| refuse(DATA_FILE, text, expected)),
     }
 }
 

@@ -2,8 +2,7 @@
 //!
 //! Source: nifti1.h and nifti2.h of the NIfTI data format working group. Read: integers of 8 to 64 bits, single and double
 //! precision, either byte order, `scl_slope` and `scl_inter`, exactly one volume; what follows it is left out with a note.
-//! Orientation comes from the sform, else
-//! from the qform, else is unknown; both speak RAS and are brought to LPS.
+//! Orientation comes from the sform, else from the qform, else is unknown; both speak RAS and are brought to LPS.
 
 mod header;
 mod orientation;

@@ -2,9 +2,9 @@
 //!
 //! Read: versions 1 to 5; integers of 8 to 64 bits, `float`, `double`; either byte order; encodings `raw`, `gzip`,
 //! `bzip2` and `ascii`; three axes, beside which others may have one entry; data attached, in one file or in many
-//! (`LIST` or a pattern). Spacing comes from `spacings`, or from the lengths of
-//! `space directions`, or is 1; `space units` and `units` bring it to millimetres. With `space directions` the voxels are reordered and reversed so that they run along the
-//! axes of the space: the patient's (LPS) if `space` is one of the three patient spaces. Two keys of our own:
+//! (`LIST` or a pattern). Spacing comes from `spacings`, or from the lengths of `space directions`, or is 1; `units` and
+//! `space units` bring it to millimetres. With `space directions` the voxels are reordered and reversed so that they run
+//! along the axes of the space: the patient's (LPS) if `space` is one of the three patient spaces. Two keys of our own:
 //! `hounsfield_offset:=N` makes the data's unit the stored value plus N, `modality:=CT` tells what made the values.
 
 mod header;
@@ -14,12 +14,12 @@ mod surplus;
 use std::io::{BufRead, Cursor};
 use std::path::Path;
 
-use self::header::{Header, is_list};
+use self::header::Header;
 use self::orientation::Directions;
 use super::choice::Choice;
 use super::companion;
 use super::error::{Problem, ReadError};
-use super::files::{DataFiles, expand};
+use super::files::Data;
 use super::open::open_regular;
 use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
 use super::text::shorten;
@@ -35,17 +35,6 @@ struct Description {
     modality: Option<Modality>,
     data: Data,
     notes: Vec<String>,
-}
-
-/// Where the data are.
-#[derive(Debug)]
-enum Data {
-    /// After the header.
-    Attached,
-    /// In a file.
-    File(String),
-    /// In many files.
-    Files(DataFiles),
 }
 
 /// Reads an NRRD file. A detached header's data file must lie in the header's folder or below it.
@@ -243,35 +232,10 @@ fn value_offset(header: &Header) -> Result<i32, Problem> {
 
 /// Where the data are.
 fn data(header: &Header) -> Result<Data, Problem> {
-    let Some(text) = header.get("data file") else {
-        return Ok(Data::Attached);
-    };
-    let words: Vec<&str> = text.split_ascii_whitespace().collect();
-    let axes = |word: Option<&&str>| match word {
-        // By default a file holds a slice.
-        None => Ok(2),
-        Some(word) => word
-            .parse()
-            .map_err(|_| refuse("data file", text, "a number of axes, 1 to 3, at the end")),
-    };
-    if is_list(text) {
-        let (names, axes) = (header.listed.clone(), axes(words.get(1))?);
-        return Ok(Data::Files(DataFiles { names, axes }));
+    match header.get("data file") {
+        None => Ok(Data::Attached),
+        Some(text) => Data::named(text, &header.listed).map_err(|expected| refuse("data file", text, expected)),
     }
-    let [pattern, first, last, step, more @ ..] = &words[..] else {
-        return Ok(Data::File(text.to_owned()));
-    };
-    if !pattern.contains('%') {
-        return Ok(Data::File(text.to_owned()));
-    }
-    let number = |word: &str| word.parse::<i64>().ok();
-    let numbers = number(first).zip(number(last)).zip(number(step));
-    let ((first, last), step) = numbers.ok_or_else(|| refuse("data file", text, "PATTERN FIRST LAST STEP"))?;
-    let names = expand(pattern, [first, last, step]).map_err(|expected| refuse("data file", text, expected))?;
-    Ok(Data::Files(DataFiles {
-        names,
-        axes: axes(more.first())?,
-    }))
 }
 
 /// Exactly three words, each read by `parse`.

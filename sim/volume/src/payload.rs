@@ -7,9 +7,10 @@ use std::io::{self, BufRead, Read};
 use std::str::FromStr;
 
 use bzip2::bufread::MultiBzDecoder;
-use flate2::bufread::{GzDecoder, ZlibDecoder};
+use flate2::bufread::ZlibDecoder;
 
 use super::error::Problem;
+use super::gzip::Members;
 use super::text::shorten_bytes;
 use super::values::{Endian, MAX_BYTES, ValueType, Values, voxel_count};
 
@@ -145,7 +146,7 @@ pub(super) fn read_values<R: BufRead>(
             complete(layout, expected, values)
         }
         Encoding::Gzip => {
-            let mut members = GzipMembers::new(source);
+            let mut members = Members::new(source);
             let values = unpack(layout, &mut members, voxels, expected, notes)?;
             if members.padded {
                 notes.push("bytes after the gzip data are left out".into());
@@ -162,46 +163,6 @@ pub(super) fn read_values<R: BufRead>(
             let values = text_values(layout, source, voxels)?;
             complete(layout, expected, values)
         }
-    }
-}
-
-/// Gzip members one after another. What follows the last one and begins no member is padding, as on tapes.
-struct GzipMembers<R> {
-    /// `None` once the last member has ended.
-    member: Option<GzDecoder<R>>,
-    padded: bool,
-}
-
-impl<R: BufRead> GzipMembers<R> {
-    fn new(source: R) -> Self {
-        Self {
-            member: Some(GzDecoder::new(source)),
-            padded: false,
-        }
-    }
-}
-
-impl<R: BufRead> Read for GzipMembers<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if buffer.is_empty() {
-            return Ok(0);
-        }
-        while let Some(member) = &mut self.member {
-            match member.read(buffer)? {
-                0 => {}
-                n => return Ok(n),
-            }
-            let mut source = match self.member.take() {
-                Some(member) => member.into_inner(),
-                None => break,
-            };
-            match source.fill_buf()?.first() {
-                None => {}
-                Some(0x1f) => self.member = Some(GzDecoder::new(source)),
-                Some(_) => self.padded = true,
-            }
-        }
-        Ok(0)
     }
 }
 

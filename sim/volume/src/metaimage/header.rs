@@ -5,6 +5,7 @@ use std::io::{BufRead, Read};
 
 use super::{DATA_FILE, refuse};
 use crate::error::Problem;
+use crate::files::is_list;
 use crate::text::{decode, shorten};
 
 /// The format's name in messages.
@@ -87,11 +88,6 @@ impl Header {
         Ok(header)
     }
 
-    /// Whether the data are in the files listed.
-    pub fn has_list(&self) -> bool {
-        self.get(&[DATA_FILE]).is_some_and(is_list)
-    }
-
     /// A field of one of these names, the first that is there.
     pub fn get(&self, names: &[&str]) -> Option<&str> {
         names.iter().find_map(|name| self.fields.get(*name)).map(String::as_str)
@@ -113,9 +109,4 @@ impl Header {
             _ => Err(refuse(names[0], text, "True or False")),
         }
     }
-}
-
-/// Whether a data file's name announces a list of names.
-fn is_list(data_file: &str) -> bool {
-    data_file.split_ascii_whitespace().next() == Some("LIST")
 }

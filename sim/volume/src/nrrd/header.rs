@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use std::io::{BufRead, Read};
 
 use crate::error::Problem;
+use crate::files::is_list;
 use crate::text::{decode, shorten};
 
 /// Bytes that a header may have.
@@ -166,11 +167,6 @@ impl Header {
     pub fn require(&self, field: &'static str, expected: &'static str) -> Result<&str, Problem> {
         self.get(field).ok_or(Problem::MissingField { field, expected })
     }
-}
-
-/// Whether a data file's name announces a list of names.
-pub(super) fn is_list(data_file: &str) -> bool {
-    data_file.split_ascii_whitespace().next() == Some("LIST")
 }
 
 /// Refuses everything but the five versions of the format.
