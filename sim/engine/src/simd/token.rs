@@ -1,7 +1,9 @@
 //! Proofs that the processor has certain vectors.
 
+/// The processor has been asked.
 #[cfg(target_arch = "x86_64")]
-type Proof = ();
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Proof;
 /// No other processor has them: there is no value of this type.
 #[cfg(not(target_arch = "x86_64"))]
 type Proof = std::convert::Infallible;
@@ -22,7 +24,7 @@ impl Avx2Token {
             && is_x86_feature_detected!("fma")
             && is_x86_feature_detected!("bmi1")
             && is_x86_feature_detected!("bmi2");
-        found.then_some(Self(()))
+        found.then_some(Self(Proof))
     }
 }
 
@@ -36,7 +38,7 @@ impl Avx512Token {
             && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512vl")
             && Avx2Token::detect().is_some();
-        found.then_some(Self(()))
+        found.then_some(Self(Proof))
     }
 
     /// The narrower vectors, which such a processor has too.
