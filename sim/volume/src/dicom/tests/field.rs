@@ -103,6 +103,17 @@ fn rounded_positions_are_judged_against_an_even_stack() {
 }
 
 #[test]
+fn a_file_without_a_folder_before_it_is_found_in_its_own() {
+    for (path, folder, own) in [
+        ("a.dcm", ".", "./a.dcm"),
+        ("d/a.dcm", "d", "d/a.dcm"),
+        ("/a", "/", "/a"),
+    ] {
+        assert_eq!(in_folder(Path::new(path)), (folder.into(), own.into()));
+    }
+}
+
+#[test]
 fn rounding_aside_is_no_tilt() {
     // 0.007 mm aside on a way of 0.33 mm would be an angle of 1.2 degrees.
     let volume = read_all(vec![slice(0, &[at("0.005\\0.005\\0")]), slice(1, &[at("0\\0\\0.33")])]).unwrap();
