@@ -2,12 +2,12 @@
 //! their order, their row structure and what they skip are those of slicecast; only the numbers differ, and the slices
 //! are read where they lie, without a ring.
 
-use slicecast::stage::Stage;
 use slicecast::classify::{Support, opacity_of_root};
-use slicecast::table::ENTRIES;
 use slicecast::locate::{Plane, cell, plane};
 use slicecast::plan::{Phase, Plan};
 use slicecast::slice::{RowRange, Slice};
+use slicecast::stage::Stage;
+use slicecast::table::ENTRIES;
 use slicecast_firmware_shared::scene::{Lighting, SceneData};
 
 /// The longest side of a slice.

@@ -58,9 +58,9 @@ macro_rules! frame_program {
 
         type Frame = PipelineOf<'static, $precision, $shader>;
         const SLICES: usize = <Frame as Pipeline>::SLICES;
-        const ROWS: usize = <Frame as Pipeline>::SCRATCH_ROWS;
+        const WORDS: usize = <Frame as Pipeline>::SCRATCH.len(64);
         type Lent =
-            Reserved<ChannelOf<$precision>, { SLICES * 64 * 64 }, { SLICES * 64 }, { ROWS * 66 }, { 4 * 128 * 128 }>;
+            Reserved<ChannelOf<$precision>, { SLICES * 64 * 64 }, { SLICES * 64 }, { WORDS }, { 4 * 128 * 128 }>;
 
         static MEMORY: static_cell::ConstStaticCell<Lent> = static_cell::ConstStaticCell::new(Reserved::new($zero));
 
