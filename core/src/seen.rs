@@ -1,8 +1,7 @@
 //! What can be seen: for each row of samples the blocks of columns that are not known to be empty.
 //!
-//! A row's voxels are taken in at most 64 blocks, so that a set of them is the bits of a word. Whoever has the whole volume
-//! at hand can measure its blocks once, turn them into such words for each table, and spare the plane layer what lies
-//! between ([`Pipeline::fold_seen`](crate::plane::Pipeline::fold_seen)).
+//! A row is divided into at most 64 blocks, one bit each in a `u64`. A caller that holds the whole volume builds these masks
+//! once per table; the plane layer then visits only the set blocks ([`At::seen`](crate::plane::At::seen)).
 
 use core::ops::Range;
 

@@ -2,8 +2,8 @@
 //!
 //! Read by the `tiff` crate under limits: grey pages of one size and type (8 to 32 bits, signed or not, single or double
 //! precision), plain, LZW, deflate or packbits. What pages are, TIFF itself does not say: ImageJ's description and OME-XML
-//! tell channels, slices and time points, of which one channel and one time point become the volume ([`planes`]), and the
-//! distance between slices ([`description`]). Without them every page is a slice.
+//! tell channels, slices and time points, of which one channel and one time point become the volume (`planes`), and the
+//! distance between slices (`description`). Without them every page is a slice.
 
 mod description;
 mod ome;
