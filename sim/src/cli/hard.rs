@@ -50,14 +50,12 @@ impl Args {
 
 /// The cases as a page: the table, what others say, every outcome that has no column, and what fails.
 fn page(cases: &[Case], all: bool) -> String {
-    let told = cases.iter().flat_map(|case| {
+    let told = cases.iter().filter_map(|case| {
         let said = [("Squeeze", &case.paper), ("study", &case.study)];
-        let line = move |(whose, says): (&str, &Option<String>)| {
-            let says = says.as_deref()?;
-            let line = format!("{}: {}; {whose}: {says}", case.group, case.name);
-            Some(paragraph(&line, "  "))
-        };
-        said.into_iter().filter_map(line)
+        let said = said.map(|(whose, says)| says.as_ref().map(|says| format!("; {whose}: {says}")));
+        let said = said.into_iter().flatten().collect::<String>();
+        let line = format!("{}: {}{said}", case.group, case.name);
+        (!said.is_empty()).then(|| paragraph(&line, "  "))
     });
     let shown = |case: &&Case| all || !case.outcomes.iter().any(|o| NAMED.contains(&o.who.as_str()));
     let parts = [

@@ -37,6 +37,16 @@ pub struct Args {
     /// Rows of a finished sweep of the same inputs; without any, the sweep is run now.
     #[arg(long, value_name = "FILE")]
     rows: Vec<PathBuf>,
+    #[command(flatten)]
+    without: Without,
+    /// Replace a file that exists.
+    #[arg(long)]
+    force: bool,
+}
+
+/// What a report may leave out.
+#[derive(clap::Args)]
+struct Without {
     /// Leave out speed against error.
     #[arg(long, conflicts_with = "rows")]
     no_sweep: bool,
@@ -46,9 +56,6 @@ pub struct Args {
     /// Leave out the error of the algorithm, against the converged integral.
     #[arg(long)]
     no_converged: bool,
-    /// Replace a file that exists.
-    #[arg(long)]
-    force: bool,
 }
 
 impl Args {
@@ -86,7 +93,7 @@ impl Args {
             .iter()
             .position(|p| *p == scene.precision)
             .unwrap_or(0);
-        let split = if self.no_converged {
+        let split = if self.without.no_converged {
             None
         } else {
             let name = PrecisionName::ALL[shown].name();
@@ -99,7 +106,7 @@ impl Args {
                 },
             )??)
         };
-        let cases = if self.no_hard {
+        let cases = if self.without.no_hard {
             Vec::new()
         } else {
             with_titled_bar("hard cases", |progress| hard::run(Size::Reduced, progress))?
@@ -122,7 +129,7 @@ impl Args {
 
     /// The rows of a sweep: those of files, or new ones.
     fn sweep(&self, prepared: &Prepared<'_>) -> Result<Vec<Row>, Failure> {
-        if self.no_sweep {
+        if self.without.no_sweep {
             return Ok(Vec::new());
         }
         if !self.rows.is_empty() {

@@ -44,7 +44,7 @@ pub fn page(contents: &Contents<'_>) -> Result<String, String> {
             body {
                 a.skip href="#main" { "To the contents" }
                 header {
-                    h1 { "Speed against error" }
+                    h1 { "Precision report" }
                     p.soft { "slicecast " (env!("CARGO_PKG_VERSION")) }
                 }
                 main id="main" {
