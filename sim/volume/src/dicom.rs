@@ -44,20 +44,17 @@ const NAME: &str = "DICOM";
 pub fn read_with_file(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
     let fail = |problem| ReadError::new(path, problem);
     let bytes = folder::load(path)?.ok_or_else(|| fail(Problem::format(NAME, "has no `DICM` after its preamble")))?;
-    let parent = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
+    let (folder, own) = in_folder(path);
     match Object::parse(&bytes).map_err(|refusal| fail(refusal.problem))? {
-        Object::Directory => folder::read_tree(parent, choice),
+        Object::Directory => read_tree(&folder, choice),
         Object::NoImage => Err(fail(Problem::format(NAME, "is no image, expected a slice of a series"))),
         Object::Slices(_) => {
-            let mut gathered = Gathered::of_folder(parent)?;
+            let mut gathered = Gathered::of_folder(&folder)?;
             // A hidden file is looked at if it is asked for.
-            if !gathered.slices.iter().any(|found| found.path == path) {
-                gathered.add(path.to_path_buf(), Some(&bytes));
+            if !gathered.slices.iter().any(|found| found.path == own) {
+                gathered.add(own.clone(), Some(&bytes));
             }
-            gathered.assemble(path, &Wanted::With(path), choice)
+            gathered.assemble(path, &Wanted::With(&own), choice)
         }
     }
 }
@@ -76,6 +73,15 @@ pub fn read_bytes(files: &[(String, Vec<u8>)], name: &str, choice: &Choice) -> R
         Ok(found.map(|(_, bytes)| bytes.clone()).unwrap_or_default())
     };
     gathered.decode(Path::new(name), &Wanted::of(choice), choice, bytes_of)
+}
+
+/// The folder of a file, and the file as a listing of that folder names it.
+fn in_folder(path: &Path) -> (PathBuf, PathBuf) {
+    let folder = match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    (folder.to_path_buf(), folder.join(path.file_name().unwrap_or_default()))
 }
 
 /// Whether a file that begins so is a DICOM file.
