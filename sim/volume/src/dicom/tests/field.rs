@@ -97,7 +97,7 @@ fn rounded_positions_are_judged_against_an_even_stack() {
     let drift = (0..30).map(|i| slice(i, &[at(&format!("0\\0\\{}", f64::from(i) + 0.002 * f64::from(i * i)))]));
     let refused = message(drift.collect());
     assert!(
-        refused.contains("mm off an even stack of") || refused.contains("slices are unevenly spaced"),
+        refused.contains("lies 0.271 mm off an even stack of 1.058 mm, expected at most 0.053"),
         "{refused}"
     );
 }
