@@ -4,7 +4,7 @@
 //!
 //! * the file stores integers of which at most 64 differ, and more than 0.3 of the voxels are 0; or
 //! * at most 4096 values differ, and of the neighbours along x of which neither is 0 more than half are equal. Of the
-//!   volumes at hand, label maps have 0.80 to 0.99, images 0.03 to 0.32.
+//!   developers' volumes, label maps have 0.80 to 0.99, images 0.03 to 0.32 (`host-tests/peers/value_tails.py`).
 //!
 //! CT and MR are never label maps. Labels above 4095 would lose their identity in 12 bits: they become codes 0, 1, 2, … in
 //! ascending order.

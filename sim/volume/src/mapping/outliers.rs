@@ -12,8 +12,8 @@ const LEAST_VOXELS: usize = 1000;
 
 /// How many times the range of the other voxels an outlier lies beyond them.
 ///
-/// Of the real volumes at hand the farthest tail reaches 0.93 times (and real tails of vessels 0.52 times) beyond the
-/// middle 99.98 % of the voxels; a hot voxel reaches 50 times and more.
+/// Of the developers' volumes the farthest tail reaches 0.93 times (and that of vessels 0.51 times) beyond the middle
+/// 99.98 % of the voxels; a hot voxel in a head reaches 53 times (`host-tests/peers/value_tails.py`).
 const DISTANCE: f64 = 2.0;
 
 /// Least and greatest of the stored values that are no outliers; `range` is that of all.
