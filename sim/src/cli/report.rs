@@ -19,7 +19,6 @@ use super::sweep::{merge_all, read_all};
 
 /// Write a report: one HTML page with pictures, errors, speed against error and the hard cases; it needs no network.
 #[derive(clap::Args)]
-#[expect(clippy::struct_excessive_bools, reason = "flags of the command line")]
 #[command(after_help = "Examples:
   slicecast report -o head.html
   slicecast sweep scan.nrrd --scene ct-bone --rows bone.jsonl
