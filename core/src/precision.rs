@@ -36,6 +36,9 @@ pub trait Precision: Copy + Default + Send + Sync + 'static {
     /// The arithmetic of shading.
     const SHADING: Shading;
 
+    /// Whether pipelines of it fold blocks of columns. Without, they fold whole rows, which are the same bits: a study has
+    /// many pipelines to compile, and times none of them by blocks.
+    const BLOCKS: bool = true;
     /// Bits of a gradient's largest component that normalisation reads, 1 to 15; the others keep the same scale.
     const GRADIENT_BITS: u32 = 15;
     /// How a highlight's power is formed.

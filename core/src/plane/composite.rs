@@ -118,7 +118,7 @@ where
             seen,
         } = at;
         // Small machines have no whole volume at hand, and observers see whole rows.
-        let seen = seen.filter(|_| !V::SMALL && tap.is_none());
+        let seen = seen.filter(|_| P::BLOCKS && !V::SMALL && tap.is_none());
         let [mut width, _, _] = plan.dims();
         if seen.is_some() {
             width = width.max(BATCH_WIDTH);
@@ -141,7 +141,11 @@ where
         let classifier = Kernels::<C, P, V>::of(&self.classifier);
         let shader = Kernels::<S, P, V>::of(&self.shader);
         let spacing = plan.spacing();
-        if let Some(seen) = seen {
+        // Two constants, before which no code for blocks is compiled.
+        if P::BLOCKS
+            && !V::SMALL
+            && let Some(seen) = seen
+        {
             let probes = Probes::<P, V> {
                 extent: &extent,
                 window,

@@ -215,7 +215,7 @@ mod tests {
         let host = parse(OUTPUT).unwrap().cases.remove(0).sums;
         let device = parse(&OUTPUT.replace("plane 1 0 0 1 2 3 4 5 6", "plane 1 0 0 1 2 3 4 5 f"));
         let text = first_difference(&device.unwrap().cases[0].sums, &host).unwrap();
-        assert!(text.contains("\"normalise\", plane 1"), "{text}");
+        assert!(text.contains("\"normal\", plane 1"), "{text}");
         assert_eq!(first_difference(&host, &host), None);
     }
 

@@ -146,6 +146,7 @@ impl<V: Values, S: Surface, X: Recurrence> Precision for Study<V, S, X> {
     type Sample = V::Sample;
     type Pixel = X;
     const NAME: &'static str = "study";
+    const BLOCKS: bool = false;
     const WEIGHT_BITS: u32 = V::WEIGHT_BITS;
     const LERP_BITS: u32 = if V::TRUNCATED { V::Sample::FRAC_NBITS } else { 16 };
     const LERP_ROUNDING: Rounding = if V::TRUNCATED {
