@@ -21,7 +21,8 @@ use core::marker::PhantomData;
 
 use crate::format::Opacity;
 use crate::lanes::{Lanes, Small, Wide as _};
-use crate::precision::Precision;
+use crate::composite::Recurrence as _;
+use crate::precision::{Formats, Precision};
 use crate::slice::RowRange;
 use crate::table::ENTRIES;
 
@@ -45,44 +46,38 @@ impl<'a, W> Slab<'a, W> {
 /// others.
 pub trait Classifier<P: Precision>: Sync {
     /// Opacity of a sample: the definition.
-    fn opacity(&self, sample: P::Sample) -> Opacity;
+    fn opacity(&self, p: P, sample: i32) -> Opacity;
 
-    /// Colour of a sample (not weighted by its opacity), red, green, blue, `P::COLOUR_BITS` fraction bits: the
+    /// Colour of a sample (not weighted by its opacity), red, green, blue, `p.pixel().colour_bits()` fraction bits: the
     /// definition.
-    fn colour(&self, sample: P::Sample) -> [u32; 3];
+    fn colour(&self, p: P, sample: i32) -> [u32; 3];
 
     /// Which voxel ranges can hold a visible sample.
     fn support(&self) -> Support;
 
     /// The colour of every sample, where all have the same: then it need not be asked for sample by sample.
     #[inline(always)]
-    fn one_colour(&self) -> Option<[u32; 3]> {
+    fn one_colour(&self, _: P) -> Option<[u32; 3]> {
         None
     }
 
     /// Opacities of a row, as the bits of 1.31 in an `i32` lane. Both rows equally long.
     #[inline]
-    fn opacity_row<V: Lanes>(&self, slab: Slab<'_>, out: &mut [i32]) {
+    fn opacity_row<V: Lanes>(&self, p: P, slab: Slab<'_>, out: &mut [i32]) {
         for (o, &s) in out.iter_mut().zip(slab.back) {
-            *o = self.opacity(sample::<P>(s)).to_bits() as i32;
+            *o = self.opacity(p, s).to_bits() as i32;
         }
     }
 
     /// Colours of a row. All rows equally long.
     #[inline]
-    fn colour_row<V: Lanes>(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
+    fn colour_row<V: Lanes>(&self, p: P, slab: Slab<'_>, out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
         for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(slab.back) {
-            [*r, *g, *b] = self.colour(sample::<P>(s)).map(|c| c as i32);
+            [*r, *g, *b] = self.colour(p, s).map(|c| c as i32);
         }
     }
 }
-
-#[inline(always)]
-fn sample<P: Precision>(bits: i32) -> P::Sample {
-    fixed::traits::Fixed::from_bits(bits)
-}
-
 /// The set of codes that are visible, in blocks of 64: bit b stands for codes 64 b to 64 b + 63. A row whose range
 /// meets no block classifies to nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,10 +108,10 @@ impl Support {
 
     /// A sample up to which none is visible: the code before the first block; -1 if the first block is.
     #[inline]
-    fn dark<P: Precision>(self) -> i32 {
+    fn dark<P: Precision>(self, p: P) -> i32 {
         // No block at all: 4096, which nothing reaches.
         let first = (self.0.trailing_zeros() << 6) as i32;
-        ((first - 1) << P::SAMPLE_BITS).max(-1)
+        ((first - 1) << p.formats().sample_bits).max(-1)
     }
 }
 
@@ -247,40 +242,43 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
     }
 
     #[cfg(test)]
-    fn colour_at<P: Precision>(&self, index: usize) -> [u32; 3] {
-        colours::<P>(self.entry_at(index))
+    fn colour_at<P: Precision>(&self, p: P, index: usize) -> [u32; 3] {
+        colours(p, self.entry_at(index))
     }
 }
 
 /// The colours of an entry.
 #[inline(always)]
-fn colours<P: Precision>(entry: u32) -> [u32; 3] {
+fn colours<P: Precision>(p: P, entry: u32) -> [u32; 3] {
     let [r, g, b, _] = entry.to_le_bytes();
-    [r, g, b].map(|byte| colour_of_byte(byte, P::COLOUR_BITS))
+    [r, g, b].map(|byte| colour_of_byte(byte, p.pixel().colour_bits()))
 }
 
 /// Entry and fraction of a sample that lies between two entries.
 #[inline(always)]
-fn split<P: Precision>(bits: i32) -> (usize, i32) {
-    ((bits >> P::SAMPLE_BITS) as usize, bits & ((1 << P::SAMPLE_BITS) - 1))
+fn split<P: Precision>(p: P, bits: i32) -> (usize, i32) {
+    let Formats { sample_bits, .. } = p.formats();
+    ((bits >> sample_bits) as usize, bits & ((1 << sample_bits) - 1))
 }
 
 /// Nearest entry of a sample.
 #[inline(always)]
-fn nearest<P: Precision>(bits: i32) -> usize {
-    ((bits + (1 << P::SAMPLE_BITS >> 1)) >> P::SAMPLE_BITS) as usize
+fn nearest<P: Precision>(p: P, bits: i32) -> usize {
+    let Formats { sample_bits, .. } = p.formats();
+    ((bits + (1 << sample_bits >> 1)) >> sample_bits) as usize
 }
 
 /// `a + (b - a) f` to nearest, for colours.
 #[inline(always)]
-pub fn mix_colour<P: Precision, V: Lanes>(a: V, b: V, f: V) -> V {
-    let (half, rest) = (1 << P::SAMPLE_BITS >> 1, V::splat(1 << P::SAMPLE_BITS) - f);
-    if P::COLOUR_BITS == 15 {
+pub fn mix_colour<P: Precision, V: Lanes>(p: P, a: V, b: V, f: V) -> V {
+    let Formats { sample_bits, .. } = p.formats();
+    let (half, rest) = (1 << sample_bits >> 1, V::splat(1 << sample_bits) - f);
+    if p.pixel().colour_bits() == 15 {
         // 16 and 15 bits: 32 suffice.
-        (a * rest + b * f + V::splat(half)) >> P::SAMPLE_BITS
+        (a * rest + b * f + V::splat(half)) >> sample_bits
     } else {
         let sum = a.product(rest) + b.product(f) + V::Wide::splat(i64::from(half));
-        sum.shr_narrow(P::SAMPLE_BITS)
+        sum.shr_narrow(sample_bits)
     }
 }
 
@@ -299,18 +297,18 @@ pub fn colour_of_entry<V: Lanes>(entry: V, channel: u32, bits: u32) -> V {
 impl<A: AlphaCode, L: Lookup> PointTable<'_, A, L> {
     /// Opacity of a sample, mixed by a lane.
     #[inline(always)]
-    fn opacity_by<P: Precision, V: Lanes>(&self, bits: i32) -> i32 {
+    fn opacity_by<P: Precision, V: Lanes>(&self, p: P, bits: i32) -> i32 {
         let opacity = |root| A::opacity(root).to_bits() as i32;
         if !L::LINEAR {
-            return opacity(self.root_at(nearest::<P>(bits)));
+            return opacity(self.root_at(nearest(p, bits)));
         }
-        let (index, f) = split::<P>(bits);
+        let (index, f) = split(p, bits);
         let (a, b) = (self.root_at(index), self.root_at(index + 1));
         if V::SMALL && a == b {
             return opacity(a);
         }
         let mut out = [0];
-        let mixed = V::splat(opacity(a)).mix(V::splat(opacity(b)), V::splat(f), P::SAMPLE_BITS);
+        let mixed = V::splat(opacity(a)).mix(V::splat(opacity(b)), V::splat(f), p.formats().sample_bits);
         mixed.store(&mut out, 0);
         let [mixed] = out;
         mixed
@@ -318,39 +316,39 @@ impl<A: AlphaCode, L: Lookup> PointTable<'_, A, L> {
 
     /// Colour of a sample. On small machines two entries of one colour are not mixed.
     #[inline(always)]
-    fn colour_by<P: Precision, V: Lanes>(&self, bits: i32) -> [u32; 3] {
+    fn colour_by<P: Precision, V: Lanes>(&self, p: P, bits: i32) -> [u32; 3] {
         if !L::LINEAR {
-            return colours::<P>(self.entry_at(nearest::<P>(bits)));
+            return colours(p, self.entry_at(nearest(p, bits)));
         }
-        let (index, f) = split::<P>(bits);
+        let (index, f) = split(p, bits);
         let (a, b) = (self.entry_at(index), self.entry_at(index + 1));
-        let first = colours::<P>(a);
+        let first = colours(p, a);
         if V::SMALL && (a ^ b) & 0x00ff_ffff == 0 {
             return first;
         }
-        let ([r0, g0, b0], [r1, g1, b1]) = (first, colours::<P>(b));
-        [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour::<P, i32>(a as i32, b as i32, f) as u32)
+        let ([r0, g0, b0], [r1, g1, b1]) = (first, colours(p, b));
+        [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour(p, a as i32, b as i32, f) as u32)
     }
 
     /// Opacities of a row on a small machine. With registers of its own it takes fewer instructions where there are few.
     #[inline(never)]
-    fn opacity_row_small<P: Precision>(&self, samples: &[i32], out: &mut [i32]) {
-        let dark = self.support.dark::<P>();
+    fn opacity_row_small<P: Precision>(&self, p: P, samples: &[i32], out: &mut [i32]) {
+        let dark = self.support.dark(p);
         for (o, &s) in out.iter_mut().zip(samples) {
-            *o = if s <= dark { 0 } else { self.opacity_by::<P, Small>(s) };
+            *o = if s <= dark { 0 } else { self.opacity_by::<P, Small>(p, s) };
         }
     }
 }
 
 impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, L> {
     #[inline]
-    fn opacity(&self, sample: P::Sample) -> Opacity {
-        Opacity::from_bits(self.opacity_by::<P, i32>(fixed::traits::Fixed::to_bits(sample)) as u32)
+    fn opacity(&self, p: P, sample: i32) -> Opacity {
+        Opacity::from_bits(self.opacity_by::<P, i32>(p, sample) as u32)
     }
 
     #[inline]
-    fn colour(&self, sample: P::Sample) -> [u32; 3] {
-        self.colour_by::<P, i32>(fixed::traits::Fixed::to_bits(sample))
+    fn colour(&self, p: P, sample: i32) -> [u32; 3] {
+        self.colour_by::<P, i32>(p, sample)
     }
 
     fn support(&self) -> Support {
@@ -358,20 +356,20 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
     }
 
     #[inline(always)]
-    fn opacity_row<V: Lanes>(&self, slab: Slab<'_>, out: &mut [i32]) {
+    fn opacity_row<V: Lanes>(&self, p: P, slab: Slab<'_>, out: &mut [i32]) {
         if V::SMALL {
-            return self.opacity_row_small::<P>(slab.back, out);
+            return self.opacity_row_small(p, slab.back, out);
         }
         for (o, &s) in out.iter_mut().zip(slab.back) {
-            *o = self.opacity_by::<P, i32>(s);
+            *o = self.opacity_by::<P, i32>(p, s);
         }
     }
 
     #[inline(always)]
-    fn colour_row<V: Lanes>(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
+    fn colour_row<V: Lanes>(&self, p: P, slab: Slab<'_>, out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
         for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(slab.back) {
-            [*r, *g, *b] = self.colour_by::<P, V>(s).map(|c| c as i32);
+            [*r, *g, *b] = self.colour_by::<P, V>(p, s).map(|c| c as i32);
         }
     }
 }
@@ -379,7 +377,6 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{Sample12, Sample15};
     use crate::precision::{Compact, Wide};
     use proptest::prelude::*;
     use std::boxed::Box;
@@ -421,10 +418,10 @@ mod tests {
             (3260416, 100),
             (134168576, 4095),
         ] {
-            assert_eq!(nearest::<Wide>(bits), index);
+            assert_eq!(nearest(Wide, bits), index);
         }
-        assert_eq!(split::<Wide>(3260415), (99, 16383));
-        assert_eq!(split::<Wide>(134184960), (4095, 0));
+        assert_eq!(split(Wide, 3260415), (99, 16383));
+        assert_eq!(split(Wide, 134184960), (4095, 0));
     }
 
     #[test]
@@ -468,14 +465,14 @@ mod tests {
         fn linear_is_the_nearest_value_between_two_entries(seed in any::<u64>(), bits in 0i32..=4095 << 15) {
             let (entries, plane) = table(seed);
             let t = PointTable::<Sqrt16, Linear>::new(&entries, &plane);
-            let s = Sample15::from_bits(bits);
+            let s = bits;
             let (i, f) = (bits as usize >> 15, f64::from(bits & 32767) / 32768.0);
             let between = |a: u32, b: u32| f64::from(a) * (1.0 - f) + f64::from(b) * f;
             let exact = between(t.opacity_at(i), t.opacity_at(i + 1));
-            let got = f64::from(Classifier::<Wide>::opacity(&t, s).to_bits());
+            let got = f64::from(Classifier::opacity(&t, Wide, s).to_bits());
             prop_assert!((got - exact).abs() <= 0.5 + 1e-6, "{got} {exact}");
-            let colour = Classifier::<Wide>::colour(&t, s);
-            for (c, (a, b)) in colour.iter().zip(t.colour_at::<Wide>(i).into_iter().zip(t.colour_at::<Wide>(i + 1))) {
+            let colour = Classifier::colour(&t, Wide, s);
+            for (c, (a, b)) in colour.iter().zip(t.colour_at(Wide, i).into_iter().zip(t.colour_at(Wide, i + 1))) {
                 prop_assert!((f64::from(*c) - between(a, b)).abs() <= 0.5 + 1e-6);
             }
         }
@@ -485,9 +482,9 @@ mod tests {
             let (entries, plane) = table(seed);
             let linear = PointTable::<Sqrt16, Linear>::new(&entries, &plane);
             let nearest = PointTable::<Sqrt16, Nearest>::new(&entries, &plane);
-            let s = Sample12::from_bits(code << 12);
-            prop_assert_eq!(Classifier::<Compact>::opacity(&linear, s), Classifier::<Compact>::opacity(&nearest, s));
-            prop_assert_eq!(Classifier::<Compact>::colour(&linear, s), Classifier::<Compact>::colour(&nearest, s));
+            let s = code << 12;
+            prop_assert_eq!(Classifier::opacity(&linear, Compact, s), Classifier::opacity(&nearest, Compact, s));
+            prop_assert_eq!(Classifier::colour(&linear, Compact, s), Classifier::colour(&nearest, Compact, s));
         }
 
         #[test]
@@ -496,13 +493,13 @@ mod tests {
             let t = PointTable::<Sqrt8, Linear>::new(&entries, ());
             let mut a = std::vec![0; samples.len()];
             let mut c = [a.clone(), a.clone(), a.clone()];
-            Classifier::<Compact>::opacity_row::<i32>(&t, Slab::of(&samples), &mut a);
+            Classifier::opacity_row::<i32>(&t, Compact, Slab::of(&samples), &mut a);
             let [r, g, b] = &mut c;
-            Classifier::<Compact>::colour_row::<i32>(&t, Slab::of(&samples), [r, g, b]);
+            Classifier::colour_row::<i32>(&t, Compact, Slab::of(&samples), [r, g, b]);
             for (i, &s) in samples.iter().enumerate() {
-                let s = Sample12::from_bits(s);
-                prop_assert_eq!(a[i] as u32, Classifier::<Compact>::opacity(&t, s).to_bits());
-                let colour = Classifier::<Compact>::colour(&t, s).map(|c| c as i32);
+                let s = s;
+                prop_assert_eq!(a[i] as u32, Classifier::opacity(&t, Compact, s).to_bits());
+                let colour = Classifier::colour(&t, Compact, s).map(|c| c as i32);
                 prop_assert_eq!([c[0][i], c[1][i], c[2][i]], colour);
             }
         }

@@ -21,32 +21,35 @@ mod rows;
 mod tests;
 
 use core::fmt::Debug;
-use core::marker::PhantomData;
 
 pub(crate) use self::rows::fold_at;
 pub use self::rows::{Colours, PixelRow, fold_row, fold_visible_row};
 use crate::format::Opacity;
 use crate::lanes::{Lanes, Wide as _};
 
-/// An accumulator format: 0 to 1, both included, as whole multiples of 1 / [`Channel::ONE`].
+/// The memory of a channel: 0 to 1, both included, as whole multiples of 1 / [`Recurrence::one`].
 pub trait Channel: Copy + Debug + Default + Ord + Send + Sync + 'static {
-    /// The format's name in reports.
-    const NAME: &'static str;
-    /// 1.0.
-    const ONE: Self;
-    /// The least value above 0.
-    const LEAST: Self;
     /// Raw bits.
     fn bits(self) -> u32;
     /// From raw bits; those beyond the type are lost.
     fn from_bits(bits: u32) -> Self;
 }
 
+/// A channel whose type says what 1.0 is: what the warp reads.
+pub trait ChannelFormat: Channel {
+    /// The format's name in reports.
+    const NAME: &'static str;
+    /// 1.0.
+    const ONE: Self;
+}
+
 /// 1.15: 32768 is 1.0.
-impl Channel for u16 {
+impl ChannelFormat for u16 {
     const NAME: &'static str = "1.15";
     const ONE: Self = 1 << 15;
-    const LEAST: Self = 1;
+}
+
+impl Channel for u16 {
     #[inline(always)]
     fn bits(self) -> u32 {
         u32::from(self)
@@ -58,10 +61,12 @@ impl Channel for u16 {
 }
 
 /// 1.31: 2^31 is 1.0.
-impl Channel for u32 {
+impl ChannelFormat for u32 {
     const NAME: &'static str = "1.31";
     const ONE: Self = 1 << 31;
-    const LEAST: Self = 1;
+}
+
+impl Channel for u32 {
     #[inline(always)]
     fn bits(self) -> u32 {
         self
@@ -80,10 +85,12 @@ impl Channel for u32 {
 #[repr(transparent)]
 pub struct Unorm16(pub u16);
 
-impl Channel for Unorm16 {
+impl ChannelFormat for Unorm16 {
     const NAME: &'static str = "unorm16";
     const ONE: Self = Self(u16::MAX);
-    const LEAST: Self = Self(1);
+}
+
+impl Channel for Unorm16 {
     #[inline(always)]
     fn bits(self) -> u32 {
         u32::from(self.0)
@@ -104,7 +111,7 @@ pub struct Pixel<C> {
     pub transparency: C,
 }
 
-impl<C: Channel> Pixel<C> {
+impl<C: ChannelFormat> Pixel<C> {
     /// A ray that has met nothing.
     #[inline(always)]
     pub fn clear() -> Self {
@@ -113,7 +120,9 @@ impl<C: Channel> Pixel<C> {
             transparency: C::ONE,
         }
     }
+}
 
+impl<C: Channel> Pixel<C> {
     /// The bits of the channels.
     #[inline(always)]
     fn bits(self) -> Pixel<i32> {
@@ -157,50 +166,64 @@ impl Dither {
 pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
     /// Accumulator format.
     type Channel: Channel;
-    /// Transparency below this becomes 0.
-    const FLOOR: Self::Channel;
-    /// Whether a sample gives exactly the light that it takes, rounding included (front to back).
-    const TELESCOPING: bool;
 
+    /// The channels' format, as reports name it.
+    fn format(self) -> &'static str;
+    /// 1.0 of a channel.
+    fn one(self) -> Self::Channel;
+    /// Transparency below this becomes 0.
+    fn floor(self) -> Self::Channel;
+    /// Whether a sample gives exactly the light that it takes, rounding included (front to back).
+    fn telescoping(self) -> bool;
     /// Fraction bits of a sample's colour: 15 or 31.
-    const COLOUR_BITS: u32;
+    fn colour_bits(self) -> u32;
 
     /// The opacity as this pixel reads it: rounded to what its products can use.
-    fn read(opacity: Opacity) -> Opacity;
+    fn read(self, opacity: Opacity) -> Opacity;
 
-    /// Pixels with one more sample behind them (front to back). `colour` has `COLOUR_BITS`, `opacity` is 1.31. This
+    /// A ray that has met nothing.
+    #[inline(always)]
+    fn clear(self) -> Pixel<Self::Channel> {
+        Pixel {
+            colour: [Self::Channel::default(); 3],
+            transparency: self.one(),
+        }
+    }
+
+    /// Pixels with one more sample behind them (front to back). `colour` has [`colour_bits`](Self::colour_bits), `opacity` is 1.31. This
     /// function is the definition; it leaves out the floor, which [`settle`] applies.
-    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V>;
+    fn over_lanes<V: Lanes>(self, pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V>;
 
     /// Pixels with one more sample in front of them (back to front). The same picture up to rounding.
-    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V>;
+    fn under_lanes<V: Lanes>(self, pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V>;
 
     /// [`Recurrence::over_lanes`] of two vectors of a row's pixels, one behind the other, with the floor applied: for an
     /// arithmetic that makes them together with less work.
     #[inline(always)]
     fn over_two<V: Lanes>(
+        self,
         row: &mut PixelRow<'_, Self::Channel>,
         at: usize,
         [first, second]: [([V; 3], V); 2],
         dither: Dither,
         floor: V,
     ) {
-        fold_at::<Self, FrontToBack, V>(row, at, first, dither, floor);
-        fold_at::<Self, FrontToBack, V>(row, at + V::COUNT, second, dither, floor);
+        fold_at::<Self, FrontToBack, V>(self, row, at, first, dither, floor);
+        fold_at::<Self, FrontToBack, V>(self, row, at + V::COUNT, second, dither, floor);
     }
 
     /// [`Recurrence::over_lanes`] of one pixel.
     #[inline(always)]
-    fn over(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel> {
+    fn over(self, pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel> {
         let (colour, opacity) = (colour.map(|c| c as i32), opacity.to_bits() as i32);
-        Pixel::of_bits(Self::over_lanes(pixel.bits(), colour, opacity, dither))
+        Pixel::of_bits(self.over_lanes(pixel.bits(), colour, opacity, dither))
     }
 
     /// [`Recurrence::under_lanes`] of one pixel.
     #[inline(always)]
-    fn under(pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel> {
+    fn under(self, pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel> {
         let (colour, opacity) = (colour.map(|c| c as i32), opacity.to_bits() as i32);
-        Pixel::of_bits(Self::under_lanes(pixel.bits(), colour, opacity, dither))
+        Pixel::of_bits(self.under_lanes(pixel.bits(), colour, opacity, dither))
     }
 }
 
@@ -237,17 +260,39 @@ fn left31<V: Lanes>(value: V, opacity: V) -> V {
 
 impl Recurrence for Telescoping31 {
     type Channel = u32;
-    const FLOOR: u32 = 1 << 11;
-    const TELESCOPING: bool = true;
-    const COLOUR_BITS: u32 = 31;
 
     #[inline(always)]
-    fn read(opacity: Opacity) -> Opacity {
+    fn format(self) -> &'static str {
+        u32::NAME
+    }
+
+    #[inline(always)]
+    fn one(self) -> u32 {
+        u32::ONE
+    }
+
+    #[inline(always)]
+    fn floor(self) -> u32 {
+        1 << 11
+    }
+
+    #[inline(always)]
+    fn telescoping(self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn colour_bits(self) -> u32 {
+        31
+    }
+
+    #[inline(always)]
+    fn read(self, opacity: Opacity) -> Opacity {
         opacity
     }
 
     #[inline(always)]
-    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+    fn over_lanes<V: Lanes>(self, pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let w = product31(pixel.transparency, opacity);
         let [r, g, b] = pixel.colour;
         let [cr, cg, cb] = colour;
@@ -262,7 +307,7 @@ impl Recurrence for Telescoping31 {
     }
 
     #[inline(always)]
-    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+    fn under_lanes<V: Lanes>(self, pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
             colour: [
@@ -275,77 +320,119 @@ impl Recurrence for Telescoping31 {
     }
 }
 
-/// 16 bits with a dither that changes from plane to plane; 64 bits a pixel. The channel is 1.15 (`u16`) or
-/// [`Unorm16`], which halves every rounding error; the arithmetic does not know its scale.
+/// [`Unorm16`] with a dither that changes from plane to plane; 64 bits per pixel.
 ///
 /// With the plane's [`Dither`] d:
 /// over: `w = (T a + (2 dT + 1) 2^15) >> 31; T -= w; C += (c w + dC) >> 15`;
 /// under: `w` and T alike, `C += ((c - C) a + (2 dC + 1) 2^15) >> 31` with c on the channel's scale.
 /// The opacity keeps its 31 bits: rounded to 1.16 it would be wrong by up to 1 % in thin fog, the same way at every
 /// sample, and no dither could mend that.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dithered<C>(PhantomData<C>);
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dithered;
 
-impl<C: Channel> Dithered<C> {
-    /// The light that a sample takes: at most the transparency, and none at an opacity of 0.
-    #[inline(always)]
-    fn taken<V: Lanes>(transparency: V, opacity: V, dither: Dither) -> V {
-        transparency.product16_31(opacity, (2 * dither.transparency + 1) << 15)
+/// The arithmetic of [`Dithered`] front to back, in channels of any format of at most 16 bits.
+#[inline(always)]
+pub fn dithered_over<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V> {
+    let w = taken(pixel.transparency, opacity, dither);
+    let offset = V::splat(dither.colour as i32);
+    let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
+    Pixel {
+        colour: [r + given(cr, w, offset), g + given(cg, w, offset), b + given(cb, w, offset)],
+        transparency: pixel.transparency - w,
     }
 }
 
-impl<C: Channel> Dithered<C> {
-    /// What a sample of this colour gives of the light that it takes.
-    #[inline(always)]
-    fn given<V: Lanes>(colour: V, taken: V, offset: V) -> V {
-        colour.wrapping_mul(taken).wrapping_add(offset).shr_unsigned(15)
-    }
-
-    /// The same in the upper 16 bits, for twice the offset: twice the sum that is shifted by 15 need not be shifted at all.
-    #[inline(always)]
-    fn given_above<V: Lanes>(colour: V, taken: V, twice_offset: V) -> V {
-        (colour + colour).wrapping_mul(taken).wrapping_add(twice_offset)
-    }
-
-    /// `C + ((c - C) a + half) >> 31`, with C inside the shift so that nothing is negative.
-    #[inline(always)]
-    fn mixed<V: Lanes>(old: V, colour: V, opacity: V, half: V::Wide) -> V {
-        let scaled = colour.wrapping_mul(V::splat(C::ONE.bits() as i32));
-        let scaled = scaled.wrapping_add(V::splat(1 << 14)).shr_unsigned(15);
-        let sum = V::Wide::of(old).shl(31) + scaled.product(opacity) - old.product(opacity);
-        (sum + half).shr_narrow(31)
+/// The arithmetic of [`Dithered`] back to front, in channels in which 1.0 is `one`, at most 65535.
+#[inline(always)]
+pub fn dithered_under<V: Lanes>(
+    one: u32,
+    pixel: Pixel<V>,
+    colour: [V; 3],
+    opacity: V,
+    dither: Dither,
+) -> Pixel<V> {
+    let w = taken(pixel.transparency, opacity, dither);
+    let half = V::Wide::splat(i64::from(2 * dither.colour + 1) << 15);
+    let ([r, g, b], [cr, cg, cb], one) = (pixel.colour, colour, V::splat(one as i32));
+    Pixel {
+        colour: [
+            dithered_mix(r, cr, opacity, one, half),
+            dithered_mix(g, cg, opacity, one, half),
+            dithered_mix(b, cb, opacity, one, half),
+        ],
+        transparency: pixel.transparency - w,
     }
 }
 
-impl<C: Channel> Recurrence for Dithered<C> {
-    type Channel = C;
-    const FLOOR: C = C::LEAST;
-    const TELESCOPING: bool = true;
-    const COLOUR_BITS: u32 = 15;
+/// The light that a sample takes: at most the transparency, and none at an opacity of 0.
+#[inline(always)]
+fn taken<V: Lanes>(transparency: V, opacity: V, dither: Dither) -> V {
+    transparency.product16_31(opacity, (2 * dither.transparency + 1) << 15)
+}
+
+/// What a sample of this colour gives of the light that it takes.
+#[inline(always)]
+fn given<V: Lanes>(colour: V, taken: V, offset: V) -> V {
+    colour.wrapping_mul(taken).wrapping_add(offset).shr_unsigned(15)
+}
+
+/// The same in the upper 16 bits, for twice the offset: twice the sum that is shifted by 15 need not be shifted at all.
+#[inline(always)]
+fn given_above<V: Lanes>(colour: V, taken: V, twice_offset: V) -> V {
+    (colour + colour).wrapping_mul(taken).wrapping_add(twice_offset)
+}
+
+/// `C + ((c - C) a + half) >> 31`, with C inside the shift so that nothing is negative.
+#[inline(always)]
+fn dithered_mix<V: Lanes>(old: V, colour: V, opacity: V, one: V, half: V::Wide) -> V {
+    let scaled = colour.wrapping_mul(one);
+    let scaled = scaled.wrapping_add(V::splat(1 << 14)).shr_unsigned(15);
+    let sum = V::Wide::of(old).shl(31) + scaled.product(opacity) - old.product(opacity);
+    (sum + half).shr_narrow(31)
+}
+
+impl Recurrence for Dithered {
+    type Channel = Unorm16;
 
     #[inline(always)]
-    fn read(opacity: Opacity) -> Opacity {
+    fn format(self) -> &'static str {
+        Unorm16::NAME
+    }
+
+    #[inline(always)]
+    fn one(self) -> Unorm16 {
+        Unorm16::ONE
+    }
+
+    #[inline(always)]
+    fn floor(self) -> Unorm16 {
+        Unorm16(1)
+    }
+
+    #[inline(always)]
+    fn telescoping(self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn colour_bits(self) -> u32 {
+        15
+    }
+
+    #[inline(always)]
+    fn read(self, opacity: Opacity) -> Opacity {
         opacity
     }
 
     #[inline(always)]
-    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V> {
-        let w = Self::taken(pixel.transparency, opacity, dither);
-        let offset = V::splat(dither.colour as i32);
-        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
-        Pixel {
-            colour: [
-                r + Self::given(cr, w, offset),
-                g + Self::given(cg, w, offset),
-                b + Self::given(cb, w, offset),
-            ],
-            transparency: pixel.transparency - w,
-        }
+    fn over_lanes<V: Lanes>(self, pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V> {
+        dithered_over(pixel, colour, opacity, dither)
     }
 
     #[inline(always)]
     fn over_two<V: Lanes>(
-        row: &mut PixelRow<'_, C>,
+        self,
+        row: &mut PixelRow<'_, Unorm16>,
         at: usize,
         [first, second]: [([V; 3], V); 2],
         dither: Dither,
@@ -353,35 +440,25 @@ impl<C: Channel> Recurrence for Dithered<C> {
     ) {
         // No closure and no array's `map`, which may become calls: a call keeps no vector in a register.
         let transparency = &mut *row.transparency;
-        let t0: V = V::load_as(transparency, at, C::bits);
-        let t1: V = V::load_as(transparency, at + V::COUNT, C::bits);
-        let (w0, w1) = (Self::taken(t0, first.1, dither), Self::taken(t1, second.1, dither));
+        let t0: V = V::load_as(transparency, at, Unorm16::bits);
+        let t1: V = V::load_as(transparency, at + V::COUNT, Unorm16::bits);
+        let (w0, w1) = (taken(t0, first.1, dither), taken(t1, second.1, dither));
         let (t0, t1) = (t0 - w0, t1 - w1);
         let left = [t0.at_least_then(floor, t0), t1.at_least_then(floor, t1)];
-        V::store_two_as(left, transparency, at, C::from_bits);
+        V::store_two_as(left, transparency, at, Unorm16::from_bits);
         let (offset, [r0, g0, b0], [r1, g1, b1]) = (V::splat(2 * dither.colour as i32), first.0, second.0);
         let [red, green, blue] = &mut row.colour;
-        let given = [Self::given_above(r0, w0, offset), Self::given_above(r1, w1, offset)];
-        V::add_upper_as(given, red, at, C::bits, C::from_bits);
-        let given = [Self::given_above(g0, w0, offset), Self::given_above(g1, w1, offset)];
-        V::add_upper_as(given, green, at, C::bits, C::from_bits);
-        let given = [Self::given_above(b0, w0, offset), Self::given_above(b1, w1, offset)];
-        V::add_upper_as(given, blue, at, C::bits, C::from_bits);
+        let given = [given_above(r0, w0, offset), given_above(r1, w1, offset)];
+        V::add_upper_as(given, red, at, Unorm16::bits, Unorm16::from_bits);
+        let given = [given_above(g0, w0, offset), given_above(g1, w1, offset)];
+        V::add_upper_as(given, green, at, Unorm16::bits, Unorm16::from_bits);
+        let given = [given_above(b0, w0, offset), given_above(b1, w1, offset)];
+        V::add_upper_as(given, blue, at, Unorm16::bits, Unorm16::from_bits);
     }
 
     #[inline(always)]
-    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V> {
-        let w = Self::taken(pixel.transparency, opacity, dither);
-        let half = V::Wide::splat(i64::from(2 * dither.colour + 1) << 15);
-        let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
-        Pixel {
-            colour: [
-                Self::mixed(r, cr, opacity, half),
-                Self::mixed(g, cg, opacity, half),
-                Self::mixed(b, cb, opacity, half),
-            ],
-            transparency: pixel.transparency - w,
-        }
+    fn under_lanes<V: Lanes>(self, pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V> {
+        dithered_under(Unorm16::ONE.bits(), pixel, colour, opacity, dither)
     }
 }
 
@@ -409,17 +486,39 @@ impl Truncating15 {
 
 impl Recurrence for Truncating15 {
     type Channel = u16;
-    const FLOOR: u16 = 1;
-    const TELESCOPING: bool = false;
-    const COLOUR_BITS: u32 = 15;
 
     #[inline(always)]
-    fn read(opacity: Opacity) -> Opacity {
+    fn format(self) -> &'static str {
+        u16::NAME
+    }
+
+    #[inline(always)]
+    fn one(self) -> u16 {
+        u16::ONE
+    }
+
+    #[inline(always)]
+    fn floor(self) -> u16 {
+        1
+    }
+
+    #[inline(always)]
+    fn telescoping(self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn colour_bits(self) -> u32 {
+        15
+    }
+
+    #[inline(always)]
+    fn read(self, opacity: Opacity) -> Opacity {
         Opacity::from_bits(opacity.to_bits() >> 15 << 15)
     }
 
     #[inline(always)]
-    fn over_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+    fn over_lanes<V: Lanes>(self, pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let (t, a) = Self::sample(opacity);
         let before = pixel.transparency;
         let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
@@ -434,7 +533,7 @@ impl Recurrence for Truncating15 {
     }
 
     #[inline(always)]
-    fn under_lanes<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
+    fn under_lanes<V: Lanes>(self, pixel: Pixel<V>, colour: [V; 3], opacity: V, _: Dither) -> Pixel<V> {
         let (t, a) = Self::sample(opacity);
         let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
@@ -453,19 +552,26 @@ pub trait Order: Copy + Send + Sync + 'static {
     /// Whether planes go from the last to the first.
     const BACK_TO_FRONT: bool;
     /// Folds one sample into each pixel.
-    fn fold<R: Recurrence, V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither, floor: V)
-    -> Pixel<V>;
+    fn fold<R: Recurrence, V: Lanes>(
+        recurrence: R,
+        pixel: Pixel<V>,
+        colour: [V; 3],
+        opacity: V,
+        dither: Dither,
+        floor: V,
+    ) -> Pixel<V>;
     /// Folds samples, colour and opacity, into two vectors of a row's pixels, one behind the other.
     #[inline(always)]
     fn fold_two<R: Recurrence, V: Lanes>(
+        recurrence: R,
         row: &mut PixelRow<'_, R::Channel>,
         at: usize,
         [first, second]: [([V; 3], V); 2],
         dither: Dither,
         floor: V,
     ) {
-        fold_at::<R, Self, V>(row, at, first, dither, floor);
-        fold_at::<R, Self, V>(row, at + V::COUNT, second, dither, floor);
+        fold_at::<R, Self, V>(recurrence, row, at, first, dither, floor);
+        fold_at::<R, Self, V>(recurrence, row, at + V::COUNT, second, dither, floor);
     }
 }
 
@@ -481,39 +587,41 @@ impl Order for FrontToBack {
     const BACK_TO_FRONT: bool = false;
     #[inline(always)]
     fn fold<R: Recurrence, V: Lanes>(
+        recurrence: R,
         pixel: Pixel<V>,
         colour: [V; 3],
         opacity: V,
         dither: Dither,
         floor: V,
     ) -> Pixel<V> {
-        let mut out = R::over_lanes(pixel, colour, opacity, dither);
+        let mut out = recurrence.over_lanes(pixel, colour, opacity, dither);
         out.transparency = out.transparency.at_least_then(floor, out.transparency);
         out
     }
     #[inline(always)]
     fn fold_two<R: Recurrence, V: Lanes>(
+        recurrence: R,
         row: &mut PixelRow<'_, R::Channel>,
         at: usize,
         samples: [([V; 3], V); 2],
         dither: Dither,
         floor: V,
     ) {
-        R::over_two(row, at, samples, dither, floor);
+        recurrence.over_two(row, at, samples, dither, floor);
     }
 }
 
 impl Order for BackToFront {
     const BACK_TO_FRONT: bool = true;
     #[inline(always)]
-    fn fold<R: Recurrence, V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither, _: V) -> Pixel<V> {
-        R::under_lanes(pixel, colour, opacity, dither)
+    fn fold<R: Recurrence, V: Lanes>(recurrence: R, pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither, _: V) -> Pixel<V> {
+        recurrence.under_lanes(pixel, colour, opacity, dither)
     }
 }
 
 /// A channel as an 8-bit value, exactly rounded, halves up: `min(255, floor(255 C / ONE + 1/2))`.
 #[inline]
-pub fn to_byte<C: Channel>(channel: C) -> u8 {
+pub fn to_byte<C: ChannelFormat>(channel: C) -> u8 {
     let one = u64::from(C::ONE.bits());
     // The divisor is a constant of the type, never 0.
     let rounded = (u64::from(channel.bits()) * 510 + one).checked_div(2 * one);

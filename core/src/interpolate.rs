@@ -19,59 +19,62 @@ use core::ops::Range;
 
 use crate::format::Weight;
 use crate::lanes::{Lanes, places};
-use crate::precision::Precision;
+use crate::precision::{Formats, Precision};
 
 /// Sixteen-bit weight with the bits that a precision does not have cut off.
 #[inline(always)]
-pub(crate) fn cut<P: Precision>(weight: Weight) -> i32 {
-    (weight.to_bits() & (u32::MAX << (16 - P::WEIGHT_BITS))) as i32
+pub(crate) fn cut<P: Precision>(p: P, weight: Weight) -> i32 {
+    (weight.to_bits() & (u32::MAX << (16 - p.formats().weight_bits))) as i32
 }
 
 /// A number with all 16 fraction bits, rounded to those that a precision keeps between its steps.
 #[inline(always)]
-pub(crate) fn kept<P: Precision, V: Lanes>(exact: V) -> V {
-    let cut = 16 - P::LERP_BITS;
+pub(crate) fn kept<P: Precision, V: Lanes>(p: P, exact: V) -> V {
+    let Formats { lerp_bits, lerp_rounding, .. } = p.formats();
+    let cut = 16 - lerp_bits;
     if cut == 0 {
         exact
     } else {
-        ((exact + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut) << cut
+        ((exact + V::splat(lerp_rounding.bias(cut) as i32)) >> cut) << cut
     }
 }
 
 /// `WHOLE`: `a` and `b` are whole numbers, and so their difference times the weight is exact.
 #[inline(always)]
-pub(crate) fn lerp_y<P: Precision, V: Lanes, const WHOLE: bool>(a: V, b: V, w: V) -> V {
-    let cut = 16 - P::LERP_BITS;
+pub(crate) fn lerp_y<P: Precision, V: Lanes, const WHOLE: bool>(p: P, a: V, b: V, w: V) -> V {
+    let Formats { lerp_bits, lerp_rounding, .. } = p.formats();
+    let cut = 16 - lerp_bits;
     if WHOLE {
-        kept::<P, V>(a + ((b - a) >> 16) * w)
+        kept(p, a + ((b - a) >> 16) * w)
     } else if cut == 0 {
-        a + (b - a).scale16(w, P::LERP_ROUNDING.bias(16))
+        a + (b - a).scale16(w, lerp_rounding.bias(16))
     } else {
-        kept::<P, V>(a + (b - a).scale16(w, 0))
+        kept(p, a + (b - a).scale16(w, 0))
     }
 }
 
 #[inline(always)]
-pub(crate) fn lerp_x<P: Precision, V: Lanes>(a: V, b: V, w: V) -> V {
-    let cut = 16 - P::SAMPLE_BITS;
-    (a + (b - a).scale16(w, 0) + V::splat(P::LERP_ROUNDING.bias(cut) as i32)) >> cut
+pub(crate) fn lerp_x<P: Precision, V: Lanes>(p: P, a: V, b: V, w: V) -> V {
+    let Formats { sample_bits, lerp_rounding, .. } = p.formats();
+    let cut = 16 - sample_bits;
+    (a + (b - a).scale16(w, 0) + V::splat(lerp_rounding.bias(cut) as i32)) >> cut
 }
 
 /// The value at a sample: `voxels[z][y][x]` are the corners of its cell (each -4095 to 8190), `weights` those of x, y
 /// and z. This function is the definition; the row kernels apply its three parts.
-pub fn trilinear<P: Precision>(voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3]) -> P::Sample {
-    let [wx, wy, wz] = weights.map(cut::<P>);
+pub fn trilinear<P: Precision>(p: P, voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3]) -> i32 {
+    let [wx, wy, wz] = weights.map(|weight| cut(p, weight));
     let [near, far] = voxels;
     let [[n00, n01], [n10, n11]] = near.map(|row| row.map(i32::from));
     let [[f00, f01], [f10, f11]] = far.map(|row| row.map(i32::from));
-    let left = lerp_y::<P, i32, false>(n00.between16(f00, wz), n10.between16(f10, wz), wy);
-    let right = lerp_y::<P, i32, false>(n01.between16(f01, wz), n11.between16(f11, wz), wy);
-    fixed::traits::Fixed::from_bits(lerp_x::<P, i32>(left, right, wx))
+    let left = lerp_y::<P, i32, false>(p, n00.between16(f00, wz), n10.between16(f10, wz), wy);
+    let right = lerp_y::<P, i32, false>(p, n01.between16(f01, wz), n11.between16(f11, wz), wy);
+    lerp_x(p, left, right, wx)
 }
 
 /// z interpolation of a row of voxels. `out`: s15.16, as long as the rows.
 #[inline(always)]
-pub fn z_row<P: Precision, V: Lanes>(near: &[u16], far: &[u16], weight: Weight, out: &mut [i32]) {
+pub fn z_row<P: Precision, V: Lanes>(p: P, near: &[u16], far: &[u16], weight: Weight, out: &mut [i32]) {
     let len = out.len();
     let (Some(near), Some(far)) = (near.get(..len), far.get(..len)) else {
         return;
@@ -83,7 +86,7 @@ pub fn z_row<P: Precision, V: Lanes>(near: &[u16], far: &[u16], weight: Weight, 
         }
         return;
     }
-    let w = V::splat(cut::<P>(weight));
+    let w = V::splat(cut(p, weight));
     for at in places::<V>(len) {
         V::load_voxels(near, at)
             .between16(V::load_voxels(far, at), w)
@@ -181,6 +184,7 @@ impl Difference<'_> {
 /// z interpolation of a row of derivatives along z. `out`: s15.16, as long as the rows.
 #[inline(always)]
 pub fn z_difference_row<P: Precision, V: Lanes>(
+    p: P,
     near: Difference<'_>,
     far: Difference<'_>,
     weight: Weight,
@@ -197,7 +201,7 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
         }
         return;
     }
-    let w = V::splat(cut::<P>(weight));
+    let w = V::splat(cut(p, weight));
     let scales = [near.scale, far.scale];
     for at in places::<V>(len) {
         let (mut a, mut b) = (near.lanes::<V>(at), far.lanes::<V>(at));
@@ -215,19 +219,19 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
 /// `out`: samples. Behind the last element there are zeros: they are read with a weight of 0 only (a sample behind the
 /// last voxel lies outside the volume).
 #[inline(always)]
-pub fn yx_row<P: Precision, V: Lanes>(a: &[i32], b: &[i32], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
+pub fn yx_row<P: Precision, V: Lanes>(p: P, a: &[i32], b: &[i32], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
     // On small machines both take as many instructions.
     if whole && !V::SMALL {
-        yx_row_of::<P, V, _, true>(TwoRows(a, b), weights, out);
+        yx_row_of::<P, V, _, true>(p, TwoRows(a, b), weights, out);
     } else {
-        yx_row_of::<P, V, _, false>(TwoRows(a, b), weights, out);
+        yx_row_of::<P, V, _, false>(p, TwoRows(a, b), weights, out);
     }
 }
 
 /// [`yx_row`] of the voxels themselves: for a plane that lies in a slice, where there is nothing to interpolate along z.
 #[inline(always)]
-pub fn yx_row_in_slice<P: Precision, V: Lanes>(a: &[u16], b: &[u16], weights: [Weight; 2], out: &mut [i32]) {
-    yx_row_of::<P, V, _, true>(TwoRows(a, b), weights, out);
+pub fn yx_row_in_slice<P: Precision, V: Lanes>(p: P, a: &[u16], b: &[u16], weights: [Weight; 2], out: &mut [i32]) {
+    yx_row_of::<P, V, _, true>(p, TwoRows(a, b), weights, out);
 }
 
 /// Two rows, between which y interpolation takes place; `WHOLE`: of whole numbers.
@@ -260,35 +264,36 @@ impl<T, const WHOLE: bool> TwoRows<'_, T, WHOLE> {
 /// Interpolation along y.
 trait AlongY {
     /// Between the elements `at ..` of two rows, s15.16.
-    fn between<P: Precision, V: Lanes>(&self, at: usize, w: V) -> V;
+    fn between<P: Precision, V: Lanes>(&self, p: P, at: usize, w: V) -> V;
 }
 
 /// Of what z interpolation has made.
 impl<const WHOLE: bool> AlongY for TwoRows<'_, i32, WHOLE> {
     #[inline(always)]
-    fn between<P: Precision, V: Lanes>(&self, at: usize, w: V) -> V {
-        lerp_y::<P, V, WHOLE>(V::load(self.0, at), V::load(self.1, at), w)
+    fn between<P: Precision, V: Lanes>(&self, p: P, at: usize, w: V) -> V {
+        lerp_y::<P, V, WHOLE>(p, V::load(self.0, at), V::load(self.1, at), w)
     }
 }
 
 /// Of voxels: what [`lerp_y`] makes of whole numbers.
 impl AlongY for TwoRows<'_, u16, true> {
     #[inline(always)]
-    fn between<P: Precision, V: Lanes>(&self, at: usize, w: V) -> V {
-        kept::<P, V>(V::load_voxels(self.0, at).between16(V::load_voxels(self.1, at), w))
+    fn between<P: Precision, V: Lanes>(&self, p: P, at: usize, w: V) -> V {
+        kept(p, V::load_voxels(self.0, at).between16(V::load_voxels(self.1, at), w))
     }
 }
 
 #[inline(always)]
 fn yx_row_of<P: Precision, V: Lanes, T, const WHOLE: bool>(
+    p: P,
     rows: TwoRows<'_, T, WHOLE>,
     [wx, wy]: [Weight; 2],
     out: &mut [i32],
 ) where
     for<'a> TwoRows<'a, T, WHOLE>: AlongY,
 {
-    let (wx, wy) = (V::splat(cut::<P>(wx)), V::splat(cut::<P>(wy)));
-    let mut here = rows.between::<P, V>(0, wy);
+    let (wx, wy) = (V::splat(cut(p, wx)), V::splat(cut(p, wy)));
+    let mut here = rows.between::<P, V>(p, 0, wy);
     let behind = rows.behind::<V>();
     let (len, behind) = if V::COUNT == 1 {
         // A single lane stops before an element that has no right neighbour.
@@ -301,18 +306,17 @@ fn yx_row_of<P: Precision, V: Lanes, T, const WHOLE: bool>(
         return;
     };
     for at in places::<V>(len) {
-        let next = behind.between::<P, V>(at, wy);
-        lerp_x::<P, V>(here, here.followed_by(next), wx).store(inner, at);
+        let next = behind.between::<P, V>(p, at, wy);
+        lerp_x(p, here, here.followed_by(next), wx).store(inner, at);
         here = next;
     }
-    lerp_x::<P, V>(here, V::splat(0), wx).store(last, 0);
+    lerp_x(p, here, V::splat(0), wx).store(last, 0);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::precision::{Compact, Paper, Wide};
-    use fixed::traits::Fixed as _;
     use proptest::prelude::*;
     use std::vec;
 
@@ -341,15 +345,15 @@ mod tests {
             let w = w.map(u32::from);
             let weights = w.map(Weight::from_bits);
             let e = exact(v, w);
-            let wide = f64::from(trilinear::<Wide>(v, weights).to_bits()) - e * 32768.0;
+            let wide = f64::from(trilinear(Wide, v, weights)) - e * 32768.0;
             prop_assert!(wide.abs() <= 0.75 + 1e-6, "wide {wide}");
-            let compact = f64::from(trilinear::<Compact>(v, weights).to_bits()) - e * 4096.0;
+            let compact = f64::from(trilinear(Compact, v, weights)) - e * 4096.0;
             prop_assert!(compact.abs() <= 0.5 + 1.0 / 32.0 + 1e-6, "compact {compact}");
             let cut = w.map(|w| w & !15);
-            let paper = f64::from(trilinear::<Paper>(v, weights).to_bits()) - exact(v, cut) * 4096.0;
+            let paper = f64::from(trilinear(Paper, v, weights)) - exact(v, cut) * 4096.0;
             prop_assert!(paper > -2.0 && paper <= 1e-6, "paper {paper}");
             let (low, high) = v.iter().flatten().flatten().fold((4095, 0), |(l, h), &c| (c.min(l), c.max(h)));
-            let bits = trilinear::<Wide>(v, weights).to_bits();
+            let bits = trilinear(Wide, v, weights);
             prop_assert!((i32::from(low) << 15..=i32::from(high) << 15).contains(&bits));
         }
 
@@ -357,13 +361,13 @@ mod tests {
         fn rows_are_the_scalar(length in 1usize..=33, seed in any::<u64>(), w in any::<[u16; 3]>(), in_slice in any::<bool>()) {
             let [x, y, z] = w;
             let w = [x, y, if in_slice { 0 } else { z }];
-            rows::<Paper>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
-            rows::<Compact>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
-            rows::<Wide>(length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
+            rows(Paper, length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
+            rows(Compact, length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
+            rows(Wide, length, seed, w.map(|w| Weight::from_bits(u32::from(w))))?;
         }
     }
 
-    fn rows<P: Precision>(length: usize, seed: u64, weights: [Weight; 3]) -> Result<(), TestCaseError> {
+    fn rows<P: Precision>(p: P, length: usize, seed: u64, weights: [Weight; 3]) -> Result<(), TestCaseError> {
         let mut state = seed | 1;
         let mut voxel = || {
             state = state
@@ -375,18 +379,18 @@ mod tests {
         let [n0, n1, f0, f1] = [row(), row(), row(), row()];
         let [wx, wy, wz] = weights;
         let (mut z0, mut z1, mut s) = (vec![0; length], vec![0; length], vec![0; length]);
-        z_row::<P, i32>(&n0, &f0, wz, &mut z0);
-        z_row::<P, i32>(&n1, &f1, wz, &mut z1);
-        yx_row::<P, i32>(&z0, &z1, wz == Weight::ZERO, [wx, wy], &mut s);
+        z_row::<P, i32>(p, &n0, &f0, wz, &mut z0);
+        z_row::<P, i32>(p, &n1, &f1, wz, &mut z1);
+        yx_row::<P, i32>(p, &z0, &z1, wz == Weight::ZERO, [wx, wy], &mut s);
         if wz == Weight::ZERO {
             let mut of_voxels = vec![0; length];
-            yx_row_in_slice::<P, i32>(&n0, &n1, [wx, wy], &mut of_voxels);
+            yx_row_in_slice::<P, i32>(p, &n0, &n1, [wx, wy], &mut of_voxels);
             prop_assert_eq!(&s, &of_voxels);
         }
         for i in 0..length {
             let pair = |r: &[u16]| [r[i] as i16, r.get(i + 1).copied().unwrap_or(0) as i16];
             let v = [[pair(&n0), pair(&n1)], [pair(&f0), pair(&f1)]];
-            prop_assert_eq!(s[i], trilinear::<P>(v, weights).to_bits());
+            prop_assert_eq!(s[i], trilinear(p, v, weights));
         }
         Ok(())
     }
@@ -408,9 +412,9 @@ mod tests {
         for bits in [0, 1, 32768, 65535] {
             let w = Weight::from_bits(bits);
             let (mut a, mut b, mut s) = ([0; 2], [0; 2], [0; 2]);
-            z_difference_row::<Wide, i32>(up, down, w, &mut a);
-            z_difference_row::<Wide, i32>(down, up, w, &mut b);
-            yx_row::<Wide, i32>(&[a[0], -a[1]], &[b[0], -b[1]], bits == 0, [w, w], &mut s);
+            z_difference_row::<_, i32>(Wide, up, down, w, &mut a);
+            z_difference_row::<_, i32>(Wide, down, up, w, &mut b);
+            yx_row::<_, i32>(Wide, &[a[0], -a[1]], &[b[0], -b[1]], bits == 0, [w, w], &mut s);
             let f = f64::from(bits) / 65536.0;
             let exact = 8190.0 * (1.0 - 2.0 * f) * (1.0 - 2.0 * f) * (1.0 - 2.0 * f);
             assert!((f64::from(s[0]) / 32768.0 - exact).abs() < 1e-4, "{bits}");

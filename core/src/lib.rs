@@ -18,7 +18,7 @@
 //! ```
 //! use slicecast::classify::{Linear, PointTable, Sqrt16, entry};
 //! use slicecast::table::ENTRIES;
-//! use slicecast::composite::FrontToBack;
+//! use slicecast::composite::{FrontToBack, Unorm16};
 //! use slicecast::plan::{Plan, Sampling, Spacing};
 //! use slicecast::plane::{Composite, Pipeline};
 //! use slicecast::precision::Compact;
@@ -34,7 +34,7 @@
 //! // Every code is white, with the root of its opacity at 0x2000 / 0x10000: 1/64 a step.
 //! static WHITE: [u32; ENTRIES] = [entry([255; 3], 0x20); ENTRIES];
 //! static LOW: [u8; ENTRIES] = [0; ENTRIES];
-//! let pipeline = Unshaded::new(PointTable::new(&WHITE, &LOW), Unlit);
+//! let pipeline = Unshaded::new(Compact, PointTable::new(&WHITE, &LOW), Unlit);
 //!
 //! let view = View::from_angles(0.0, 0.0, [1.0; 3])?;
 //! let plan = Plan::new(view, [8, 8, 8], Spacing::CUBIC, Sampling::default())?;
@@ -42,7 +42,7 @@
 //! let mut slices = vec![0; needs.slices];
 //! let mut ranges = vec![RowRange::EMPTY; needs.ranges];
 //! let mut scratch = vec![0; needs.scratch];
-//! let mut image = vec![Unshaded::empty(0); needs.image];
+//! let mut image = vec![Unorm16::default(); needs.image];
 //! let memory = Memory { slices: &mut slices, ranges: &mut ranges, scratch: &mut scratch, image: &mut image };
 //!
 //! let mut stream = Stream::new(plan, pipeline, memory)?;

@@ -34,7 +34,7 @@ pub use self::composite::Composite;
 pub use self::project::Project;
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;
-use crate::composite::{Pixel, Recurrence};
+use crate::composite::{ChannelFormat, Pixel, Recurrence};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
 use crate::plan::Plan;
@@ -51,7 +51,7 @@ pub trait Pipeline: Sync {
     /// Its number formats.
     type Precision: Precision;
     /// What a base-plane image is made of. A row of the image is `CHANNELS` runs of `width` elements.
-    type Element: Copy + Debug + Send + Sync + 'static;
+    type Element: Copy + Debug + Default + Send + Sync + 'static;
     /// Runs in a row of the image.
     const CHANNELS: usize;
     /// Slices that must be at hand at a time: 2, or 4 for gradients.
@@ -64,8 +64,10 @@ pub trait Pipeline: Sync {
     fn support(&self) -> Option<Support> {
         None
     }
+    /// The formats that the pipeline works in.
+    fn precision(&self) -> Self::Precision;
     /// What an element of an untouched image holds, for the run of that number.
-    fn empty(channel: usize) -> Self::Element;
+    fn empty(&self, channel: usize) -> Self::Element;
 
     /// Folds a plane into rows, with these lanes; the bits do not depend on them.
     ///
@@ -89,6 +91,11 @@ pub trait Pipeline: Sync {
     fn pixel(&self, row: &[Self::Element], column: usize) -> Pixel<ChannelOf<Self::Precision>>;
 }
 
+/// A pipeline whose channels make pictures: their type says what 1.0 is.
+pub trait Pictured: Pipeline<Precision: Precision<Pixel: Recurrence<Channel: ChannelFormat>>> {}
+
+impl<L: Pipeline<Precision: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>> Pictured for L {}
+
 impl<L: Pipeline> Pipeline for &L {
     type Precision = L::Precision;
     type Element = L::Element;
@@ -101,8 +108,12 @@ impl<L: Pipeline> Pipeline for &L {
         L::support(self)
     }
 
-    fn empty(channel: usize) -> Self::Element {
-        L::empty(channel)
+    fn precision(&self) -> L::Precision {
+        L::precision(self)
+    }
+
+    fn empty(&self, channel: usize) -> Self::Element {
+        L::empty(self, channel)
     }
 
     #[inline(always)]
@@ -164,10 +175,10 @@ pub struct Rows<'a, E> {
 }
 
 /// Fills rows with what an untouched image holds.
-pub fn clear<L: Pipeline>(plan: &Plan, data: &mut [L::Element]) {
+pub fn clear<L: Pipeline>(pipeline: &L, plan: &Plan, data: &mut [L::Element]) {
     let [width, _] = plan.base();
     for (index, run) in data.chunks_mut((width as usize).max(1)).enumerate() {
         let channel = index.checked_rem(L::CHANNELS).unwrap_or(0);
-        run.fill(L::empty(channel));
+        run.fill(pipeline.empty(channel));
     }
 }

@@ -1,7 +1,8 @@
 //! The named precisions: which formats and roundings the stages use.
 //!
-//! A precision is a type with constants and nothing else; every stage is written once, over any precision. Firmware
-//! names the one it uses and pays for that one.
+//! Every stage is written once, over any precision; shapes (the pixel's arithmetic) are types, and widths are numbers. A
+//! named precision is a value without size, whose numbers are constants of the compiled pipeline: firmware names the one it
+//! uses and pays for that one.
 //!
 //! | | [`Paper`] | [`Compact`] | [`Wide`] |
 //! |---|---|---|---|
@@ -12,41 +13,44 @@
 //! | colour | 1.15 | 1.15 | 1.31 |
 //! | pixel | 1.15 truncated, 64 bits | 16 bits, 65535 is 1, telescoping with plane dither, 64 bits | 1.31 telescoping, 128 bits |
 
-use fixed::traits::Fixed;
+use core::fmt::Debug;
 
-use crate::composite::{Dithered, Recurrence, Telescoping31, Truncating15, Unorm16};
-use crate::format::{Rounding, Sample12, Sample15};
+use crate::composite::{Dithered, Recurrence, Telescoping31, Truncating15};
+use crate::format::Rounding;
 
-/// The formats and roundings of a pipeline.
-pub trait Precision: Copy + Default + Send + Sync + 'static {
-    /// Sample format: 32 bits with at most 15 fraction bits (more would overflow the mixing of table entries).
-    type Sample: Fixed<Bits = i32>;
+/// The formats and roundings of a pipeline. A value of a named precision has no size, and its numbers are constants of the
+/// compiled pipeline; a study may keep numbers in fields.
+pub trait Precision: Copy + Debug + Send + Sync + 'static {
     /// The pixel: its channel format and the arithmetic that folds a sample into it.
     type Pixel: Recurrence;
     /// The name that reports use.
     const NAME: &'static str;
-    /// Bits of a 0.16 interpolation weight that are used; the rest are cut off.
-    const WEIGHT_BITS: u32;
-    /// Fraction bits kept after the y interpolation, at most 16.
-    const LERP_BITS: u32;
-    /// How interpolation loses its low bits.
-    const LERP_ROUNDING: Rounding;
-    /// How the normal reaches the dot product.
-    const NORMAL: NormalForm;
-    /// The arithmetic of shading.
-    const SHADING: Shading;
 
-    /// Whether pipelines of it fold blocks of columns. Without, they fold whole rows, which are the same bits: a study has
-    /// many pipelines to compile, and times none of them by blocks.
-    const BLOCKS: bool = true;
+    /// Widths and roundings up to the shaded colour.
+    fn formats(self) -> Formats;
+    /// The pixel's arithmetic.
+    fn pixel(self) -> Self::Pixel;
+}
+
+/// Widths and roundings of the stages before compositing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Formats {
+    /// Bits of a 0.16 interpolation weight that are used, at most 16; the rest are cut off.
+    pub weight_bits: u32,
+    /// Fraction bits kept after the y interpolation, at most 16.
+    pub lerp_bits: u32,
+    /// How interpolation loses its low bits.
+    pub lerp_rounding: Rounding,
+    /// Fraction bits of a sample, 1 to 15: more would overflow the mixing of table entries.
+    pub sample_bits: u32,
     /// Bits of a gradient's largest component that normalisation reads, 1 to 15; the others keep the same scale.
-    const GRADIENT_BITS: u32 = 15;
+    pub gradient_bits: u32,
+    /// How the normal reaches the dot product.
+    pub normal: NormalForm,
+    /// The arithmetic of shading.
+    pub shading: Shading,
     /// How a highlight's power is formed.
-    const POWER: Power = Self::SHADING.power();
-    /// Fraction bits of a colour: 15 or 31, as the pixel takes it.
-    const COLOUR_BITS: u32 = <Self::Pixel as Recurrence>::COLOUR_BITS;
-    /// Fraction bits of a sample.
-    const SAMPLE_BITS: u32 = Self::Sample::FRAC_NBITS;
+    pub power: Power,
 }
 
 /// How a normal takes part in a dot product.
@@ -85,14 +89,6 @@ pub enum Power {
 }
 
 impl Shading {
-    /// The power that belongs to this arithmetic.
-    pub const fn power(self) -> Power {
-        match self {
-            Self::Truncated16 => Power::Truncated16,
-            Self::Rounded16 | Self::Rounded31 => Power::Rounded31,
-        }
-    }
-
     /// Fraction bits of the components of light and viewing vectors.
     pub const fn vector_bits(self) -> u32 {
         match self {
@@ -123,34 +119,73 @@ pub struct Compact;
 pub struct Wide;
 
 impl Precision for Paper {
-    type Sample = Sample12;
     type Pixel = Truncating15;
     const NAME: &'static str = "paper";
-    const WEIGHT_BITS: u32 = 12;
-    const LERP_BITS: u32 = 12;
-    const LERP_ROUNDING: Rounding = Rounding::Truncate;
-    const NORMAL: NormalForm = NormalForm::Formed(12);
-    const SHADING: Shading = Shading::Truncated16;
+
+    #[inline(always)]
+    fn formats(self) -> Formats {
+        Formats {
+            weight_bits: 12,
+            lerp_bits: 12,
+            lerp_rounding: Rounding::Truncate,
+            sample_bits: 12,
+            gradient_bits: 15,
+            normal: NormalForm::Formed(12),
+            shading: Shading::Truncated16,
+            power: Power::Truncated16,
+        }
+    }
+
+    #[inline(always)]
+    fn pixel(self) -> Truncating15 {
+        Truncating15
+    }
 }
 
 impl Precision for Compact {
-    type Sample = Sample12;
-    type Pixel = Dithered<Unorm16>;
+    type Pixel = Dithered;
     const NAME: &'static str = "compact";
-    const WEIGHT_BITS: u32 = 16;
-    const LERP_BITS: u32 = 16;
-    const LERP_ROUNDING: Rounding = Rounding::Nearest;
-    const NORMAL: NormalForm = NormalForm::Deferred;
-    const SHADING: Shading = Shading::Rounded16;
+
+    #[inline(always)]
+    fn formats(self) -> Formats {
+        Formats {
+            weight_bits: 16,
+            lerp_bits: 16,
+            lerp_rounding: Rounding::Nearest,
+            sample_bits: 12,
+            gradient_bits: 15,
+            normal: NormalForm::Deferred,
+            shading: Shading::Rounded16,
+            power: Power::Rounded31,
+        }
+    }
+
+    #[inline(always)]
+    fn pixel(self) -> Dithered {
+        Dithered
+    }
 }
 
 impl Precision for Wide {
-    type Sample = Sample15;
     type Pixel = Telescoping31;
     const NAME: &'static str = "wide";
-    const WEIGHT_BITS: u32 = 16;
-    const LERP_BITS: u32 = 16;
-    const LERP_ROUNDING: Rounding = Rounding::Nearest;
-    const NORMAL: NormalForm = NormalForm::Deferred;
-    const SHADING: Shading = Shading::Rounded31;
+
+    #[inline(always)]
+    fn formats(self) -> Formats {
+        Formats {
+            weight_bits: 16,
+            lerp_bits: 16,
+            lerp_rounding: Rounding::Nearest,
+            sample_bits: 15,
+            gradient_bits: 15,
+            normal: NormalForm::Deferred,
+            shading: Shading::Rounded31,
+            power: Power::Rounded31,
+        }
+    }
+
+    #[inline(always)]
+    fn pixel(self) -> Telescoping31 {
+        Telescoping31
+    }
 }

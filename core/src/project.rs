@@ -53,21 +53,18 @@ pub fn keep_row<X: Extreme, V: Lanes>(row: &mut [i32], samples: &[i32]) {
 /// The picture's pixel of a kept sample.
 #[inline]
 pub fn resolve<P: Precision, X: Extreme>(
+    p: P,
     kept: i32,
     classifier: &impl Classifier<P>,
 ) -> Pixel<<P::Pixel as Recurrence>::Channel> {
+    let clear = p.pixel().clear();
     if kept == X::EMPTY {
-        return Pixel::clear();
+        return clear;
     }
-    let sample: P::Sample = fixed::traits::Fixed::from_bits(kept);
     let none = Dither {
         transparency: 0,
         colour: 0,
     };
-    P::Pixel::over(
-        Pixel::clear(),
-        classifier.colour(sample),
-        classifier.opacity(sample),
-        none,
-    )
+    p.pixel()
+        .over(clear, classifier.colour(p, kept), classifier.opacity(p, kept), none)
 }

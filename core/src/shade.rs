@@ -29,8 +29,6 @@ mod arithmetic;
 #[cfg(test)]
 mod tests;
 
-use core::marker::PhantomData;
-
 use heapless::Vec;
 
 use crate::composite::Colours;
@@ -53,7 +51,7 @@ pub trait Shader<P: Precision>: Sync {
     const LIT: bool;
 
     /// Shades the colours of a row in place, so that its rows hold them. Rows of equal length: components of g, r, and
-    /// colours (`P::COLOUR_BITS`).
+    /// colours (as the pixel takes them).
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>);
 }
 
@@ -104,7 +102,7 @@ pub struct Phong<P> {
     grey: bool,
     /// See [`least_bright`].
     least_bright: u32,
-    precision: PhantomData<P>,
+    precision: P,
 }
 
 /// A light with the bits that a precision keeps.
@@ -162,21 +160,21 @@ impl core::error::Error for PhongError {}
 
 /// A coefficient with the bits that a precision keeps, to nearest.
 #[inline]
-pub fn keep<P: Precision>(coefficient: Coefficient) -> u32 {
-    let cut = 31 - P::SHADING.coefficient_bits();
+pub fn keep<P: Precision>(p: P, coefficient: Coefficient) -> u32 {
+    let cut = 31 - p.formats().shading.coefficient_bits();
     (coefficient.to_bits() + ((1 << cut) >> 1)) >> cut
 }
 
 /// A unit vector with the bits that a precision keeps. At 15 bits it is the nearest lattice vector, or that one of its
 /// 26 neighbours whose length is nearest to 1: a highlight raises the length to its exponent. Length error 1.5e-5
 /// (plain rounding: 2.2e-5).
-pub fn keep_vector<P: Precision>(vector: [Vector; 3]) -> [i32; 3] {
+pub fn keep_vector<P: Precision>(p: P, vector: [Vector; 3]) -> [i32; 3] {
     let exact = vector.map(Vector::to_bits);
-    let cut = 30 - P::SHADING.vector_bits();
+    let cut = 30 - p.formats().shading.vector_bits();
     if cut == 0 {
         return exact;
     }
-    let one = 1i64 << P::SHADING.vector_bits();
+    let one = 1i64 << p.formats().shading.vector_bits();
     let nearest = exact.map(|c| (i64::from(c) + ((1 << cut) >> 1)) >> cut);
     let (mut best, mut least) = (nearest, (u64::MAX, u64::MAX));
     for x in -1..=1 {
@@ -208,6 +206,7 @@ impl<P: Precision> Phong<P> {
     /// # Errors
     /// [`PhongError`], with the value that is out of range.
     pub fn new(
+        p: P,
         ambient: [Coefficient; 3],
         lights: &[Light],
         viewer: [Vector; 3],
@@ -235,30 +234,30 @@ impl<P: Precision> Phong<P> {
         }
         let mut sources = Vec::new();
         for light in lights {
-            let direction = keep_vector::<P>(light.direction);
+            let direction = keep_vector(p, light.direction);
             let source = Source {
                 away: opposite(direction),
-                away_from_half: opposite(keep_vector::<P>(light.half)),
-                along: along(keep_vector::<P>(viewer), direction),
-                diffuse: light.diffuse.map(keep::<P>),
-                specular: light.specular.map(keep::<P>),
+                away_from_half: opposite(keep_vector(p, light.half)),
+                along: along(keep_vector(p, viewer), direction),
+                diffuse: light.diffuse.map(|c| keep(p, c)),
+                specular: light.specular.map(|c| keep(p, c)),
             };
             sources
                 .push(source)
                 .map_err(|_| PhongError::Lights { given: lights.len() })?;
         }
-        let ambient = ambient.map(keep::<P>);
+        let ambient = ambient.map(|c| keep(p, c));
         let equal = |[r, g, b]: [u32; 3]| r == g && g == b;
         let grey = equal(ambient) && sources.iter().all(|l| equal(l.diffuse) && equal(l.specular));
         Ok(Self {
             ambient,
             grey,
-            least_bright: least_bright::<P>(exponent_log2),
+            least_bright: least_bright(p, exponent_log2),
             lights: sources,
-            away_from_viewer: opposite(keep_vector::<P>(viewer)),
+            away_from_viewer: opposite(keep_vector(p, viewer)),
             highlight,
             exponent_log2,
-            precision: PhantomData,
+            precision: p,
         })
     }
 
@@ -284,7 +283,7 @@ impl<P: Precision> Phong<P> {
         classified: Option<[u32; 3]>,
         [red, green, blue]: [&mut [i32]; 3],
     ) {
-        let len = normals.r.len();
+        let (p, len) = (self.precision, normals.r.len());
         let (zero, dark) = (V::splat(0), V::Wide::splat(0));
         let reflection = self.highlight == Highlight::Reflection;
         for start in (0..len).step_by(B * V::COUNT) {
@@ -293,27 +292,27 @@ impl<P: Precision> Phong<P> {
             let mut facing = [dark; B];
             for ((sums, facing), at) in sums.iter_mut().zip(&mut facing).zip(places.clone()) {
                 for (sum, k) in sums.iter_mut().zip(self.ambient) {
-                    *sum = [ambient::<P, V>(k), zero];
+                    *sum = [ambient::<P, V>(p, k), zero];
                 }
                 if reflection {
-                    *facing = normals.dot::<P, V>(at, self.away_from_viewer);
+                    *facing = normals.dot::<P, V>(p, at, self.away_from_viewer);
                 }
             }
             for light in &self.lights {
                 let mut bases = [dark; B];
                 for (((sums, base), nv), at) in sums.iter_mut().zip(&mut bases).zip(&facing).zip(places.clone()) {
-                    let nl = normals.dot::<P, V>(at, light.away);
+                    let nl = normals.dot::<P, V>(p, at, light.away);
                     if !nl.any_at_least(1) {
                         continue;
                     }
                     *base = if reflection {
-                        reflected_lanes::<P, V>(*nv, nl, light.along)
+                        reflected_lanes::<P, V>(p, *nv, nl, light.along)
                     } else {
-                        nl.nonzero_then(normals.dot::<P, V>(at, light.away_from_half))
+                        nl.nonzero_then(normals.dot::<P, V>(p, at, light.away_from_half))
                     };
-                    let x = for_products::<P, V>(nl.narrow());
+                    let x = for_products::<P, V>(p, nl.narrow());
                     for ([d, _], k) in sums.iter_mut().zip(light.diffuse) {
-                        *d = brighter::<P, V>(*d, weighted::<P, V>(k, x));
+                        *d = brighter::<P, V>(p, *d, weighted::<P, V>(p, k, x));
                     }
                 }
                 for (sums, base) in sums.iter_mut().zip(&bases) {
@@ -321,9 +320,9 @@ impl<P: Precision> Phong<P> {
                     if !base.any_at_least(self.least_bright) {
                         continue;
                     }
-                    let y = for_products::<P, V>(power_lanes::<P, V>(*base, self.exponent_log2));
+                    let y = for_products::<P, V>(p, power_lanes::<P, V>(p, *base, self.exponent_log2));
                     for ([_, s], k) in sums.iter_mut().zip(light.specular) {
-                        *s = brighter::<P, V>(*s, weighted::<P, V>(k, y));
+                        *s = brighter::<P, V>(p, *s, weighted::<P, V>(p, k, y));
                     }
                 }
             }
@@ -335,9 +334,9 @@ impl<P: Precision> Phong<P> {
                 let unlit = [zero; 2];
                 let [first, middle, last] =
                     [sums.first(), sums.get(N >> 1), sums.last()].map(|sum| sum.unwrap_or(&unlit));
-                lit::<P, V>(r, *first).store(red, at);
-                lit::<P, V>(g, *middle).store(green, at);
-                lit::<P, V>(b, *last).store(blue, at);
+                lit::<P, V>(p, r, *first).store(red, at);
+                lit::<P, V>(p, g, *middle).store(green, at);
+                lit::<P, V>(p, b, *last).store(blue, at);
             }
         }
     }
@@ -353,9 +352,9 @@ struct Normals<'a> {
 impl Normals<'_> {
     /// [`dot_lanes`] of the normals at a place.
     #[inline(always)]
-    fn dot<P: Precision, V: Lanes>(&self, at: usize, away: [i32; 3]) -> V::Wide {
+    fn dot<P: Precision, V: Lanes>(&self, p: P, at: usize, away: [i32; 3]) -> V::Wide {
         let [x, y, z] = self.g;
-        dot_lanes::<P, V>(
+        dot_lanes::<P, V>(p, 
             [V::load(x, at), V::load(y, at), V::load(z, at)],
             V::load(self.r, at),
             away,
@@ -364,8 +363,8 @@ impl Normals<'_> {
 }
 
 /// The least base of a highlight of which products see anything: its power rises with it.
-fn least_bright<P: Precision>(exponent_log2: u32) -> u32 {
-    let seen = |x: u32| for_products::<P, i32>(power_lanes::<P, i32>(i64::from(x), exponent_log2)) != 0;
+fn least_bright<P: Precision>(p: P, exponent_log2: u32) -> u32 {
+    let seen = |x: u32| for_products::<P, i32>(p, power_lanes::<P, i32>(p, i64::from(x), exponent_log2)) != 0;
     let (mut dark, mut bright) = (0u32, 1u32 << 31);
     while bright - dark > 1 {
         let middle = dark + ((bright - dark) >> 1);

@@ -11,11 +11,12 @@
 
 use core::ops::Range;
 
-use crate::composite::Pixel;
+use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::Native;
 use crate::locate::{cell, plane};
 use crate::plan::{Phase, Plan};
 use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, scratch_len};
+use crate::precision::Precision as _;
 use crate::slice::{RowRange, Slice, SliceError, Window};
 use crate::tap::Tap;
 
@@ -227,7 +228,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             pushed: 0,
             folded: 0,
         };
-        clear::<L>(&plan, stream.memory.image.get_mut(..needs.image).unwrap_or(&mut []));
+        clear(&stream.pipeline, &plan, stream.memory.image.get_mut(..needs.image).unwrap_or(&mut []));
         Ok(stream)
     }
 
@@ -404,5 +405,5 @@ fn band_pixel<L: Pipeline>(
         let start = phase * rows_len::<L>(plan, rows.end - rows.start) + (row - rows.start) as usize * row_len;
         Some(pipeline.pixel(image.get(start..start + row_len)?, column))
     };
-    find().unwrap_or(Pixel::clear())
+    find().unwrap_or(pipeline.precision().pixel().clear())
 }

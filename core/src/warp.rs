@@ -16,7 +16,7 @@
 //! Row kernels mix many pixels whose corners lie side by side, and put them in front of a background. As
 //! `a 2^16 + (b - a) w + 2^15` is less than 2^32 for 16-bit channels, 32 bits are enough there.
 
-use crate::composite::{Channel, Pixel, to_byte};
+use crate::composite::{Channel, ChannelFormat, Pixel, to_byte};
 use crate::format::{Intensity, Step};
 use crate::lanes::{Lanes, Wide as _, places};
 
@@ -104,7 +104,7 @@ pub fn mix_pixels<C: Channel>(a: Pixel<C>, b: Pixel<C>, weight: u32) -> Pixel<C>
 /// A pixel in front of a background colour (1.15), as 8-bit values: `C + T background`, rounded once to the channel
 /// and once to 8 bits.
 #[inline]
-pub fn in_front_of<C: Channel>(pixel: Pixel<C>, background: [Intensity; 3]) -> [u8; 3] {
+pub fn in_front_of<C: ChannelFormat>(pixel: Pixel<C>, background: [Intensity; 3]) -> [u8; 3] {
     let mut out = [0; 3];
     for ((o, c), k) in out.iter_mut().zip(pixel.colour).zip(background) {
         let behind = (u64::from(pixel.transparency.bits()) * u64::from(k.to_bits()) + (1 << 14)) >> 15;
@@ -160,7 +160,7 @@ pub fn mix_row<C: Channel, V: Lanes>(corners: [&[C]; 4], weights: [&[u16]; 2], o
 
 /// [`to_byte`] of lanes that hold at most 1.0.
 #[inline(always)]
-fn byte_lanes<C: Channel, V: Lanes>(channel: V) -> V {
+fn byte_lanes<C: ChannelFormat, V: Lanes>(channel: V) -> V {
     let one = C::ONE.bits();
     if is_short::<C>() {
         // A reciprocal of 24 bits: exact for powers of two, and close enough for 65535 (tests).
@@ -176,7 +176,7 @@ fn byte_lanes<C: Channel, V: Lanes>(channel: V) -> V {
 /// [`in_front_of`] of rows of channels: each with its pixel's transparency and its background (1.15). All rows equally
 /// long; with shorter ones nothing is written.
 #[inline(always)]
-pub fn in_front_of_row<C: Channel, V: Lanes>(channels: &[C], transparency: &[C], background: &[u16], out: &mut [u8]) {
+pub fn in_front_of_row<C: ChannelFormat, V: Lanes>(channels: &[C], transparency: &[C], background: &[u16], out: &mut [u8]) {
     let len = out.len();
     let (Some(channels), Some(transparency)) = (channels.get(..len), transparency.get(..len)) else {
         return;
@@ -201,6 +201,7 @@ pub fn in_front_of_row<C: Channel, V: Lanes>(channels: &[C], transparency: &[C],
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::composite::{Recurrence as _, Telescoping31, Truncating15};
     use crate::composite::Unorm16;
     use proptest::prelude::*;
 
@@ -239,7 +240,7 @@ mod tests {
                     transparency: 0,
                 }
             } else {
-                Pixel::clear()
+                Telescoping31.clear()
             }
         };
         let edge = half.pixel(0, 0, base);
@@ -253,11 +254,11 @@ mod tests {
         let black = [Intensity::ZERO; 3];
         assert_eq!(in_front_of(edge, black), [128; 3]);
         assert_eq!(in_front_of(edge, [Intensity::ONE; 3]), [255; 3]);
-        assert_eq!(in_front_of(Pixel::<u16>::clear(), [Intensity::ONE; 3]), [255; 3]);
+        assert_eq!(in_front_of(Truncating15.clear(), [Intensity::ONE; 3]), [255; 3]);
     }
 
     /// Channels that are hard to round, and any.
-    fn channel<C: Channel>() -> impl Strategy<Value = C> {
+    fn channel<C: ChannelFormat>() -> impl Strategy<Value = C> {
         let one = C::ONE.bits();
         prop_oneof![
             3 => 0..=one,
@@ -277,7 +278,7 @@ mod tests {
     }
 
     /// Row kernels on rows of pixels, channel after channel, against the definitions.
-    fn rows_follow_the_definitions<C: Channel>(
+    fn rows_follow_the_definitions<C: ChannelFormat>(
         pixels: &[([[C; 4]; 4], [u16; 2])],
         background: [u16; 3],
     ) -> Result<(), TestCaseError> {
@@ -319,7 +320,7 @@ mod tests {
         Ok(())
     }
 
-    fn pixels<C: Channel>() -> impl Strategy<Value = std::vec::Vec<([[C; 4]; 4], [u16; 2])>> {
+    fn pixels<C: ChannelFormat>() -> impl Strategy<Value = std::vec::Vec<([[C; 4]; 4], [u16; 2])>> {
         let corners = || prop::array::uniform4(prop::array::uniform4(channel::<C>()));
         let clear_or_not = prop_oneof![
             4 => corners(),
@@ -337,7 +338,7 @@ mod tests {
     /// Every value of the 16-bit channels.
     #[test]
     fn rows_of_short_channels_become_the_same_bytes() {
-        fn all<C: Channel>() {
+        fn all<C: ChannelFormat>() {
             let row: std::vec::Vec<C> = (0..=C::ONE.bits()).map(C::from_bits).collect();
             let mut bytes = std::vec![0; row.len()];
             let opaque = std::vec![C::default(); row.len()];

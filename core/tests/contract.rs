@@ -2,13 +2,13 @@
 //! states the reading that holds and shows that the other one gives another number.
 
 use slicecast::classify::{Classifier, Linear, PointTable, Sqrt16, entry};
-use slicecast::composite::{BackToFront, Dither, Pixel, Recurrence};
-use slicecast::format::{Coefficient, Direction, Intensity, Sample12, Vector, Weight};
+use slicecast::composite::{BackToFront, Dither, Dithered, Recurrence, Unorm16};
+use slicecast::format::{Coefficient, Direction, Intensity, Vector, Weight};
 use slicecast::gradient::space;
 use slicecast::locate::{Cell, inside};
 use slicecast::normalise::Normal;
 use slicecast::plan::{Plan, Sampling, Spacing};
-use slicecast::plane::{Composite, Pipeline};
+use slicecast::plane::Composite;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::project::{Maximum, resolve};
 use slicecast::shade::{Highlight, Light, Phong, Unlit, keep, keep_vector};
@@ -17,7 +17,6 @@ use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::table::ENTRIES;
 use slicecast::view::{Axis, View};
 
-type PixelOf = <Compact as Precision>::Pixel;
 
 fn view([x, y, z]: [i64; 3]) -> View {
     View::new([x, y, z].map(|c| Direction::from_bits(c << 50))).unwrap()
@@ -40,7 +39,7 @@ fn samples_exist_by_the_full_weight() {
         index: 3,
         weight: Weight::from_bits(bits),
     };
-    assert_eq!(Paper::WEIGHT_BITS, 12);
+    assert_eq!(Paper.formats().weight_bits, 12);
     assert_eq!(inside(beyond(0), 4, 1), 0..1);
     assert_eq!(inside(beyond(15), 4, 1), 0..0);
 }
@@ -62,9 +61,9 @@ fn coefficients_are_kept_to_nearest() {
     let kept = |bits| {
         let coefficient = Coefficient::from_bits(bits);
         (
-            keep::<Compact>(coefficient),
-            keep::<Paper>(coefficient),
-            keep::<Wide>(coefficient),
+            keep(Compact, coefficient),
+            keep(Paper, coefficient),
+            keep(Wide, coefficient),
         )
     };
     assert_eq!(kept((2 << 16) + (1 << 15) - 1), (2, 2, (2 << 16) + (1 << 15) - 1));
@@ -83,8 +82,8 @@ fn lattice_ties_go_to_the_smallest_offsets() {
         let x = ((rest / 2) as f64).sqrt() as i32;
         let exact = [x, x, z];
         let vector = exact.map(Vector::from_bits);
-        assert_eq!(keep_vector::<Wide>(vector), exact);
-        let [a, b, _] = keep_vector::<Compact>(vector);
+        assert_eq!(keep_vector(Wide, vector), exact);
+        let [a, b, _] = keep_vector(Compact, vector);
         if a != b {
             assert!(a < b, "{exact:?}: {a}, {b}");
             ties += 1;
@@ -93,9 +92,10 @@ fn lattice_ties_go_to_the_smallest_offsets() {
     assert!(ties > 10, "{ties}");
 }
 
-fn phong<P: Precision>(light: Light, viewer: [i32; 3]) -> Phong<P> {
+fn phong<P: Precision>(p: P, light: Light, viewer: [i32; 3]) -> Phong<P> {
     let ambient = [Coefficient::from_bits(1 << 28); 3];
     Phong::new(
+        p,
         ambient,
         &[light],
         viewer.map(Vector::from_bits),
@@ -109,7 +109,7 @@ fn phong<P: Precision>(light: Light, viewer: [i32; 3]) -> Phong<P> {
 /// itself would be 1, a full highlight.
 #[test]
 fn no_gradient_has_no_highlight() {
-    fn shaded<P: Precision>() -> [u32; 3] {
+    fn shaded<P: Precision>(p: P) -> [u32; 3] {
         let one = 1 << 30;
         let light = Light {
             direction: [0, 0, one].map(Vector::from_bits),
@@ -118,18 +118,18 @@ fn no_gradient_has_no_highlight() {
             specular: [Coefficient::ONE; 3],
         };
         let normal = Normal { g: [0; 3], r: 0 };
-        phong::<P>(light, [0, 0, -one]).shade(normal, [1 << P::COLOUR_BITS; 3])
+        phong(p, light, [0, 0, -one]).shade(normal, [1 << p.pixel().colour_bits(); 3])
     }
-    assert_eq!(shaded::<Compact>(), [1 << 12; 3]);
-    assert_eq!(shaded::<Paper>(), [1 << 12; 3]);
-    assert_eq!(shaded::<Wide>(), [1 << 28; 3]);
+    assert_eq!(shaded(Compact), [1 << 12; 3]);
+    assert_eq!(shaded(Paper), [1 << 12; 3]);
+    assert_eq!(shaded(Wide), [1 << 28; 3]);
 }
 
 /// Shading: the highlight's sum may stop anywhere from 2^31 - 1 on: the colour is 1 from there. Eight lights of 1.0 that
 /// all shine into the eye would wrap a sum of 32 bits.
 #[test]
 fn highlights_beyond_one_are_one() {
-    fn shaded<P: Precision>() -> u32 {
+    fn shaded<P: Precision>(p: P) -> u32 {
         let towards = [0, 0, -(1 << 30)].map(Vector::from_bits);
         let light = Light {
             direction: towards,
@@ -137,15 +137,15 @@ fn highlights_beyond_one_are_one() {
             diffuse: [Coefficient::ZERO; 3],
             specular: [Coefficient::ONE; 3],
         };
-        let phong = Phong::<P>::new([Coefficient::ZERO; 3], &[light; 8], towards, Highlight::HalfVector, 0).unwrap();
+        let phong = Phong::new(p, [Coefficient::ZERO; 3], &[light; 8], towards, Highlight::HalfVector, 0).unwrap();
         // g points away from the normal.
         let normal = slicecast::normalise::normalise([0, 0, 1000]);
         phong.shade(normal, [0; 3])[0]
     }
     // A cosine is at most 2^-19.2 below 1, in each of the eight.
-    assert_eq!(shaded::<Compact>(), 1 << 15);
-    assert_eq!(shaded::<Paper>(), 1 << 15);
-    assert_eq!(shaded::<Wide>(), 1 << 31);
+    assert_eq!(shaded(Compact), 1 << 15);
+    assert_eq!(shaded(Paper), 1 << 15);
+    assert_eq!(shaded(Wide), 1 << 31);
 }
 
 /// A table with one visible entry.
@@ -169,7 +169,7 @@ fn entries_begin_with_red() {
 fn opacities_are_mixed_and_roots_are_not() {
     let (entries, low) = table(101, [255; 3], 0xffff);
     let table = PointTable::<Sqrt16, Linear>::new(&entries, &low);
-    let opacity = Classifier::<Compact>::opacity(&table, Sample12::from_bits((100 << 12) + (1 << 11)));
+    let opacity = Classifier::opacity(&table, Compact, (100 << 12) + (1 << 11));
     assert_eq!(opacity.to_bits(), 1_073_709_057);
 }
 
@@ -180,14 +180,11 @@ fn planes_keep_their_dither_back_to_front() {
     // Opacity 0.21, so that both offsets of three planes decide a rounding.
     let (entries, low) = table(1000, [200, 120, 40], 30_011);
     let table = PointTable::<Sqrt16, Linear>::new(&entries, &low);
-    let pipeline = Pipe::new(table, Unlit);
+    let pipeline = Pipe::new(Compact, table, Unlit);
     let plan = Plan::new(view([0, 0, 1]), [1, 1, 3], Spacing::CUBIC, Sampling::default()).unwrap();
     let needs = Needs::of::<Pipe>(&plan);
     let (mut slices, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
-    let (mut scratch, mut image) = (vec![0; needs.scratch], vec![Pipe::empty(0); needs.image]);
-    for (channel, element) in image.iter_mut().enumerate() {
-        *element = Pipe::empty(channel % 4);
-    }
+    let (mut scratch, mut image) = (vec![0; needs.scratch], vec![Unorm16::default(); needs.image]);
     let memory = Memory {
         slices: &mut slices,
         ranges: &mut ranges,
@@ -201,12 +198,12 @@ fn planes_keep_their_dither_back_to_front() {
         stream.push(&[1000]).unwrap();
     }
     assert_eq!(order, [2, 1, 0]);
-    let sample = Sample12::from_bits(1000 << 12);
-    let opacity = Classifier::<Compact>::opacity(&table, sample);
-    let colour = Classifier::<Compact>::colour(&table, sample);
+    let sample = 1000 << 12;
+    let opacity = Classifier::opacity(&table, Compact, sample);
+    let colour = Classifier::colour(&table, Compact, sample);
     let folded = |numbers: [u32; 3]| {
-        let under = |pixel, k| PixelOf::under(pixel, colour, opacity, Dither::of_plane(k));
-        numbers.into_iter().fold(Pixel::clear(), under)
+        let under = |pixel, k| Dithered.under(pixel, colour, opacity, Dither::of_plane(k));
+        numbers.into_iter().fold(Dithered.clear(), under)
     };
     assert_eq!(stream.pixel(0, 0), folded([2, 1, 0]));
     assert_ne!(folded([2, 1, 0]), folded([0, 1, 2]));
@@ -217,10 +214,10 @@ fn planes_keep_their_dither_back_to_front() {
 fn a_dither_of_zero_keeps_the_half_unit() {
     let (entries, low) = table(7, [255; 3], 256);
     let table = PointTable::<Sqrt16, Linear>::new(&entries, &low);
-    let opacity = Classifier::<Compact>::opacity(&table, Sample12::from_bits(7 << 12));
+    let opacity = Classifier::opacity(&table, Compact, 7 << 12);
     assert_eq!(opacity.to_bits(), 1 << 15);
     assert_eq!((65_535_u64 * (1 << 15)) >> 31, 0);
-    let pixel = resolve::<Compact, Maximum>(7 << 12, &table);
+    let pixel = resolve::<_, Maximum>(Compact, 7 << 12, &table);
     // (c w + 0) >> 15 with c = 1.0 gives all of what was taken.
     assert_eq!((pixel.transparency.0, pixel.colour[0].0), (65_534, 1));
 }

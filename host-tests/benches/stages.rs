@@ -8,14 +8,14 @@ use std::sync::Arc;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use slicecast::classify::{Classifier, Linear, Nearest, PointTable, Slab, Sqrt8, Sqrt16, colour_of_byte};
-use slicecast::composite::{Channel, Colours, Dither, FrontToBack, PixelRow, Recurrence, fold_row, fold_visible_row};
+use slicecast::composite::{Colours, Dither, FrontToBack, PixelRow, Recurrence as _, fold_row, fold_visible_row};
 use slicecast::format::{Coefficient, Intensity, Vector, Weight};
 use slicecast::gradient::{difference_row, space_row};
 use slicecast::interpolate::{yx_row, yx_row_in_slice, z_row};
 use slicecast::lanes::Lanes;
 use slicecast::normalise::normalise_row;
 use slicecast::plan::Plan;
-use slicecast::plane::{ChannelOf, Pipeline};
+use slicecast::plane::{ChannelOf, Pictured};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Phong, Shader};
 use slicecast::slice::Slice;
@@ -93,6 +93,7 @@ impl Kernel {
 
 /// What the kernels of a precision read and write.
 struct Bench<P: Precision> {
+    precision: P,
     near: Vec<u16>,
     far: Vec<u16>,
     /// Voxels interpolated along z.
@@ -110,13 +111,13 @@ struct Bench<P: Precision> {
 }
 
 impl<P: Precision> Bench<P> {
-    fn new() -> Self {
+    fn new(precision: P) -> Self {
         let random = &mut Random::new(1);
         let mut voxels = || volume([WIDTH, 1, 1], Filling::Noise, random.next_bits()).voxels;
         let (near, far) = (voxels(), voxels());
         let mut rows = |end: u32| [(); 3].map(|()| row(random, end));
-        let ([a, b, _], [samples, ..]) = (rows(4095 << 16), rows(4095 << P::SAMPLE_BITS));
-        let ([opacities, ..], colours) = (rows(1 << 24), rows(1 << P::COLOUR_BITS));
+        let ([a, b, _], [samples, ..]) = (rows(4095 << 16), rows(4095 << precision.formats().sample_bits));
+        let ([opacities, ..], colours) = (rows(1 << 24), rows(1 << precision.pixel().colour_bits()));
         let gradients = rows(1 << 28);
         let (mut normals, mut lengths) = (gradients.clone(), vec![0; WIDTH]);
         let [x, y, z] = &mut normals;
@@ -129,6 +130,7 @@ impl<P: Precision> Bench<P> {
             underflows: 0,
         };
         Self {
+            precision,
             near,
             far,
             between: [a, b],
@@ -139,7 +141,7 @@ impl<P: Precision> Bench<P> {
             normals,
             lengths,
             table: table.expanded(),
-            phong: lights().phong::<P>().expect("one light"),
+            phong: lights().phong(precision).expect("one light"),
             pixels: vec![ChannelOf::<P>::default(); 4 * WIDTH],
             out: [(); 4].map(|()| vec![0; WIDTH]),
         }
@@ -149,7 +151,7 @@ impl<P: Precision> Bench<P> {
     fn clear(&mut self) {
         let (colour, transparency) = self.pixels.split_at_mut(3 * WIDTH);
         colour.fill(ChannelOf::<P>::default());
-        transparency.fill(ChannelOf::<P>::ONE);
+        transparency.fill(self.precision.pixel().one());
     }
 }
 
@@ -173,17 +175,17 @@ impl<P: Precision> Call<'_, P> {
             let bench = black_box(&mut *bench);
             let [out, red, green, blue] = &mut bench.out;
             match kernel {
-                Kernel::InterpolateZ => z_row::<P, V>(&bench.near, &bench.far, weight, out),
+                Kernel::InterpolateZ => z_row::<P, V>(bench.precision, &bench.near, &bench.far, weight, out),
                 Kernel::InterpolateYx => {
                     let [a, b] = &bench.between;
-                    yx_row::<P, V>(a, b, false, [weight, weight], out);
+                    yx_row::<P, V>(bench.precision, a, b, false, [weight, weight], out);
                 }
                 Kernel::InterpolateInSlice => {
-                    yx_row_in_slice::<P, V>(&bench.near, &bench.far, [weight, weight], out);
+                    yx_row_in_slice::<P, V>(bench.precision, &bench.near, &bench.far, [weight, weight], out);
                 }
-                Kernel::Opacity => Classifier::<P>::opacity_row::<V>(&&bench.table, Slab::of(&bench.samples), out),
+                Kernel::Opacity => Classifier::opacity_row::<V>(&&bench.table, bench.precision, Slab::of(&bench.samples), out),
                 Kernel::Colour => {
-                    Classifier::<P>::colour_row::<V>(&&bench.table, Slab::of(&bench.samples), [red, green, blue])
+                    Classifier::colour_row::<V>(&&bench.table, bench.precision, Slab::of(&bench.samples), [red, green, blue])
                 }
                 Kernel::Difference => {
                     let [a, b, _] = &bench.gradients;
@@ -208,20 +210,28 @@ impl<P: Precision> Call<'_, P> {
                 Kernel::Composite => {
                     let [red, green, blue] = &bench.colours;
                     let mut row = PixelRow::of_runs(&mut bench.pixels, WIDTH, 0..WIDTH);
-                    let (dither, floor) = (Dither::of_plane(7), P::Pixel::FLOOR);
+                    let (dither, pixel) = (Dither::of_plane(7), bench.precision.pixel());
                     fold_row::<P::Pixel, FrontToBack, V>(
+                        pixel,
                         &mut row,
                         [&red[..], green, blue],
                         &bench.opacities,
                         dither,
-                        floor,
+                        pixel.floor(),
                     );
                 }
                 Kernel::CompositeOneColour => {
                     let mut row = PixelRow::of_runs(&mut bench.pixels, WIDTH, 0..WIDTH);
-                    let (dither, floor) = (Dither::of_plane(7), P::Pixel::FLOOR);
-                    let colour = [242, 232, 208].map(|byte| colour_of_byte(byte, P::COLOUR_BITS));
-                    fold_visible_row::<P::Pixel, FrontToBack, V>(&mut row, colour, &bench.opacities, dither, floor);
+                    let (dither, pixel) = (Dither::of_plane(7), bench.precision.pixel());
+                    let colour = [242, 232, 208].map(|byte| colour_of_byte(byte, pixel.colour_bits()));
+                    fold_visible_row::<P::Pixel, FrontToBack, V>(
+                        pixel,
+                        &mut row,
+                        colour,
+                        &bench.opacities,
+                        dither,
+                        pixel.floor(),
+                    );
                 }
             }
         }
@@ -229,8 +239,8 @@ impl<P: Precision> Call<'_, P> {
 }
 
 /// Every row kernel of a precision at every width that the processor has.
-fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
-    let mut bench = Bench::<P>::new();
+fn kernels<P: Precision>(precision: P, group: &mut BenchmarkGroup<'_, WallTime>) {
+    let mut bench = Bench::new(precision);
     for (kernel, name) in Kernel::ALL {
         for simd in Simd::available() {
             group.bench_function(format!("{name}/{}/{}", P::NAME, simd.name()), |b| {
@@ -242,18 +252,19 @@ fn kernels<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
 }
 
 /// The tables as firmware reads them: entries of 32 bits, decoded at every sample.
-fn point_tables<P: Precision>(group: &mut BenchmarkGroup<'_, WallTime>) {
+fn point_tables<P: Precision>(precision: P, group: &mut BenchmarkGroup<'_, WallTime>) {
     let random = &mut Random::new(2);
-    let samples = row(random, 4095 << P::SAMPLE_BITS);
+    let samples = row(random, 4095 << precision.formats().sample_bits);
     let entries: Box<[u32; ENTRIES]> = Box::new(std::array::from_fn(|_| random.next_bits() as u32));
     let plane: Box<[u8; ENTRIES]> = Box::new(std::array::from_fn(|_| random.next_bits() as u8));
     let nearest = PointTable::<Sqrt8, Nearest>::new(&entries, ());
     let linear = PointTable::<Sqrt16, Linear>::new(&entries, &plane);
-    point_table::<P>(group, "nearest-8", &nearest, &samples);
-    point_table::<P>(group, "linear-16", &linear, &samples);
+    point_table(precision, group, "nearest-8", &nearest, &samples);
+    point_table(precision, group, "linear-16", &linear, &samples);
 }
 
 fn point_table<P: Precision>(
+    precision: P,
     group: &mut BenchmarkGroup<'_, WallTime>,
     table: &str,
     classifier: &impl Classifier<P>,
@@ -262,24 +273,24 @@ fn point_table<P: Precision>(
     let mut out = vec![0; WIDTH];
     let mut colours = [(); 3].map(|()| vec![0; WIDTH]);
     group.bench_function(format!("point-opacity-{table}/{}", P::NAME), |b| {
-        b.iter(|| classifier.opacity_row::<i32>(Slab::of(black_box(samples)), black_box(&mut out)));
+        b.iter(|| classifier.opacity_row::<i32>(precision, Slab::of(black_box(samples)), black_box(&mut out)));
     });
     group.bench_function(format!("point-colour-{table}/{}", P::NAME), |b| {
         let [r, g, blue] = &mut colours;
-        b.iter(|| classifier.colour_row::<i32>(Slab::of(black_box(samples)), [&mut r[..], &mut g[..], &mut blue[..]]));
+        b.iter(|| classifier.colour_row::<i32>(precision, Slab::of(black_box(samples)), [&mut r[..], &mut g[..], &mut blue[..]]));
     });
 }
 
 fn stages(c: &mut Criterion) {
     let mut group = c.benchmark_group("row-256");
     group.throughput(Throughput::Elements((CALLS * WIDTH) as u64));
-    kernels::<Paper>(&mut group);
-    kernels::<Compact>(&mut group);
-    kernels::<Wide>(&mut group);
+    kernels(Paper, &mut group);
+    kernels(Compact, &mut group);
+    kernels(Wide, &mut group);
     group.throughput(Throughput::Elements(WIDTH as u64));
-    point_tables::<Paper>(&mut group);
-    point_tables::<Compact>(&mut group);
-    point_tables::<Wide>(&mut group);
+    point_tables(Paper, &mut group);
+    point_tables(Compact, &mut group);
+    point_tables(Wide, &mut group);
     group.finish();
 }
 
@@ -289,9 +300,9 @@ struct Fold<'a>(&'a Plan, &'a [Slice<'a>]);
 impl Job for Fold<'_> {
     type Output = ();
 
-    fn run<L: Pipeline>(self, pipeline: &L) {
+    fn run<L: Pictured>(self, pipeline: &L) {
         let Self(plan, slices) = self;
-        let mut image = new_image::<L>(plan).expect("a small image");
+        let mut image = new_image(plan, pipeline).expect("a small image");
         fold_tiles(
             plan,
             pipeline,

@@ -7,7 +7,7 @@
 
 use slicecast::locate::Plane;
 use slicecast::plan::Plan;
-use slicecast::plane::Pipeline;
+use slicecast::plane::Pictured;
 use slicecast::slice::Slice;
 use slicecast::stage::Stage;
 use slicecast::tap::{Beam, Bits, Tap};
@@ -110,9 +110,9 @@ pub fn of_frame(frame: &Frame) -> Vec<(&'static str, u64)> {
     impl Job for Fold<'_> {
         type Output = Sums;
 
-        fn run<L: Pipeline>(self, pipeline: &L) -> Sums {
+        fn run<L: Pictured>(self, pipeline: &L) -> Sums {
             let Self(plan, slices) = self;
-            let mut image = new_image::<L>(plan).expect("a small image");
+            let mut image = new_image(plan, pipeline).expect("a small image");
             let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, 16, &|_, _| (), |_| Sums::default());
             let mut all = Sums::default();
             taps.iter().for_each(|tap| all.add(tap));

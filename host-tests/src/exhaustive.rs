@@ -191,7 +191,7 @@ fn over(stride: u64) -> Result<u64, String> {
             transparency: Unorm16(t),
         };
         for dither in DITHERS {
-            let out = Dithered::<Unorm16>::over(pixel, [1 << 15, 1, 1 << 15], Opacity::from_bits(a), dither);
+            let out = Dithered.over(pixel, [1 << 15, 1, 1 << 15], Opacity::from_bits(a), dither);
             let [white, faint, full] = out.colour.map(|c| c.0);
             let left = out.transparency.0;
             let exact = i64::from(t) * ((1 << 31) - i64::from(a));
@@ -235,8 +235,8 @@ fn powers(stride: u64) -> Result<u64, String> {
         let mut exact = x as f64 / ONE as f64;
         for n in 1..=8 {
             exact *= exact;
-            let y = power::<Compact>(Cosine::from_bits(x as u32), n).to_bits();
-            let next = power::<Compact>(Cosine::from_bits((x + 1).min(ONE) as u32), n).to_bits();
+            let y = power(Compact, Cosine::from_bits(x as u32), n).to_bits();
+            let next = power(Compact, Cosine::from_bits((x + 1).min(ONE) as u32), n).to_bits();
             let off = (f64::from(y) - exact * ONE as f64).abs();
             if u64::from(y) > x || next < y || off > f64::from(1u32 << (n - 1)) {
                 return Err(format!("x = {x}, n = {n}: {y}, next {next}, off by {off}"));
@@ -252,7 +252,7 @@ fn paper_powers(stride: u64) -> Result<u64, String> {
         let mut exact = x as f64 / 65536.0;
         for n in 1..=8 {
             exact *= exact;
-            let y = power::<Paper>(Cosine::from_bits((x as u32) << 15), n).to_bits();
+            let y = power(Paper, Cosine::from_bits((x as u32) << 15), n).to_bits();
             let short = exact * 65536.0 - f64::from(y >> 15);
             if y & 0x7fff != 0 || short < -1e-6 || short >= f64::from(1u32 << n) {
                 return Err(format!("x = {x}, n = {n}: {y}, {short} units short"));
@@ -272,9 +272,9 @@ fn interpolate(stride: u64) -> Result<u64, String> {
         let at = |weight: i64| (from << 16) + difference * weight;
         let nearest = |bits: u32| (at(weight) + (1 << (15 - bits))) >> (16 - bits);
         let found = [
-            trilinear::<Paper>([[row; 2]; 2], weights).to_bits(),
-            trilinear::<Compact>([[row; 2]; 2], weights).to_bits(),
-            trilinear::<Wide>([[row; 2]; 2], weights).to_bits(),
+            trilinear(Paper, [[row; 2]; 2], weights),
+            trilinear(Compact, [[row; 2]; 2], weights),
+            trilinear(Wide, [[row; 2]; 2], weights),
         ];
         let expected = [at(weight & !15) >> 4, nearest(12), nearest(15)];
         if found.map(i64::from) == expected {

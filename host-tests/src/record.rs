@@ -5,7 +5,7 @@ use std::fmt;
 
 use slicecast::locate::Plane;
 use slicecast::plan::{Phase, Plan};
-use slicecast::plane::Pipeline;
+use slicecast::plane::{Pictured, Pipeline};
 use slicecast::slice::Slice;
 use slicecast::stage::Stage;
 use slicecast::tap::{Beam, Bits as Row, Tap};
@@ -161,9 +161,9 @@ pub fn recorded(frame: &Frame, layer: Layer) -> (BaseImage, Recording) {
     impl Job for Record<'_> {
         type Output = (BaseImage, Recording);
 
-        fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+        fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
             let Self { plan, slices, layer } = self;
-            let mut image = new_image::<L>(plan).expect("a small image");
+            let mut image = new_image(plan, pipeline).expect("a small image");
             let recorder = || Recorder::new::<L>(plan);
             let recording = match layer {
                 Layer::Tiles(rows) => {

@@ -9,10 +9,10 @@ mod frames;
 use frames::{frame, light};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use slicecast::composite::{Channel, Pixel, Unorm16};
+use slicecast::composite::{ChannelFormat, Pixel, Unorm16};
 use slicecast::format::Step;
 use slicecast::plan::Plan;
-use slicecast::plane::Pipeline;
+use slicecast::plane::Pictured;
 use slicecast::warp::{Warp, in_front_of};
 use slicecast_engine::camera::Picture;
 use slicecast_engine::frame::{Layer, Prepared};
@@ -191,7 +191,7 @@ struct Chosen<'a> {
 impl Job for Chosen<'_> {
     type Output = (Option<f64>, bool);
 
-    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
         let Self { plan, volume } = self;
         let share = pipeline
             .support()
@@ -222,7 +222,7 @@ proptest! {
 }
 
 /// The picture of a base plane by the definition of the warp.
-fn warped<C: Channel>(prepared: &Prepared<'_>, base: &BaseImage) -> Vec<u8> {
+fn warped<C: ChannelFormat>(prepared: &Prepared<'_>, base: &BaseImage) -> Vec<u8> {
     let Picture { size, warp, .. } = prepared.setup.picture;
     let [width, height] = base.size;
     let pixel = |u: i64, v: i64| -> Pixel<C> {

@@ -7,7 +7,7 @@ use slicecast::classify::{Linear, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::FrontToBack;
 use slicecast::format::Intensity;
 use slicecast::plan::Plan;
-use slicecast::plane::{Composite, Pipeline};
+use slicecast::plane::{Composite, Pictured, Pipeline};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Phong, Shader, Unlit};
 use slicecast::slice::RowRange;
@@ -76,7 +76,7 @@ impl Layout {
 }
 
 /// A pipeline that can be made from a C scene.
-trait Instance: Pipeline + Sized + 'static {
+trait Instance: Pictured + Sized + 'static {
     /// # Safety
     /// The scene's pointers are null, misaligned or good; tables stay readable and unchanged.
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError>;
@@ -114,7 +114,7 @@ unsafe fn open<L: Instance>(
             slices: fill(memory.add(slices).cast(), needs.slices, 0u16),
             ranges: fill(memory.add(ranges).cast(), needs.ranges, RowRange::EMPTY),
             scratch: fill(memory.add(scratch).cast(), needs.scratch, 0i32),
-            image: fill(memory.add(image).cast(), needs.image, L::empty(0)),
+            image: fill(memory.add(image).cast(), needs.image, L::Element::default()),
         }
     };
     let stream = Stream::band(plan, pipeline, parts, first..first.saturating_add(rows))?;
@@ -290,19 +290,19 @@ impl Handle {
 trait Lights<P: Precision>: Shader<P> + Sized + 'static {
     /// # Safety
     /// As for [`Instance::of`].
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError>;
+    unsafe fn of(precision: P, scene: &SlicecastScene) -> Result<Self, SlicecastError>;
 }
 
 impl<P: Precision> Lights<P> for Unlit {
-    unsafe fn of(_: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(_: P, _: &SlicecastScene) -> Result<Self, SlicecastError> {
         Ok(Self)
     }
 }
 
 impl<P: Precision> Lights<P> for Phong<P> {
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(precision: P, scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        unsafe { scene.phong() }
+        unsafe { scene.phong(precision) }
     }
 }
 
@@ -314,21 +314,21 @@ type Fine16 = PointTable<'static, Sqrt16, Linear>;
 impl<S: Lights<Paper>> Instance for Composite<Paper, Paper8, S, FrontToBack> {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(Paper8::new(scene.entries()?, ()), S::of(scene)?) })
+        Ok(unsafe { Self::new(Paper, Paper8::new(scene.entries()?, ()), S::of(Paper, scene)?) })
     }
 }
 
 impl<S: Lights<Compact>> Instance for Composite<Compact, Fine16, S, FrontToBack> {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(Fine16::new(scene.entries()?, scene.low_roots()?), S::of(scene)?) })
+        Ok(unsafe { Self::new(Compact, Fine16::new(scene.entries()?, scene.low_roots()?), S::of(Compact, scene)?) })
     }
 }
 
 impl<S: Lights<Wide>> Instance for Composite<Wide, Fine16, S, FrontToBack> {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(Fine16::new(scene.entries()?, scene.low_roots()?), S::of(scene)?) })
+        Ok(unsafe { Self::new(Wide, Fine16::new(scene.entries()?, scene.low_roots()?), S::of(Wide, scene)?) })
     }
 }
 

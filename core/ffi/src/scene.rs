@@ -148,7 +148,7 @@ impl SlicecastScene {
     ///
     /// # Safety
     /// `lighting`, and the lights in it, are null, misaligned or readable.
-    pub(crate) unsafe fn phong<P: Precision>(&self) -> Result<Phong<P>, SlicecastError> {
+    pub(crate) unsafe fn phong<P: Precision>(&self, precision: P) -> Result<Phong<P>, SlicecastError> {
         // SAFETY: the caller's promise.
         let lighting = unsafe { read(self.lighting, 2)? };
         let highlight = match lighting.highlight {
@@ -180,6 +180,7 @@ impl SlicecastScene {
             };
         }
         Ok(Phong::new(
+            precision,
             lighting.ambient.map(Coefficient::from_bits),
             lights.get(..given.len()).unwrap_or(&[]),
             lighting.viewer.map(Vector::from_bits),

@@ -153,9 +153,9 @@ fn from_rust(data: &Data) -> Vec<u16> {
         data.lighting.ambient.map(Coefficient::from_bits),
         data.lighting.viewer.map(Vector::from_bits),
     );
-    let phong = Phong::new(ambient, &lights, viewer, Highlight::Reflection, 4).unwrap();
+    let phong = Phong::new(Compact, ambient, &lights, viewer, Highlight::Reflection, 4).unwrap();
     type Table<'a> = PointTable<'a, Sqrt16, Linear>;
-    let pipeline = Composite::<Compact, _, _, FrontToBack>::new(Table::new(&data.entries, &data.low), phong);
+    let pipeline = Composite::<Compact, _, _, FrontToBack>::new(Compact, Table::new(&data.entries, &data.low), phong);
     let needs = Needs::of::<Composite<Compact, Table<'_>, Phong<Compact>, FrontToBack>>(&plan);
     let (mut slices, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
     let (mut scratch, mut image) = (vec![0; needs.scratch], vec![Unorm16(0); needs.image]);

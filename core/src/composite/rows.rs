@@ -73,7 +73,7 @@ impl<'a, C> PixelRow<'a, C> {
     }
 }
 
-/// The colours of a row of samples, `COLOUR_BITS` each: rows of red, green and blue, or one colour for all.
+/// The colours of a row of samples, [`Recurrence::colour_bits`] each: rows of red, green and blue, or one colour for all.
 #[derive(Debug)]
 pub struct Colours<'a, W> {
     /// The colour of all samples; the rows then need not hold it.
@@ -127,30 +127,33 @@ impl Given for [u32; 3] {
 /// Folds one sample into each pixel of a row. `opacity`: bits of 1.31. All rows equally long.
 #[inline(always)]
 pub fn fold_row<R: Recurrence, O: Order, V: Lanes>(
+    recurrence: R,
     row: &mut PixelRow<'_, R::Channel>,
     colour: [&[i32]; 3],
     opacity: &[i32],
     dither: Dither,
     floor: R::Channel,
 ) {
-    fold_row_of::<R, O, V, _, true>(row, colour, opacity, dither, floor);
+    fold_row_of::<R, O, V, _, true>(recurrence, row, colour, opacity, dither, floor);
 }
 
 /// [`fold_row`] of one colour, for a row in which not all samples need be visible: lanes whose opacities are all 0 are left
 /// out, which changes nothing.
 #[inline(always)]
 pub fn fold_visible_row<R: Recurrence, O: Order, V: Lanes>(
+    recurrence: R,
     row: &mut PixelRow<'_, R::Channel>,
     colour: [u32; 3],
     opacity: &[i32],
     dither: Dither,
     floor: R::Channel,
 ) {
-    fold_row_of::<R, O, V, _, false>(row, colour, opacity, dither, floor);
+    fold_row_of::<R, O, V, _, false>(recurrence, row, colour, opacity, dither, floor);
 }
 
 #[inline(always)]
 fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Given, const ALL: bool>(
+    recurrence: R,
     row: &mut PixelRow<'_, R::Channel>,
     colour: K,
     opacity: &[i32],
@@ -179,14 +182,14 @@ fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Given, const ALL: bool>(
                 (colour.colours(at), V::load(opacity, at)),
                 (colour.colours(second), V::load(opacity, second)),
             ];
-            O::fold_two::<R, V>(&mut row, at, samples, dither, floor);
+            O::fold_two(recurrence, &mut row, at, samples, dither, floor);
         }
         at += 2 * V::COUNT;
     }
     while at < len {
         if ALL || !V::load(opacity, at).all_zero() {
             let pixel = row.lanes(at);
-            let folded = O::fold::<R, V>(pixel, colour.colours(at), V::load(opacity, at), dither, floor);
+            let folded = O::fold(recurrence, pixel, colour.colours(at), V::load(opacity, at), dither, floor);
             row.set_lanes(at, folded);
         }
         at += V::COUNT;
@@ -196,6 +199,7 @@ fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Given, const ALL: bool>(
 /// Folds a sample, colour and opacity, into each pixel of one vector of a row.
 #[inline(always)]
 pub(crate) fn fold_at<R: Recurrence, O: Order, V: Lanes>(
+    recurrence: R,
     row: &mut PixelRow<'_, R::Channel>,
     at: usize,
     (colour, opacity): ([V; 3], V),
@@ -203,5 +207,5 @@ pub(crate) fn fold_at<R: Recurrence, O: Order, V: Lanes>(
     floor: V,
 ) {
     let pixel = row.lanes(at);
-    row.set_lanes(at, O::fold::<R, V>(pixel, colour, opacity, dither, floor));
+    row.set_lanes(at, O::fold(recurrence, pixel, colour, opacity, dither, floor));
 }

@@ -40,6 +40,7 @@ pub(super) struct Image<'a, R: Recurrence, O, V> {
     width: usize,
     columns: Range<usize>,
     dither: Dither,
+    recurrence: R,
     floor: R::Channel,
     kinds: PhantomData<(O, V)>,
 }
@@ -51,7 +52,7 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
         width: usize,
         extent: &Extent,
         dither: Dither,
-        floor: R::Channel,
+        (recurrence, floor): (R, R::Channel),
     ) -> Self {
         Self {
             data,
@@ -59,6 +60,7 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
             width,
             columns: extent.columns.clone(),
             dither,
+            recurrence,
             floor,
             kinds: PhantomData,
         }
@@ -108,13 +110,13 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
 
     #[inline(always)]
     fn fold(&mut self, row: u32, span: Range<usize>, colours: &Colours<'_, i32>, opacities: &[i32]) {
-        let (dither, floor) = (self.dither, self.floor);
+        let (recurrence, dither, floor) = (self.recurrence, self.dither, self.floor);
         let columns = self.columns.start + span.start..self.columns.start + span.end;
         V::enter(|| {
             let mut pixels = self.pixels(self.start(row), columns);
             match colours.one {
-                Some(colour) => fold_visible_row::<R, O, V>(&mut pixels, colour, opacities, dither, floor),
-                None => fold_row::<R, O, V>(&mut pixels, colours.rows(), opacities, dither, floor),
+                Some(colour) => fold_visible_row::<R, O, V>(recurrence, &mut pixels, colour, opacities, dither, floor),
+                None => fold_row::<R, O, V>(recurrence, &mut pixels, colours.rows(), opacities, dither, floor),
             }
         });
     }
@@ -172,7 +174,7 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
 
     #[inline(always)]
     fn fold_packed(&mut self, places: &Places<'_>, count: usize, colours: &Colours<'_, i32>, opacities: &[i32]) {
-        let (dither, floor, width) = (self.dither, self.floor, self.width);
+        let (recurrence, dither, floor, width) = (self.recurrence, self.dither, self.floor, self.width);
         V::enter(|| {
             let floor = V::splat(floor.bits() as i32);
             let [red, green, blue] = colours.rows();
@@ -187,7 +189,7 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
                 ];
                 at += opacity.count();
                 let mut pixels = self.pixels(4 * row * width, places.pixels(column));
-                fold_at::<R, O, V>(&mut pixels, 0, (colour, opacity), dither, floor);
+                fold_at::<R, O, V>(recurrence, &mut pixels, 0, (colour, opacity), dither, floor);
             }
         });
     }

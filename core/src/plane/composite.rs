@@ -23,6 +23,7 @@ use crate::tap::Tap;
 /// Alpha compositing of classified, perhaps shaded samples.
 #[derive(Clone, Debug)]
 pub struct Composite<P: Precision, C, S, O> {
+    precision: P,
     classifier: C,
     shader: S,
     floor: ChannelOf<P>,
@@ -31,11 +32,12 @@ pub struct Composite<P: Precision, C, S, O> {
 
 impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, O> {
     /// A pipeline whose rays go on to the precision's own floor of transparency.
-    pub fn new(classifier: C, shader: S) -> Self {
+    pub fn new(precision: P, classifier: C, shader: S) -> Self {
         Self {
+            precision,
             classifier,
             shader,
-            floor: P::Pixel::FLOOR,
+            floor: precision.pixel().floor(),
             order: PhantomData,
         }
     }
@@ -44,8 +46,9 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
     /// `255 * 2^-bits`), or at the precision's own floor if that is higher. Back to front no ray ends.
     #[must_use]
     pub fn with_early_termination(mut self, bits: u32) -> Self {
-        let floor = ChannelOf::<P>::ONE.bits().checked_shr(bits).unwrap_or(0);
-        self.floor = ChannelOf::<P>::from_bits(floor).max(P::Pixel::FLOOR);
+        let pixel = self.precision.pixel();
+        let floor = pixel.one().bits().checked_shr(bits).unwrap_or(0);
+        self.floor = ChannelOf::<P>::from_bits(floor).max(pixel.floor());
         self
     }
 }
@@ -95,9 +98,13 @@ where
         Some(self.classifier.support())
     }
 
-    fn empty(channel: usize) -> ChannelOf<P> {
+    fn precision(&self) -> P {
+        self.precision
+    }
+
+    fn empty(&self, channel: usize) -> ChannelOf<P> {
         if channel == 3 {
-            ChannelOf::<P>::ONE
+            self.precision.pixel().one()
         } else {
             ChannelOf::<P>::default()
         }
@@ -118,7 +125,7 @@ where
             seen,
         } = at;
         // Small machines have no whole volume at hand, and observers see whole rows.
-        let seen = seen.filter(|_| P::BLOCKS && !V::SMALL && tap.is_none());
+        let seen = seen.filter(|_| !V::SMALL && tap.is_none());
         let [mut width, _, _] = plan.dims();
         if seen.is_some() {
             width = width.max(BATCH_WIDTH);
@@ -136,21 +143,21 @@ where
         if n == 0 {
             return Ok(());
         }
-        let (first, dither) = (rows.first, Dither::of_plane(plane.index));
-        let mut canvas = Image::<P::Pixel, O, V>::new((first, rows.data), base_width, &extent, dither, self.floor);
-        let classifier = Kernels::<C, P, V>::of(&self.classifier);
-        let shader = Kernels::<S, P, V>::of(&self.shader);
+        let (precision, first, dither) = (self.precision, rows.first, Dither::of_plane(plane.index));
+        let mut canvas = Image::<P::Pixel, O, V>::new((first, rows.data), base_width, &extent, dither, (precision.pixel(), self.floor));
+        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision);
+        let shader = Kernels::<S, P, V>::of(&self.shader, precision);
         let spacing = plan.spacing();
         // Two constants, before which no code for blocks is compiled.
-        if P::BLOCKS
-            && !V::SMALL
+        if !V::SMALL
             && let Some(seen) = seen
         {
             let probes = Probes::<P, V> {
                 extent: &extent,
                 window,
                 spacing,
-                kinds: PhantomData,
+                precision,
+                lanes: PhantomData,
             };
             let [rows, columns] = &mut source.z;
             let [samples, ..] = &mut source.samples;
@@ -160,7 +167,7 @@ where
             return Ok(());
         }
         batch.opacities = part_mut(batch.opacities, 0..n);
-        let mut sheared = Sheared::<P, V, S>::new(&extent, window, spacing, source);
+        let mut sheared = Sheared::<P, V, S>::new(precision, &extent, window, spacing, source);
         let (support, met) = (self.classifier.support(), extent.met(first, count));
         if V::SMALL {
             let mut rows = WholeRows::new(plane, &extent, window, support, &mut sheared, met);
@@ -194,7 +201,7 @@ where
         let run = |channel: usize| {
             let inside = column < width;
             let element = row.get(channel * width + column).filter(|_| inside);
-            element.copied().unwrap_or(Self::empty(channel))
+            element.copied().unwrap_or(self.empty(channel))
         };
         Pixel {
             colour: [run(0), run(1), run(2)],

@@ -32,11 +32,11 @@ pub(super) trait ShaderRows<W> {
 }
 
 /// A classifier or shader in a precision, compiled for lanes.
-pub(super) struct Kernels<'a, T, P, V>(&'a T, PhantomData<(P, V)>);
+pub(super) struct Kernels<'a, T, P, V>(&'a T, P, PhantomData<V>);
 
 impl<'a, T, P, V> Kernels<'a, T, P, V> {
-    pub(super) const fn of(slot: &'a T) -> Self {
-        Self(slot, PhantomData)
+    pub(super) const fn of(slot: &'a T, precision: P) -> Self {
+        Self(slot, precision, PhantomData)
     }
 }
 
@@ -44,17 +44,17 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
     #[inline(always)]
     fn one_colour(&self) -> Option<[u32; 3]> {
         // One lane is faster without a decision at each sample.
-        if V::COUNT > 1 { self.0.one_colour() } else { None }
+        if V::COUNT > 1 { self.0.one_colour(self.1) } else { None }
     }
 
     #[inline(always)]
     fn opacity_row(&self, slab: Slab<'_>, out: &mut [i32]) {
-        V::enter(|| self.0.opacity_row::<V>(slab, out));
+        V::enter(|| self.0.opacity_row::<V>(self.1, slab, out));
     }
 
     #[inline(always)]
     fn colour_row(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
-        V::enter(|| self.0.colour_row::<V>(slab, out));
+        V::enter(|| self.0.colour_row::<V>(self.1, slab, out));
     }
 }
 

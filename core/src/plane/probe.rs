@@ -28,14 +28,15 @@ pub(super) struct Probes<'s, 'w, P, V> {
     pub(super) extent: &'s Extent,
     pub(super) window: &'s Window<'w>,
     pub(super) spacing: [Intensity; 3],
-    pub(super) kinds: PhantomData<(P, V)>,
+    pub(super) precision: P,
+    pub(super) lanes: PhantomData<V>,
 }
 
 impl<P: Precision, V: Lanes> SourceAt<i32> for Probes<'_, '_, P, V> {
     #[inline(always)]
     fn samples_at(&self, places: &Places<'_>, count: usize, out: &mut [i32]) {
         V::enter(|| {
-            let probe = Probe::<P, V>::new(self.extent, self.window);
+            let probe = Probe::<P, V>::new(self.precision, self.extent, self.window);
             for number in 0..count {
                 let (row, column) = places.get(number);
                 let sample = probe.sample(places.voxel_row(row), column as i32);
@@ -47,7 +48,7 @@ impl<P: Precision, V: Lanes> SourceAt<i32> for Probes<'_, '_, P, V> {
     #[inline(always)]
     fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[i32], out: [&mut [i32]; 3]) {
         V::enter(|| {
-            let probe = Probe::<P, V>::new(self.extent, self.window);
+            let probe = Probe::<P, V>::new(self.precision, self.extent, self.window);
             let [gx, gy, gz] = out;
             let mut at = 0;
             for number in 0..count {
@@ -60,6 +61,7 @@ impl<P: Precision, V: Lanes> SourceAt<i32> for Probes<'_, '_, P, V> {
                 at += chosen.count();
             }
             spaced::<P, V>(
+                self.precision,
                 [part_mut(gx, 0..at), part_mut(gy, 0..at), part_mut(gz, 0..at)],
                 self.spacing,
             );
@@ -83,16 +85,16 @@ struct Probe<'w, P, V> {
     wz: V,
     /// The weight along z of a single voxel.
     wz_bits: i32,
-    precision: PhantomData<P>,
+    precision: P,
 }
 
 /// How the voxels around a place are read: `INNER`, all of them exist; `WHOLE`, the plane lies in a slice besides, so that
 /// nothing is interpolated along z and voxels stay whole numbers until they meet along y.
 impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     #[inline(always)]
-    fn new(extent: &Extent, window: &'w Window<'w>) -> Self {
+    fn new(precision: P, extent: &Extent, window: &'w Window<'w>) -> Self {
         const { assert!(V::COUNT <= LANES_MAX) };
-        let [wx, wy, wz] = [extent.x, extent.y, extent.z].map(|cell| cut::<P>(cell.weight));
+        let [wx, wy, wz] = [extent.x, extent.y, extent.z].map(|cell| cut(precision, cell.weight));
         Self {
             window,
             near: window.near,
@@ -104,7 +106,7 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
             wy: V::splat(wy),
             wz: V::splat(wz),
             wz_bits: wz,
-            precision: PhantomData,
+            precision,
         }
     }
 
@@ -186,16 +188,16 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     /// Interpolation along x: samples.
     #[inline(always)]
     fn x(&self, a: V, b: V) -> V {
-        lerp_x::<P, V>(a, b, self.wx)
+        lerp_x(self.precision, a, b, self.wx)
     }
 
     /// Interpolation along y.
     #[inline(always)]
     fn y<const WHOLE: bool>(&self, a: V, b: V) -> V {
         if WHOLE {
-            kept::<P, V>(a.between16(b, self.wy))
+            kept(self.precision, a.between16(b, self.wy))
         } else {
-            lerp_y::<P, V, false>(a, b, self.wy)
+            lerp_y::<P, V, false>(self.precision, a, b, self.wy)
         }
     }
 

@@ -19,16 +19,18 @@ use crate::tap::{Beam, Tap};
 /// Projection of the largest or smallest sample (`project`).
 #[derive(Clone, Debug)]
 pub struct Project<P, C, X> {
+    precision: P,
     classifier: C,
-    kinds: PhantomData<(P, X)>,
+    extreme: PhantomData<X>,
 }
 
 impl<P: Precision, C: Classifier<P>, X: Extreme> Project<P, C, X> {
-    /// A pipeline that keeps one sample a ray and classifies it at the end.
-    pub fn new(classifier: C) -> Self {
+    /// A pipeline that keeps one sample per ray and classifies it at the end.
+    pub fn new(precision: P, classifier: C) -> Self {
         Self {
+            precision,
             classifier,
-            kinds: PhantomData,
+            extreme: PhantomData,
         }
     }
 }
@@ -41,7 +43,11 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
     const SCRATCH: scratch::Rows = scratch::Rows::Projection;
     const BACK_TO_FRONT: bool = false;
 
-    fn empty(_: usize) -> i32 {
+    fn precision(&self) -> P {
+        self.precision
+    }
+
+    fn empty(&self, _: usize) -> i32 {
         X::EMPTY
     }
 
@@ -67,7 +73,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         if extent.columns.is_empty() {
             return Ok(());
         }
-        let mut source = Sheared::<P, V, Unlit>::new(&extent, &at.window, plan.spacing(), source);
+        let mut source = Sheared::<P, V, Unlit>::new(self.precision, &extent, &at.window, plan.spacing(), source);
         for row in extent.met(rows.first, count) {
             let voxel_row = extent.voxel_row(row);
             source.make(voxel_row);
@@ -85,6 +91,6 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
 
     fn pixel(&self, row: &[i32], column: usize) -> Pixel<ChannelOf<P>> {
         let kept = row.get(column).copied().unwrap_or(X::EMPTY);
-        resolve::<P, X>(kept, &self.classifier)
+        resolve::<P, X>(self.precision, kept, &self.classifier)
     }
 }

@@ -56,7 +56,8 @@ pub(super) struct Sheared<'s, 'w, P, V, S> {
     derivatives: [&'s mut [i32]; 2],
     /// Which row and which of its columns the derivatives are of.
     made: [(usize, Range<usize>); 2],
-    kinds: PhantomData<(P, V, S)>,
+    precision: P,
+    kinds: PhantomData<(V, S)>,
 }
 
 impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
@@ -65,6 +66,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
 
     #[inline(always)]
     pub(super) fn new(
+        precision: P,
         extent: &'s Extent,
         window: &'s Window<'w>,
         spacing: [Intensity; 3],
@@ -86,6 +88,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
             sample_row: [NO_ROW; 3],
             derivatives: rows.derivatives,
             made: [(0, 0..0), (0, 0..0)],
+            precision,
             kinds: PhantomData,
         }
     }
@@ -138,7 +141,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         if !S::LIT && !V::SMALL && extent.in_slice() {
             let voxels = |row: i32| self.window.near.row(row.max(0) as usize);
             if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
-                yx_row_in_slice::<P, V>(voxels(row), voxels(next), extent.weights(), out);
+                yx_row_in_slice::<P, V>(self.precision, voxels(row), voxels(next), extent.weights(), out);
                 *key = row;
             }
             return;
@@ -148,7 +151,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
         if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
-            yx_row::<P, V>(pick(row), pick(next), extent.in_slice(), extent.weights(), out);
+            yx_row::<P, V>(self.precision, pick(row), pick(next), extent.in_slice(), extent.weights(), out);
             *key = row;
         }
     }
@@ -170,13 +173,13 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         let edge = row.min(last).max(0);
         let rows = |row: i32| (window.near.row(row as usize), far.row(row as usize));
         let (near_row, far_row) = rows(edge);
-        z_row::<P, V>(near_row, far_row, weight, part_mut(out, voxels.clone()));
+        z_row::<P, V>(self.precision, near_row, far_row, weight, part_mut(out, voxels.clone()));
         if S::LIT {
             if edge != row {
                 // One row beyond a face: twice the edge less the row inside it.
                 let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
                 let (near_row, far_row) = rows(inner);
-                z_row::<P, V>(near_row, far_row, weight, part_mut(self.inner, voxels.clone()));
+                z_row::<P, V>(self.precision, near_row, far_row, weight, part_mut(self.inner, voxels.clone()));
                 extend_row(part_mut(out, voxels.clone()), part(self.inner, voxels));
             }
             extend_ends(out);
@@ -198,7 +201,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         *made = (row, columns.clone());
         let (near, far) = derivatives(self.window, row);
         let (near, far) = (near.columns(columns.clone()), far.columns(columns.clone()));
-        z_difference_row::<P, V>(near, far, self.extent.z.weight, part_mut(out, columns.clone()));
+        z_difference_row::<P, V>(self.precision, near, far, self.extent.z.weight, part_mut(out, columns.clone()));
     }
 
     #[inline(always)]
@@ -215,7 +218,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         let [even, odd] = &self.derivatives;
         let pick = |row: usize| part(if row & 1 == 0 { even } else { odd }, columns.clone());
         let (whole, weights) = (self.extent.in_slice(), self.extent.weights());
-        yx_row::<P, V>(pick(this), pick(next), whole, weights, gz);
+        yx_row::<P, V>(self.precision, pick(this), pick(next), whole, weights, gz);
         let here = self.whole(row);
         // A row has a place before its first voxel, so there is one to the left of every sample.
         let (right, left) = (
@@ -225,18 +228,18 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         difference_row::<V>(part(here, right), part(here, left), gx);
         let (next, previous) = (self.whole(row + 1), self.whole(row - 1));
         difference_row::<V>(part(next, places.clone()), part(previous, places), gy);
-        spaced::<P, V>([gx, gy, gz], self.spacing);
+        spaced::<P, V>(self.precision, [gx, gy, gz], self.spacing);
     }
 }
 
 /// Gradients with the spacing factors, and with the bits that a precision keeps.
 #[inline(always)]
-pub(super) fn spaced<P: Precision, V: Lanes>([gx, gy, gz]: [&mut [i32]; 3], [fx, fy, fz]: [Intensity; 3]) {
+pub(super) fn spaced<P: Precision, V: Lanes>(p: P, [gx, gy, gz]: [&mut [i32]; 3], [fx, fy, fz]: [Intensity; 3]) {
     space_row::<V>(gx, fx);
     space_row::<V>(gy, fy);
     space_row::<V>(gz, fz);
-    if P::GRADIENT_BITS < 15 {
-        coarsen_row::<V>([gx, gy, gz], P::GRADIENT_BITS);
+    if p.formats().gradient_bits < 15 {
+        coarsen_row::<V>([gx, gy, gz], p.formats().gradient_bits);
     }
 }
 

@@ -26,8 +26,8 @@ fn formed_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
 
 /// [`dot_lanes`] of one sample and L.
 #[inline]
-pub fn dot<P: Precision>(normal: Normal, vector: [i32; 3]) -> Cosine {
-    Cosine::from_bits(dot_lanes::<P, i32>(normal.g, normal.r as i32, opposite(vector)) as u32)
+pub fn dot<P: Precision>(p: P, normal: Normal, vector: [i32; 3]) -> Cosine {
+    Cosine::from_bits(dot_lanes::<P, i32>(p, normal.g, normal.r as i32, opposite(vector)) as u32)
 }
 
 /// A vector that points the other way.
@@ -58,12 +58,12 @@ fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
 /// normals are truncated first, and so are their products, at 16 fraction bits; `Nearest` ones are rounded first. `away`
 /// is -L, with the precision's bits ([`keep_vector`](super::keep_vector)): g points away from the normal.
 #[inline(always)]
-pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, away: [i32; 3]) -> V::Wide {
+pub fn dot_lanes<P: Precision, V: Lanes>(p: P, g: [V; 3], r: V, away: [i32; 3]) -> V::Wide {
     let zero = V::splat(0);
     let [x, y, z] = g;
     let [ax, ay, az] = away;
-    match P::NORMAL {
-        NormalForm::Deferred if P::SHADING.vector_bits() == 15 => {
+    match p.formats().normal {
+        NormalForm::Deferred if p.formats().shading.vector_bits() == 15 => {
             let (ax, ay, az) = (V::splat(ax), V::splat(ay), V::splat(az));
             // |sum| <= sqrt(3) * 32767 * 32768 < 2^31 for unit vectors; wrapping keeps others from a panic.
             let sum = x.wrapping_mul(ax).wrapping_add(y.wrapping_mul(ay));
@@ -103,9 +103,9 @@ pub fn dot_lanes<P: Precision, V: Lanes>(g: [V; 3], r: V, away: [i32; 3]) -> V::
 
 /// R.L = 2 (N.V)(N.L) - V.L, 0 to 1, and 0 where N.V or N.L is 0. The vectors have the precision's bits.
 #[inline]
-pub fn reflected<P: Precision>(nv: Cosine, nl: Cosine, viewer: [i32; 3], light: [i32; 3]) -> Cosine {
+pub fn reflected<P: Precision>(p: P, nv: Cosine, nl: Cosine, viewer: [i32; 3], light: [i32; 3]) -> Cosine {
     let [nv, nl] = [nv, nl].map(|c| i64::from(c.to_bits()));
-    Cosine::from_bits(reflected_lanes::<P, i32>(nv, nl, along(viewer, light)) as u32)
+    Cosine::from_bits(reflected_lanes::<P, i32>(p, nv, nl, along(viewer, light)) as u32)
 }
 
 /// V.L, with twice the vectors' fraction bits.
@@ -119,17 +119,17 @@ pub(super) fn along(viewer: [i32; 3], light: [i32; 3]) -> i64 {
 
 /// [`reflected`] with V.L at hand.
 #[inline(always)]
-pub(super) fn reflected_lanes<P: Precision, V: Lanes>(nv: V::Wide, nl: V::Wide, vl: i64) -> V::Wide {
+pub(super) fn reflected_lanes<P: Precision, V: Lanes>(p: P, nv: V::Wide, nl: V::Wide, vl: i64) -> V::Wide {
     // 62 fraction bits, of which one less is kept: that doubles it. V.L is taken off before the shift, with no more bits
     // than it would have behind it.
-    let (less, half, shift) = match P::SHADING {
+    let (less, half, shift) = match p.formats().shading {
         Shading::Rounded31 => (vl >> 29 << 30, 1 << 29, 30),
         Shading::Rounded16 => (vl << 31, 1 << 29, 30),
         Shading::Truncated16 => (vl >> 14 << 45, 0, 45),
     };
     let product = nv.low_product(nl);
     let rl = (product + V::Wide::splat(half - less)).at_least_zero();
-    let rl = match P::SHADING {
+    let rl = match p.formats().shading {
         Shading::Truncated16 => rl.shr(shift).shl(15).at_most(V::Wide::splat(1 << 31)),
         _ => rl.shr_to_one(shift),
     };
@@ -139,14 +139,14 @@ pub(super) fn reflected_lanes<P: Precision, V: Lanes>(nv: V::Wide, nl: V::Wide, 
 
 /// [`power_lanes`] of one cosine.
 #[inline]
-pub fn power<P: Precision>(x: Cosine, n: u32) -> Cosine {
-    Cosine::from_bits(power_lanes::<P, i32>(i64::from(x.to_bits()), n) as u32)
+pub fn power<P: Precision>(p: P, x: Cosine, n: u32) -> Cosine {
+    Cosine::from_bits(power_lanes::<P, i32>(p, i64::from(x.to_bits()), n) as u32)
 }
 
 /// `x^(2^n)` by squaring, or what a study puts in its place; 1 stays 1. Squeeze, section 4.2.2.
 #[inline(always)]
-pub fn power_lanes<P: Precision, V: Lanes>(x: V::Wide, n: u32) -> V {
-    match P::POWER {
+pub fn power_lanes<P: Precision, V: Lanes>(p: P, x: V::Wide, n: u32) -> V {
+    match p.formats().power {
         Power::Rounded31 => {
             let mut x = x;
             for _ in 0..n {
@@ -171,8 +171,8 @@ pub fn power_lanes<P: Precision, V: Lanes>(x: V::Wide, n: u32) -> V {
 
 /// The ambient coefficient as a sum of products begins with it.
 #[inline(always)]
-pub(super) fn ambient<P: Precision, V: Lanes>(k: u32) -> V {
-    V::splat(match P::SHADING {
+pub(super) fn ambient<P: Precision, V: Lanes>(p: P, k: u32) -> V {
+    V::splat(match p.formats().shading {
         Shading::Truncated16 => k << 1,
         Shading::Rounded16 => (k << 16).min(i32::MAX as u32),
         Shading::Rounded31 => k,
@@ -181,8 +181,8 @@ pub(super) fn ambient<P: Precision, V: Lanes>(k: u32) -> V {
 
 /// A cosine (1.31) with the bits that products take.
 #[inline(always)]
-pub(super) fn for_products<P: Precision, V: Lanes>(x: V) -> V {
-    match P::SHADING {
+pub(super) fn for_products<P: Precision, V: Lanes>(p: P, x: V) -> V {
+    match p.formats().shading {
         Shading::Truncated16 => x.shr_unsigned(15),
         Shading::Rounded16 => x.wrapping_add(V::splat(1 << 14)).shr_unsigned(15),
         Shading::Rounded31 => x,
@@ -191,9 +191,9 @@ pub(super) fn for_products<P: Precision, V: Lanes>(x: V) -> V {
 
 /// A cosine times its coefficient.
 #[inline(always)]
-pub(super) fn weighted<P: Precision, V: Lanes>(k: u32, x: V) -> V {
+pub(super) fn weighted<P: Precision, V: Lanes>(p: P, k: u32, x: V) -> V {
     let k = V::splat(k as i32);
-    match P::SHADING {
+    match p.formats().shading {
         Shading::Truncated16 => k.wrapping_mul(x).shr_unsigned(15),
         Shading::Rounded16 => k.wrapping_mul(x),
         Shading::Rounded31 => k.product(x).shr_narrow(31),
@@ -202,8 +202,8 @@ pub(super) fn weighted<P: Precision, V: Lanes>(k: u32, x: V) -> V {
 
 /// A sum of light and one more product. It saturates where 1 is reached, or one unit below where that is the same 1.15.
 #[inline(always)]
-pub(super) fn brighter<P: Precision, V: Lanes>(sum: V, product: V) -> V {
-    match P::SHADING {
+pub(super) fn brighter<P: Precision, V: Lanes>(p: P, sum: V, product: V) -> V {
+    match p.formats().shading {
         Shading::Truncated16 => sum + product,
         Shading::Rounded16 => sum.wrapping_add(product).at_most_unsigned(V::splat(i32::MAX)),
         Shading::Rounded31 => sum.saturating_add(product),
@@ -212,9 +212,9 @@ pub(super) fn brighter<P: Precision, V: Lanes>(sum: V, product: V) -> V {
 
 /// The colour under these sums of light.
 #[inline(always)]
-pub(super) fn lit<P: Precision, V: Lanes>(colour: V, [diffuse, specular]: [V; 2]) -> V {
+pub(super) fn lit<P: Precision, V: Lanes>(p: P, colour: V, [diffuse, specular]: [V; 2]) -> V {
     let (one15, one16, one31) = (V::splat(1 << 15), V::splat(1 << 16), V::splat(i32::MIN));
-    match P::SHADING {
+    match p.formats().shading {
         Shading::Truncated16 => {
             let sum = colour.wrapping_mul(diffuse.at_most(one16)).shr_unsigned(15) + specular;
             (sum >> 1).at_most(one15)

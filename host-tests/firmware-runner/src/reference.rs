@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::mpsc::channel;
 
 use slicecast::composite::Channel;
-use slicecast::plane::Pipeline;
+use slicecast::plane::Pictured;
 use slicecast::slice::Slice;
 use slicecast::stage::Stage;
 use slicecast::stream::base_pixel;
@@ -84,10 +84,10 @@ struct Fold<'a> {
 impl Job for Fold<'_> {
     type Output = (BTreeMap<PlaneKey, [u32; Stage::ALL.len()]>, u32, Counts);
 
-    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
         let plan = &self.prepared.setup.plan;
         let rows = plan.base()[1] as usize;
-        let mut image = new_image::<L>(plan).unwrap_or_default();
+        let mut image = new_image(plan, pipeline).unwrap_or_default();
         let (sender, planes) = channel();
         let taps = fold_tiles_tapped(plan, pipeline, self.slices, &mut image, rows, &|_, _| (), |_| {
             let sender = sender.clone();
@@ -105,7 +105,7 @@ impl Job for Fold<'_> {
             .map(|p| ((p.index, p.phase.u, p.phase.v), p.sums))
             .collect();
 
-        let mut again = new_image::<L>(plan).unwrap_or_default();
+        let mut again = new_image(plan, pipeline).unwrap_or_default();
         let counters = fold_tiles_tapped(plan, pipeline, self.slices, &mut again, rows, &|_, _| (), |_| {
             Counter::default()
         });

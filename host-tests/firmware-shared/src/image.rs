@@ -2,7 +2,7 @@
 
 use slicecast::composite::Channel;
 use slicecast::format::Intensity;
-use slicecast::plane::{ChannelOf, Pipeline};
+use slicecast::plane::{ChannelOf, Pictured};
 use slicecast::stream::Stream;
 use slicecast::warp::{Warp, in_front_of};
 
@@ -17,7 +17,7 @@ pub fn add_rows<C: Channel>(sum: &mut Sum, rows: &[C]) {
 }
 
 /// Sum of the viewer's picture of a finished frame, 8 bits a channel.
-pub fn picture<L: Pipeline>(stream: &Stream<'_, L>, size: [u32; 2], warp: &Warp, background: [Intensity; 3]) -> u32 {
+pub fn picture<L: Pictured>(stream: &Stream<'_, L>, size: [u32; 2], warp: &Warp, background: [Intensity; 3]) -> u32 {
     let mut sum = Sum::new();
     let [width, height] = size;
     for y in 0..height {

@@ -93,7 +93,7 @@ impl SceneData {
 }
 
 /// A precision with the table that belongs to it.
-pub trait Model: Precision {
+pub trait Model: Precision + Default {
     /// How its table holds opacities.
     type Alpha: AlphaCode;
     /// How samples find entries.
@@ -134,19 +134,19 @@ pub trait Lights<P: Precision>: Shader<P> + Sized {
     ///
     /// # Errors
     /// [`SceneError::Phong`] if a number is out of range.
-    fn of(lighting: &Lighting) -> Result<Self, SceneError>;
+    fn of(precision: P, lighting: &Lighting) -> Result<Self, SceneError>;
 }
 
 impl<P: Precision> Lights<P> for Unlit {
     const NAME: &'static str = "unlit";
-    fn of(_: &Lighting) -> Result<Self, SceneError> {
+    fn of(_: P, _: &Lighting) -> Result<Self, SceneError> {
         Ok(Self)
     }
 }
 
 impl<P: Precision> Lights<P> for Phong<P> {
     const NAME: &'static str = "lit";
-    fn of(lighting: &Lighting) -> Result<Self, SceneError> {
+    fn of(precision: P, lighting: &Lighting) -> Result<Self, SceneError> {
         let dark = Light {
             direction: [Vector::ZERO; 3],
             half: [Vector::ZERO; 3],
@@ -163,6 +163,7 @@ impl<P: Precision> Lights<P> for Phong<P> {
             };
         }
         Self::new(
+            precision,
             lighting.ambient.map(Coefficient::from_bits),
             lights.get(..lighting.lights.len()).unwrap_or(&lights),
             lighting.viewer.map(Vector::from_bits),
@@ -185,5 +186,10 @@ pub type PipelineOf<'a, P, S> = Composite<P, PointTable<'a, <P as Model>::Alpha,
 /// # Errors
 /// [`SceneError::Phong`] if the lights are out of range.
 pub fn pipeline<P: Model, S: Lights<P>>(scene: &SceneData) -> Result<PipelineOf<'_, P, S>, SceneError> {
-    Ok(Composite::new(P::table(scene), S::of(&scene.lighting)?))
+    let precision = P::default();
+    Ok(Composite::new(
+        precision,
+        P::table(scene),
+        S::of(precision, &scene.lighting)?,
+    ))
 }

@@ -1,10 +1,12 @@
 //! Compositing: white fog and its relatives, without the floor and with it.
 
 use slicecast::composite::{
-    Channel, Dither, Dithered, Pixel, Recurrence, Telescoping31, Truncating15, Unorm16, settle, to_byte,
+    Channel as _, Dither, Dithered, Pixel, Recurrence, Telescoping31, Truncating15, Unorm16, settle,
 };
 use slicecast::format::Opacity;
 use slicecast_host_tests::random::Random;
+use slicecast_laboratory::channels::Scale;
+use slicecast_laboratory::pixels::{Arithmetic, StudyPixel};
 
 /// A ray: colour (1.15, all channels alike) and opacity (1.31) of plane k.
 type Ray = (&'static str, u32, fn(u32) -> (u32, u32));
@@ -140,42 +142,49 @@ const RAYS: [(Ray, [Result3; 4]); 14] = [
 ];
 
 fn cast<R: Recurrence>(
+    r: R,
     ray: Ray,
     fold: impl Fn(Pixel<R::Channel>, [u32; 3], Opacity, Dither) -> Pixel<R::Channel>,
 ) -> Result3 {
     let (name, planes, sample) = ray;
-    let mut pixel = Pixel::clear();
+    let mut pixel = r.clear();
     for k in 0..planes {
         let (colour, opacity) = sample(k);
-        let colour = [colour << (R::COLOUR_BITS - 15); 3];
+        let colour = [colour << (r.colour_bits() - 15); 3];
         pixel = fold(pixel, colour, Opacity::from_bits(opacity), Dither::of_plane(k));
     }
-    let [r, g, b] = pixel.colour;
-    assert!(r == g && g == b, "{name}: channels differ");
-    (r.bits(), pixel.transparency.bits(), to_byte(r))
+    let [red, green, blue] = pixel.colour;
+    assert!(red == green && green == blue, "{name}: channels differ");
+    // To the nearest byte.
+    let (bits, one) = (u64::from(red.bits()), u64::from(r.one().bits()));
+    (red.bits(), pixel.transparency.bits(), ((bits * 510 + one) / (2 * one)) as u8)
 }
 
-fn with_floor<R: Recurrence>(ray: Ray) -> Result3 {
-    cast::<R>(ray, |p, c, a, d| {
-        let mut out = R::over(p, c, a, d);
-        out.transparency = settle(out.transparency, R::FLOOR);
+fn without_floor<R: Recurrence>(r: R, ray: Ray) -> Result3 {
+    cast(r, ray, |p, c, a, d| r.over(p, c, a, d))
+}
+
+fn with_floor<R: Recurrence>(r: R, ray: Ray) -> Result3 {
+    cast(r, ray, |p, c, a, d| {
+        let mut out = r.over(p, c, a, d);
+        out.transparency = settle(out.transparency, r.floor());
         out
     })
+}
+
+/// 1.15 with the dither.
+fn dithered15() -> StudyPixel {
+    StudyPixel::new(Arithmetic::Dithered, Scale::Binary(15)).unwrap()
 }
 
 #[test]
 fn rays_without_the_floor() {
     for (ray, [wide, dithered, paper, compact]) in RAYS {
-        assert_eq!(cast::<Telescoping31>(ray, Telescoping31::over), wide, "{}, 1.31", ray.0);
-        assert_eq!(
-            cast::<Dithered<u16>>(ray, Dithered::<u16>::over),
-            dithered,
-            "{}, 1.15 with dither",
-            ray.0
-        );
-        assert_eq!(cast::<Truncating15>(ray, Truncating15::over), paper, "{}, paper", ray.0);
-        let found = cast::<Dithered<Unorm16>>(ray, Dithered::<Unorm16>::over);
-        assert_eq!(found, compact, "{}, 65535 with dither", ray.0);
+        assert_eq!(without_floor(Telescoping31, ray), wide, "{}, 1.31", ray.0);
+        let found = without_floor(dithered15(), ray);
+        assert_eq!(found, dithered, "{}, 1.15 with dither", ray.0);
+        assert_eq!(without_floor(Truncating15, ray), paper, "{}, paper", ray.0);
+        assert_eq!(without_floor(Dithered, ray), compact, "{}, 65535 with dither", ray.0);
     }
 }
 
@@ -190,29 +199,18 @@ fn rays_with_the_floor() {
         } else {
             wide
         };
-        assert_eq!(with_floor::<Telescoping31>(ray), wide, "{}, 1.31", ray.0);
-        assert_eq!(
-            with_floor::<Dithered<u16>>(ray),
-            dithered,
-            "{}, 1.15 with dither",
-            ray.0
-        );
-        assert_eq!(with_floor::<Truncating15>(ray), paper, "{}, paper", ray.0);
-        assert_eq!(
-            with_floor::<Dithered<Unorm16>>(ray),
-            compact,
-            "{}, 65535 with dither",
-            ray.0
-        );
+        assert_eq!(with_floor(Telescoping31, ray), wide, "{}, 1.31", ray.0);
+        let found = with_floor(dithered15(), ray);
+        assert_eq!(found, dithered, "{}, 1.15 with dither", ray.0);
+        assert_eq!(with_floor(Truncating15, ray), paper, "{}, paper", ray.0);
+        assert_eq!(with_floor(Dithered, ray), compact, "{}, 65535 with dither", ray.0);
     }
 }
 
 #[test]
 fn the_floor_itself() {
-    assert_eq!(
-        (Telescoping31::FLOOR, Dithered::<u16>::FLOOR, Truncating15::FLOOR),
-        (1 << 11, 1, 1)
-    );
+    let floors = (Telescoping31.floor(), Dithered.floor(), Truncating15.floor());
+    assert_eq!(floors, (1 << 11, Unorm16(1), 1));
     for (t, settled) in [
         (0, 0),
         (1, 0),
@@ -221,7 +219,7 @@ fn the_floor_itself() {
         (2049, 2049),
         (1 << 31, 1 << 31),
     ] {
-        assert_eq!(settle(t, Telescoping31::FLOOR), settled);
+        assert_eq!(settle(t, Telescoping31.floor()), settled);
     }
     assert_eq!([0u16, 1, 2, 32768].map(|t| settle(t, 1)), [0, 1, 2, 32768]);
     // Without a floor 1.31 sticks at 1 unit whatever half-transparent samples follow.
@@ -229,34 +227,30 @@ fn the_floor_itself() {
         colour: [0; 3],
         transparency: 1u32,
     };
-    let after = Telescoping31::over(stuck, [1 << 31; 3], Opacity::from_bits(1 << 30), Dither::of_plane(0));
+    let after = Telescoping31.over(stuck, [1 << 31; 3], Opacity::from_bits(1 << 30), Dither::of_plane(0));
     assert_eq!(after, stuck);
 }
 
 /// White keeps C + T = 1 whatever the opacities, and transparent samples leave a pixel alone.
 #[test]
 fn white_keeps_all_light() {
-    fn run<R: Recurrence>(seed: u64) {
+    fn run<R: Recurrence>(r: R, seed: u64) {
         let mut random = Random::new(seed);
-        let mut pixel = Pixel::<R::Channel>::clear();
-        let white = [1 << R::COLOUR_BITS; 3];
+        let (mut pixel, one) = (r.clear(), r.one().bits());
+        let white = [1 << r.colour_bits(); 3];
         for k in 0..20_000 {
             let dither = Dither::of_plane(k);
             let opacity = Opacity::from_bits((random.next_bits() as u32 >> 1) >> random.below(28));
-            pixel = R::over(pixel, white, opacity, dither);
-            assert_eq!(
-                pixel.colour[0].bits() + pixel.transparency.bits(),
-                R::Channel::ONE.bits(),
-                "plane {k}"
-            );
-            assert_eq!(R::over(pixel, white, Opacity::ZERO, dither), pixel);
-            if pixel.transparency.bits() < R::Channel::ONE.bits() >> 8 {
-                pixel = Pixel::clear();
+            pixel = r.over(pixel, white, opacity, dither);
+            assert_eq!(pixel.colour[0].bits() + pixel.transparency.bits(), one, "plane {k}");
+            assert_eq!(r.over(pixel, white, Opacity::ZERO, dither), pixel);
+            if pixel.transparency.bits() < one >> 8 {
+                pixel = r.clear();
             }
         }
     }
     for seed in 0..8 {
-        run::<Telescoping31>(seed);
-        run::<Dithered<Unorm16>>(seed);
+        run(Telescoping31, seed);
+        run(Dithered, seed);
     }
 }

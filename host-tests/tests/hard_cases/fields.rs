@@ -111,19 +111,19 @@ fn linear_field() {
         for (precision, kept, [vector_bits, colour_bits], low, high) in [
             (
                 PrecisionName::Paper,
-                keep_vector::<Paper>(direction),
+                keep_vector(Paper, direction),
                 [15, 15],
                 -16.0,
                 8.0,
             ),
             (
                 PrecisionName::Compact,
-                keep_vector::<Compact>(direction),
+                keep_vector(Compact, direction),
                 [15, 15],
                 -1.0,
                 1.0,
             ),
-            (PrecisionName::Wide, keep_vector::<Wide>(direction), [30, 31], -0.5, 0.5),
+            (PrecisionName::Wide, keep_vector(Wide, direction), [30, 31], -0.5, 0.5),
         ] {
             let [x, y, z] = kept.map(|c| f64::from(c) / 2f64.powi(vector_bits));
             let rounded = -(7.0 * x - 5.0 * y + 11.0 * z) / 195f64.sqrt();

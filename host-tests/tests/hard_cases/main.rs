@@ -10,7 +10,7 @@ mod fields;
 mod shading;
 
 use slicecast::classify::{Classifier, Linear, Nearest, PointTable, Sqrt16, entry, opacity_of_root};
-use slicecast::format::{Position, Sample12, Sample15, Step, Weight};
+use slicecast::format::{Position, Step, Weight};
 use slicecast::interpolate::trilinear;
 use slicecast::locate::{Cell, cell, position};
 use slicecast::precision::{Compact, Paper, Wide};
@@ -79,9 +79,9 @@ fn interpolation() {
     for (v, w, [wide, compact, paper]) in cases {
         let corners = [0, 1].map(|z| [0, 1].map(|y| [0, 1].map(|x| v[4 * z + 2 * y + x])));
         let weights = w.map(Weight::from_bits);
-        assert_eq!(trilinear::<Wide>(corners, weights).to_bits(), wide, "{v:?} {w:?}");
-        assert_eq!(trilinear::<Compact>(corners, weights).to_bits(), compact, "{v:?} {w:?}");
-        assert_eq!(trilinear::<Paper>(corners, weights).to_bits(), paper, "{v:?} {w:?}");
+        assert_eq!(trilinear(Wide, corners, weights), wide, "{v:?} {w:?}");
+        assert_eq!(trilinear(Compact, corners, weights), compact, "{v:?} {w:?}");
+        assert_eq!(trilinear(Paper, corners, weights), paper, "{v:?} {w:?}");
     }
 }
 
@@ -121,7 +121,7 @@ fn byte_codes() {
         assert_eq!(opacity_of_root(root).to_bits(), opacity);
         let entries = [byte << 24; ENTRIES];
         let table = PointTable::<slicecast::classify::Sqrt8, Nearest>::new(&entries, ());
-        assert_eq!(Classifier::<Wide>::opacity(&table, Sample15::ZERO).to_bits(), opacity);
+        assert_eq!(Classifier::opacity(&table, Wide, 0).to_bits(), opacity);
     }
 }
 
@@ -146,21 +146,21 @@ fn table_indices() {
         (134_168_576, 4095, 4094, 16_384, 4095),
         (134_184_960, 4095, 4095, 0, 4095),
     ] {
-        let sample = Sample15::from_bits(bits);
+        let sample = bits;
         assert_eq!(
-            i64::from(Classifier::<Wide>::opacity(&nearest, sample).to_bits()),
+            i64::from(Classifier::opacity(&nearest, Wide, sample).to_bits()),
             of(index),
             "{bits}"
         );
         let between = of(i) + (((of(i + 1) - of(i)) * f + (1 << 14)) >> 15);
         assert_eq!(
-            i64::from(Classifier::<Wide>::opacity(&linear, sample).to_bits()),
+            i64::from(Classifier::opacity(&linear, Wide, sample).to_bits()),
             between,
             "{bits}"
         );
-        let stored = Sample12::from_bits((bits + 4) >> 3);
+        let stored = (bits + 4) >> 3;
         assert_eq!(
-            i64::from(Classifier::<Compact>::opacity(&nearest, stored).to_bits()),
+            i64::from(Classifier::opacity(&nearest, Compact, stored).to_bits()),
             of(index12),
             "{bits}"
         );

@@ -114,10 +114,10 @@ fn cosines_are_rounded_to_nearest() {
         let product: i64 = normal.g.into_iter().zip(light).map(|(g, l)| i64::from(-g * l)).sum();
         let exact = i128::from(product.max(0)) * i128::from(normal.r);
         let nearest = ((exact + (1 << 18)) >> 19).min(1 << 31);
-        let found = dot::<Compact>(normal, light);
+        let found = dot(Compact, normal, light);
         assert_eq!(i128::from(found.to_bits()), nearest, "{normal:?} {light:?}");
         // A light of 30 bits whose low 15 are 0 is the same light.
-        assert_eq!(dot::<Wide>(normal, light.map(|l| l << 15)), found);
+        assert_eq!(dot(Wide, normal, light.map(|l| l << 15)), found);
     }
 }
 
@@ -145,9 +145,9 @@ fn powers() {
     for (x, nearest, truncated) in POWERS {
         let cosine = Cosine::from_bits(x << 15);
         for (n, (nearest, truncated)) in [6u32, 8].into_iter().zip(nearest.into_iter().zip(truncated)) {
-            assert_eq!(power::<Compact>(cosine, n).to_bits(), nearest, "{x} {n}");
-            assert_eq!(power::<Wide>(cosine, n).to_bits(), nearest, "{x} {n}");
-            assert_eq!(power::<Paper>(cosine, n).to_bits(), truncated << 15, "{x} {n}");
+            assert_eq!(power(Compact, cosine, n).to_bits(), nearest, "{x} {n}");
+            assert_eq!(power(Wide, cosine, n).to_bits(), nearest, "{x} {n}");
+            assert_eq!(power(Paper, cosine, n).to_bits(), truncated << 15, "{x} {n}");
         }
     }
 }
@@ -161,7 +161,7 @@ fn powers_keep_to_f64() {
         let mut worst = 0.0f64;
         for x in 0..=65_536u32 {
             let exact = (f64::from(x) / 65_536.0).powi(1 << n) * 2f64.powi(31);
-            let found = f64::from(power::<Compact>(Cosine::from_bits(x << 15), n).to_bits());
+            let found = f64::from(power(Compact, Cosine::from_bits(x << 15), n).to_bits());
             worst = worst.max((found - exact).abs());
         }
         assert!(worst <= f64::from(1u32 << n) / 2.0, "n {n}: {worst} units of 1.31");

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use slicecast::locate::{cell, inside, plane};
 use slicecast::plan::Plan;
-use slicecast::plane::Pipeline;
+use slicecast::plane::Pictured;
 
 use crate::opponent::Opponent;
 use crate::spread::spread;
@@ -217,9 +217,9 @@ struct Fold<'a>(&'a Plan, &'a Oriented<'a>, Simd);
 impl Job for Fold<'_> {
     type Output = Result<Duration, RenderError>;
 
-    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
         let Self(plan, volume, simd) = self;
-        let mut image = new_image::<L>(plan)?;
+        let mut image = new_image(plan, pipeline)?;
         let start = Instant::now();
         fold_oriented(plan, pipeline, volume, &mut image, TILE_ROWS, simd, &|_, _| ());
         let time = start.elapsed();
@@ -302,10 +302,10 @@ struct FoldAndWarp<'a>(&'a Prepared<'a>, &'a Oriented<'a>);
 impl Job for FoldAndWarp<'_> {
     type Output = Result<([Duration; 3], f64), RenderError>;
 
-    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
         let Self(prepared, volume) = self;
         let plan = &prepared.setup.plan;
-        let mut image = new_image::<L>(plan)?;
+        let mut image = new_image(plan, pipeline)?;
         let start = Instant::now();
         fold_oriented(plan, pipeline, volume, &mut image, TILE_ROWS, prepared.simd, &|_, _| ());
         let fold = start.elapsed();

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use slicecast::format::Position;
 use slicecast::locate::plane;
 use slicecast::plan::{Phase, Plan};
-use slicecast::plane::Pipeline;
+use slicecast::plane::Pictured;
 use slicecast::slice::Slice;
 
 use image::{ImageFigures, base_figures, picture_figures};
@@ -158,7 +158,7 @@ struct Compare<'a> {
 impl Job for Compare<'_> {
     type Output = Result<Comparison, RenderError>;
 
-    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
         let Self {
             prepared,
             model,
@@ -168,8 +168,8 @@ impl Job for Compare<'_> {
         let plan = &prepared.setup.plan;
         let [width, _] = plan.base();
         let rays = plan.sampling().rays_per_voxel;
-        let mut image = new_image::<L>(plan)?;
-        let tap = |tile: Tile| Lockstep::new::<L::Precision>(model, &prepared.setup, prepared.scene.blend, tile);
+        let mut image = new_image(plan, pipeline)?;
+        let tap = |tile: Tile| Lockstep::new(pipeline.precision(), model, &prepared.setup, prepared.scene.blend, tile);
         let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, TILE_ROWS, progress, tap);
         let mut errors = StageErrors::default();
         let mut pixels = Tiles::new(model.lattice().size, width as usize, rays as usize);
@@ -196,7 +196,7 @@ impl Job for Compare<'_> {
         Ok(Comparison {
             image: base_figures(&frame.base, &model_image),
             picture: picture_figures(&frame.picture, &model_picture, prepared.scene.image.background),
-            stages: errors.report::<L::Precision>(),
+            stages: errors.report(pipeline.precision()),
             frame,
             model: model_image,
             model_picture,

@@ -1,5 +1,7 @@
 //! The model beside the pipeline, plane by plane, for the rows of one tile.
 
+use std::sync::Arc;
+
 use slicecast::composite::{Channel, Recurrence};
 use slicecast::format::{Coefficient, Opacity, Vector};
 use slicecast::locate::Plane;
@@ -7,7 +9,7 @@ use slicecast::precision::{NormalForm, Precision};
 use slicecast::shade::{formed, formed_nearest, keep, keep_vector};
 use slicecast::tap::{Beam, Bits, Tap};
 
-use super::stages::{Stage, StageErrors, telescopes};
+use super::stages::{Stage, StageErrors};
 use slicecast_engine::camera::{Material, Setup};
 use slicecast_engine::tiles::Tile;
 use slicecast_model::gradient::normalise;
@@ -41,23 +43,23 @@ struct PipelineLights {
 }
 
 /// A vector as a precision keeps it.
-fn vector_value<P: Precision>(v: [Vector; 3]) -> [f64; 3] {
-    keep_vector::<P>(v).map(|c| f64::from(c) * 2f64.powi(-(P::SHADING.vector_bits() as i32)))
+fn vector_value<P: Precision>(p: P, v: [Vector; 3]) -> [f64; 3] {
+    keep_vector(p, v).map(|c| f64::from(c) * 2f64.powi(-(p.formats().shading.vector_bits() as i32)))
 }
 
 /// Coefficients as a precision keeps them.
-fn coefficient_value<P: Precision>(v: [Coefficient; 3]) -> [f64; 3] {
-    v.map(|c| f64::from(keep::<P>(c)) * 2f64.powi(-(P::SHADING.coefficient_bits() as i32)))
+fn coefficient_value<P: Precision>(p: P, v: [Coefficient; 3]) -> [f64; 3] {
+    v.map(|c| f64::from(keep(p, c)) * 2f64.powi(-(p.formats().shading.coefficient_bits() as i32)))
 }
 
 impl PipelineLights {
-    fn new<P: Precision>(material: &Material, model: &Lights) -> Self {
-        let viewer = vector_value::<P>(material.viewer);
+    fn new<P: Precision>(p: P, material: &Material, model: &Lights) -> Self {
+        let viewer = vector_value(p, material.viewer);
         let resolve = |light: &slicecast::shade::Light| {
-            let direction = vector_value::<P>(light.direction);
+            let direction = vector_value(p, light.direction);
             ResolvedLight {
                 direction,
-                half: vector_value::<P>(light.half),
+                half: vector_value(p, light.half),
                 viewer_dot: viewer.iter().zip(direction).map(|(v, l)| v * l).sum(),
                 colour: [1.0; 3],
             }
@@ -68,11 +70,11 @@ impl PipelineLights {
                 lights: material.lights.iter().map(resolve).collect(),
                 ..model.clone()
             },
-            ambient: coefficient_value::<P>(material.ambient),
+            ambient: coefficient_value(p, material.ambient),
             coefficients: material
                 .lights
                 .iter()
-                .map(|l| (coefficient_value::<P>(l.diffuse), coefficient_value::<P>(l.specular)))
+                .map(|l| (coefficient_value(p, l.diffuse), coefficient_value(p, l.specular)))
                 .collect(),
         }
     }
@@ -92,9 +94,9 @@ impl PipelineLights {
     }
 }
 
-/// What the model has to know of a precision. Values, so that the tap is compiled once and not once a precision.
-#[derive(Clone, Copy, Debug)]
-pub struct Formats {
+/// What the model has to know of a precision. Values, so that the tap is compiled once and not once per precision.
+#[derive(Clone)]
+pub struct Scales {
     /// Ulp in 1.0, stage by stage.
     pub per_unit: [f64; Stage::ALL.len()],
     /// 1.0 of a sample.
@@ -104,27 +106,28 @@ pub struct Formats {
     /// 1.0 of a pixel's channel.
     channel_one: f64,
     normal: NormalForm,
-    read: fn(Opacity) -> Opacity,
+    read: Arc<dyn Fn(Opacity) -> Opacity + Send + Sync>,
     /// Transparency below this is 0, and whether that is more than the least one.
     floor: f64,
     has_floor: bool,
     telescopes: bool,
 }
 
-impl Formats {
+impl Scales {
     /// Those of a precision.
-    pub fn of<P: Precision>() -> Self {
-        let (floor, one) = (P::Pixel::FLOOR, <P::Pixel as Recurrence>::Channel::ONE);
+    pub fn of<P: Precision>(p: P) -> Self {
+        let pixel = p.pixel();
+        let (floor, one) = (pixel.floor(), pixel.one());
         Self {
-            per_unit: Stage::ALL.map(Stage::per_unit::<P>),
-            sample_one: f64::from(P::SAMPLE_BITS).exp2(),
-            colour_one: f64::from(P::COLOUR_BITS).exp2(),
+            per_unit: Stage::ALL.map(|stage| stage.per_unit(p)),
+            sample_one: f64::from(p.formats().sample_bits).exp2(),
+            colour_one: f64::from(pixel.colour_bits()).exp2(),
             channel_one: f64::from(one.bits()),
-            normal: P::NORMAL,
-            read: <P::Pixel as Recurrence>::read,
+            normal: p.formats().normal,
+            read: Arc::new(move |opacity| pixel.read(opacity)),
             floor: f64::from(floor.bits()) / f64::from(one.bits()),
-            has_floor: floor > <P::Pixel as Recurrence>::Channel::LEAST,
-            telescopes: telescopes::<P>(),
+            has_floor: floor.bits() > 1,
+            telescopes: pixel.telescoping(),
         }
     }
 
@@ -172,7 +175,7 @@ pub struct Lockstep<'a> {
     /// Rays per voxel.
     rays: usize,
     errors: StageErrors,
-    formats: Formats,
+    scales: Scales,
     /// The model's samples of the current plane, and its pixels so far, for the rows of the tile.
     samples: Vec<Option<Sample>>,
     pixels: Vec<Pixel>,
@@ -190,12 +193,12 @@ pub struct Lockstep<'a> {
 
 impl<'a> Lockstep<'a> {
     /// A tap for a tile.
-    pub fn new<P: Precision>(model: &'a Model<'a>, setup: &Setup, blend: Blend, tile: Tile) -> Self {
+    pub fn new<P: Precision>(p: P, model: &'a Model<'a>, setup: &Setup, blend: Blend, tile: Tile) -> Self {
         let [width, _] = setup.plan.base();
         let width = width as usize;
         let count = width * tile.rows as usize;
         let lights = match (&setup.material, model.lights()) {
-            (Some(material), Some(lights)) => Some(PipelineLights::new::<P>(material, lights)),
+            (Some(material), Some(lights)) => Some(PipelineLights::new(p, material, lights)),
             _ => None,
         };
         Self {
@@ -207,7 +210,7 @@ impl<'a> Lockstep<'a> {
             width,
             rays: setup.plan.sampling().rays_per_voxel as usize,
             errors: StageErrors::default(),
-            formats: Formats::of::<P>(),
+            scales: Scales::of(p),
             samples: vec![None; count],
             pixels: vec![Pixel::TRANSPARENT; count],
             row: 0,
@@ -239,7 +242,7 @@ impl<'a> Lockstep<'a> {
     }
 
     fn add(&mut self, stage: Stage, local: f64, carried: Option<f64>) {
-        let ulp = self.formats.per_unit[stage as usize];
+        let ulp = self.scales.per_unit[stage as usize];
         self.errors.local[stage as usize].add(local * ulp);
         if let Some(carried) = carried {
             self.errors.carried[stage as usize].add(carried * ulp);
@@ -315,12 +318,12 @@ impl<'a> Lockstep<'a> {
             };
             // Transparency below the pixel's floor is 0 by definition. What the sample itself took is then unknown, and
             // the light that it gives is measured against the product.
-            let settled = self.formats.has_floor
+            let settled = self.scales.has_floor
                 && self.blend != Blend::BackToFront
                 && after.transparency == 0.0
-                && exact.transparency < self.formats.floor;
+                && exact.transparency < self.scales.floor;
             let left = if settled { 0.0 } else { exact.transparency };
-            let given = if self.formats.telescopes && self.blend != Blend::BackToFront && !settled {
+            let given = if self.scales.telescopes && self.blend != Blend::BackToFront && !settled {
                 // The light that the sample has really taken, rounding included.
                 let taken = before.transparency - after.transparency;
                 [0, 1, 2].map(|c| before.colour[c] + colour[c] * taken)
@@ -360,9 +363,9 @@ impl Tap for Lockstep<'_> {
             Boundary::Gradient => self.gradients(at, rows),
             Boundary::Normal => self.normals(at, rows),
             Boundary::Shading => self.shaded(at, rows),
-            Boundary::Before => self.before = self.formats.pixels(rows),
+            Boundary::Before => self.before = self.scales.pixels(rows),
             Boundary::After => {
-                self.after = self.formats.pixels(rows);
+                self.after = self.scales.pixels(rows);
                 self.composited(at);
             }
         }
@@ -374,7 +377,7 @@ impl Lockstep<'_> {
         self.row = self.index(at);
         self.values.clear();
         for (offset, [bits]) in values(rows) {
-            let fixed = f64::from(bits) / self.formats.sample_one;
+            let fixed = f64::from(bits) / self.scales.sample_one;
             self.values.push(fixed);
             let local = fixed - self.model.value_at(fixed_position(at, offset));
             let carried = self.samples[self.row + offset].map(|s| fixed - s.value);
@@ -386,7 +389,7 @@ impl Lockstep<'_> {
         self.opacities.clear();
         for (offset, [bits]) in values(rows) {
             // As compositing will read it.
-            let fixed = self.formats.opacity(bits);
+            let fixed = self.scales.opacity(bits);
             self.opacities.push(fixed);
             let local = fixed - self.model.classify(self.values[offset]).opacity;
             let carried = self.samples[self.row + offset].map(|s| fixed - s.opacity);
@@ -398,7 +401,7 @@ impl Lockstep<'_> {
         self.colours.clear();
         for (offset, colour) in values(rows) {
             let index = self.index(at) + offset;
-            let fixed = self.formats.colour(colour);
+            let fixed = self.scales.colour(colour);
             self.colours.push(fixed);
             let exact = self.model.classify(self.values[index - self.row]).colour;
             self.add3(Stage::Colour, fixed, exact, self.visible(index).map(|v| v.colour));
@@ -408,7 +411,7 @@ impl Lockstep<'_> {
     fn gradients(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.gradients.clear();
         for (offset, gradient) in values::<3>(rows) {
-            let fixed = gradient.map(|g| f64::from(g) / self.formats.sample_one);
+            let fixed = gradient.map(|g| f64::from(g) / self.scales.sample_one);
             self.gradients.push(fixed);
             let difference = self.model.difference_at(fixed_position(at, offset));
             let exact = [0, 1, 2].map(|a| difference[a] * self.spacing[a]);
@@ -420,7 +423,7 @@ impl Lockstep<'_> {
     fn normals(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.normals.clear();
         for (offset, [x, y, z, r]) in values(rows) {
-            let fixed = self.formats.normal([x, y, z], r);
+            let fixed = self.scales.normal([x, y, z], r);
             self.normals.push(fixed);
             let exact = normalise(self.gradients[offset]);
             let carried = self.visible(self.index(at) + offset).map(|v| v.normal);
@@ -430,7 +433,7 @@ impl Lockstep<'_> {
 
     fn shaded(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         for (offset, colour) in values(rows) {
-            let fixed = self.formats.colour(colour);
+            let fixed = self.scales.colour(colour);
             if let Some(lights) = &self.lights {
                 let exact = lights.shade(self.normals[offset], self.colours[offset]);
                 let carried = self.visible(self.index(at) + offset).map(|v| v.shaded);

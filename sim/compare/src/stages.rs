@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 use slicecast::composite::{Channel, Recurrence};
-use slicecast::plane::ChannelOf;
 use slicecast::precision::{NormalForm, Precision};
 
 use super::statistics::{Errors, Figures};
@@ -76,27 +75,27 @@ impl Stage {
     }
 
     /// The format of the stage's output, as error figures count it: its name, and how many ulp are 1.0.
-    pub fn format<P: Precision>(self) -> (String, f64) {
+    pub fn format<P: Precision>(self, p: P) -> (String, f64) {
         let fixed = |integer: u32, fraction: u32| (format!("{integer}.{fraction}"), f64::from(fraction).exp2());
         match self {
             Self::Location => fixed(16, 16),
-            Self::Interpolation | Self::Gradient => fixed(12, P::SAMPLE_BITS),
+            Self::Interpolation | Self::Gradient => fixed(12, p.formats().sample_bits),
             Self::Opacity => fixed(0, 16),
             Self::Colour => fixed(0, 8),
-            Self::Normal => match P::NORMAL {
+            Self::Normal => match p.formats().normal {
                 NormalForm::Deferred => fixed(1, 15),
                 NormalForm::Formed(bits) | NormalForm::Nearest(bits) => fixed(1, bits),
             },
-            Self::Shading => fixed(1, P::COLOUR_BITS),
+            Self::Shading => fixed(1, p.pixel().colour_bits()),
             Self::Transparency | Self::Compositing => {
-                (ChannelOf::<P>::NAME.to_owned(), f64::from(ChannelOf::<P>::ONE.bits()))
+                (p.pixel().format().to_owned(), f64::from(p.pixel().one().bits()))
             }
         }
     }
 
     /// How many ulp of the stage's output are 1.0.
-    pub fn per_unit<P: Precision>(self) -> f64 {
-        self.format::<P>().1
+    pub fn per_unit<P: Precision>(self, p: P) -> f64 {
+        self.format(p).1
     }
 
     /// Fraction bits that Squeeze requires of a stage's output (its section 5; table entries: section 4.4). Of the
@@ -132,10 +131,10 @@ impl StageErrors {
     }
 
     /// The figures of all stages that the scene has.
-    pub fn report<P: Precision>(&self) -> Vec<StageReport> {
+    pub fn report<P: Precision>(&self, p: P) -> Vec<StageReport> {
         let mut reports = Vec::new();
         for stage in Stage::ALL {
-            let (format, per_unit) = stage.format::<P>();
+            let (format, per_unit) = stage.format(p);
             let local = self.local[stage as usize].figures(per_unit);
             if local.samples == 0 {
                 continue;
@@ -170,10 +169,4 @@ pub struct StageReport {
     pub local: Figures,
     /// Against the f64 model from the beginning.
     pub carried: Figures,
-}
-
-/// Whether the light that a sample gives is measured against the light that it took (rounding included), as the
-/// telescoping pixels intend, or against the product of transparency and opacity.
-pub const fn telescopes<P: Precision>() -> bool {
-    <P::Pixel as Recurrence>::TELESCOPING
 }

@@ -169,7 +169,7 @@ impl Material {
             exponent_log2: lighting.exponent_log2,
         };
         // What one precision takes all of them take.
-        material.phong::<Compact>()?;
+        material.phong(Compact)?;
         Ok(material)
     }
 
@@ -177,8 +177,9 @@ impl Material {
     ///
     /// # Errors
     /// As [`Material::new`].
-    pub fn phong<P: Precision>(&self) -> Result<Phong<P>, PhongError> {
+    pub fn phong<P: Precision>(&self, precision: P) -> Result<Phong<P>, PhongError> {
         Phong::new(
+            precision,
             self.ambient,
             &self.lights,
             self.viewer,

@@ -3,10 +3,10 @@
 //! Opacities are decoded beforehand, and both neighbours of a sample are fetched with one load; what is left is done in
 //! lanes. A table of one colour is not asked for colours at all. 32 KiB, of which a sample reads 16 bytes.
 
-use fixed::traits::Fixed;
 use slicecast::classify::{AlphaCode, Classifier, Linear, PointTable, Slab, Support, colour_of_entry, mix_colour};
 use slicecast::format::Opacity;
 use slicecast::lanes::{Lanes, places};
+use slicecast::composite::Recurrence as _;
 use slicecast::precision::Precision;
 use slicecast::table::ENTRIES;
 use slicecast::table::{Coding, Neighboured};
@@ -59,8 +59,8 @@ impl Expanded {
 
 /// Whether no sample lies above a code.
 #[inline(always)]
-fn none_above<P: Precision, V: Lanes>(samples: &[i32], code: usize) -> bool {
-    let least = V::splat(((code as i32) << P::SAMPLE_BITS) + 1);
+fn none_above<P: Precision, V: Lanes>(p: P, samples: &[i32], code: usize) -> bool {
+    let least = V::splat(((code as i32) << p.formats().sample_bits) + 1);
     let mut above = V::splat(0);
     for at in places::<V>(samples.len()) {
         let sample = V::load(samples, at);
@@ -71,37 +71,36 @@ fn none_above<P: Precision, V: Lanes>(samples: &[i32], code: usize) -> bool {
 
 /// The values of the entries nearest to a row's samples.
 #[inline(always)]
-fn nearest<P: Precision, V: Lanes>(values: &Neighboured, samples: &[i32], at: usize) -> V {
-    let (offset, bits) = (1 << P::SAMPLE_BITS >> 1, P::SAMPLE_BITS);
+fn nearest<P: Precision, V: Lanes>(p: P, values: &Neighboured, samples: &[i32], at: usize) -> V {
+    let (offset, bits) = (1 << p.formats().sample_bits >> 1, p.formats().sample_bits);
     let [value, _] = V::look_up(values, samples, at, Coding { offset, bits });
     value
 }
 
 /// The values of the entries on both sides of a row's samples, and the weights of the second ones.
 #[inline(always)]
-fn around<P: Precision, V: Lanes>(values: &Neighboured, samples: &[i32], at: usize) -> ([V; 2], V) {
-    let (offset, bits) = (0, P::SAMPLE_BITS);
+fn around<P: Precision, V: Lanes>(p: P, values: &Neighboured, samples: &[i32], at: usize) -> ([V; 2], V) {
+    let (offset, bits) = (0, p.formats().sample_bits);
     let fraction = V::load(samples, at) & V::splat((1 << bits) - 1);
     (V::look_up(values, samples, at, Coding { offset, bits }), fraction)
 }
 
 #[inline(always)]
-fn mixed_colour<P: Precision, V: Lanes>(a: V, b: V, channel: u32, f: V) -> V {
-    let bits = P::COLOUR_BITS;
-    mix_colour::<P, V>(colour_of_entry(a, channel, bits), colour_of_entry(b, channel, bits), f)
+fn mixed_colour<P: Precision, V: Lanes>(p: P, a: V, b: V, channel: u32, f: V) -> V {
+    let bits = p.pixel().colour_bits();
+    mix_colour(p, colour_of_entry(a, channel, bits), colour_of_entry(b, channel, bits), f)
 }
 
 impl<P: Precision> Classifier<P> for &Expanded {
-    fn opacity(&self, sample: P::Sample) -> Opacity {
+    fn opacity(&self, p: P, sample: i32) -> Opacity {
         let mut out = [0];
-        Classifier::<P>::opacity_row::<i32>(self, Slab::of(&[sample.to_bits()]), &mut out);
+        self.opacity_row::<i32>(p, Slab::of(&[sample]), &mut out);
         Opacity::from_bits(out[0] as u32)
     }
 
-    fn colour(&self, sample: P::Sample) -> [u32; 3] {
+    fn colour(&self, p: P, sample: i32) -> [u32; 3] {
         let [mut red, mut green, mut blue] = [[0]; 3];
-        let sample = [sample.to_bits()];
-        Classifier::<P>::colour_row::<i32>(self, Slab::of(&sample), [&mut red, &mut green, &mut blue]);
+        self.colour_row::<i32>(p, Slab::of(&[sample]), [&mut red, &mut green, &mut blue]);
         [red, green, blue].map(|[c]| c as u32)
     }
 
@@ -110,32 +109,32 @@ impl<P: Precision> Classifier<P> for &Expanded {
     }
 
     #[inline(always)]
-    fn one_colour(&self) -> Option<[u32; 3]> {
+    fn one_colour(&self, p: P) -> Option<[u32; 3]> {
         let entry = self.one_colour? as i32;
-        Some([0, 1, 2].map(|channel| colour_of_entry(entry, channel, P::COLOUR_BITS) as u32))
+        Some([0, 1, 2].map(|channel| colour_of_entry(entry, channel, p.pixel().colour_bits()) as u32))
     }
 
     #[inline(always)]
-    fn opacity_row<V: Lanes>(&self, Slab { back: samples }: Slab<'_>, out: &mut [i32]) {
+    fn opacity_row<V: Lanes>(&self, p: P, Slab { back: samples }: Slab<'_>, out: &mut [i32]) {
         // Its place does not change while rows are written.
         let opacities = &*self.opacities;
         for (samples, out) in samples.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
             let samples = &samples[..out.len()];
             // Up to the code before the first visible one, neither neighbour is visible.
-            if self.first_visible > 0 && none_above::<P, V>(samples, self.first_visible - 1) {
+            if self.first_visible > 0 && none_above::<P, V>(p, samples, self.first_visible - 1) {
                 out.fill(0);
                 continue;
             }
             match self.lookup {
                 LookupName::Nearest => {
                     for at in places::<V>(samples.len()) {
-                        nearest::<P, V>(opacities, samples, at).store(out, at);
+                        nearest::<P, V>(p, opacities, samples, at).store(out, at);
                     }
                 }
                 LookupName::Linear => {
                     for at in places::<V>(samples.len()) {
-                        let ([a, b], f) = around::<P, V>(opacities, samples, at);
-                        a.mix(b, f, P::SAMPLE_BITS).store(out, at);
+                        let ([a, b], f) = around::<P, V>(p, opacities, samples, at);
+                        a.mix(b, f, p.formats().sample_bits).store(out, at);
                     }
                 }
             }
@@ -143,9 +142,9 @@ impl<P: Precision> Classifier<P> for &Expanded {
     }
 
     #[inline(always)]
-    fn colour_row<V: Lanes>(&self, Slab { back: samples }: Slab<'_>, out: [&mut [i32]; 3]) {
+    fn colour_row<V: Lanes>(&self, p: P, Slab { back: samples }: Slab<'_>, out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
-        if let Some([r, g, b]) = Classifier::<P>::one_colour(self) {
+        if let Some([r, g, b]) = Classifier::one_colour(self, p) {
             red.fill(r as i32);
             green.fill(g as i32);
             blue.fill(b as i32);
@@ -156,18 +155,18 @@ impl<P: Precision> Classifier<P> for &Expanded {
         match self.lookup {
             LookupName::Nearest => {
                 for at in places::<V>(len) {
-                    let entry = nearest::<P, V>(colours, samples, at);
-                    colour_of_entry(entry, 0, P::COLOUR_BITS).store(red, at);
-                    colour_of_entry(entry, 1, P::COLOUR_BITS).store(green, at);
-                    colour_of_entry(entry, 2, P::COLOUR_BITS).store(blue, at);
+                    let entry = nearest::<P, V>(p, colours, samples, at);
+                    colour_of_entry(entry, 0, p.pixel().colour_bits()).store(red, at);
+                    colour_of_entry(entry, 1, p.pixel().colour_bits()).store(green, at);
+                    colour_of_entry(entry, 2, p.pixel().colour_bits()).store(blue, at);
                 }
             }
             LookupName::Linear => {
                 for at in places::<V>(len) {
-                    let ([a, b], f) = around::<P, V>(colours, samples, at);
-                    mixed_colour::<P, V>(a, b, 0, f).store(red, at);
-                    mixed_colour::<P, V>(a, b, 1, f).store(green, at);
-                    mixed_colour::<P, V>(a, b, 2, f).store(blue, at);
+                    let ([a, b], f) = around::<P, V>(p, colours, samples, at);
+                    mixed_colour::<P, V>(p, a, b, 0, f).store(red, at);
+                    mixed_colour::<P, V>(p, a, b, 1, f).store(green, at);
+                    mixed_colour::<P, V>(p, a, b, 2, f).store(blue, at);
                 }
             }
         }
@@ -184,6 +183,7 @@ mod tests {
 
     /// Every `step`th sample of a table, by the definition and expanded.
     fn held<'a, P: Precision, A: AlphaCode, L: Lookup>(
+        p: P,
         entries: &'a [u32; ENTRIES],
         plane: A::Plane<'a>,
         step: usize,
@@ -195,15 +195,15 @@ mod tests {
             LookupName::Nearest
         };
         let expanded = &Expanded::of::<A>(entries, plane, lookup);
-        let samples: Vec<i32> = (0..=4095 << P::SAMPLE_BITS).step_by(step).collect();
+        let samples: Vec<i32> = (0..=4095 << p.formats().sample_bits).step_by(step).collect();
         let mut rows = [(); 8].map(|()| vec![0; samples.len()]);
         let [a, r, g, b, found_a, found_r, found_g, found_b] = &mut rows;
-        Classifier::<P>::opacity_row::<i32>(&table, Slab::of(&samples), a);
-        Classifier::<P>::colour_row::<i32>(&table, Slab::of(&samples), [r, g, b]);
-        Classifier::<P>::opacity_row::<i32>(&expanded, Slab::of(&samples), found_a);
-        Classifier::<P>::colour_row::<i32>(&expanded, Slab::of(&samples), [found_r, found_g, found_b]);
+        Classifier::opacity_row::<i32>(&table, p, Slab::of(&samples), a);
+        Classifier::colour_row::<i32>(&table, p, Slab::of(&samples), [r, g, b]);
+        Classifier::opacity_row::<i32>(&expanded, p, Slab::of(&samples), found_a);
+        Classifier::colour_row::<i32>(&expanded, p, Slab::of(&samples), [found_r, found_g, found_b]);
         prop_assert!(a == found_a, "opacities");
-        if let Some(colour) = Classifier::<P>::one_colour(&expanded) {
+        if let Some(colour) = Classifier::one_colour(&expanded, p) {
             for (row, c) in [&*r, &*g, &*b].into_iter().zip(colour) {
                 prop_assert!(row.iter().all(|r| *r as u32 == c), "one colour");
             }
@@ -238,11 +238,11 @@ mod tests {
                 }
             }
             let low: Box<[u8; ENTRIES]> = low.into_boxed_slice().try_into().unwrap();
-            held::<Compact, Sqrt8, Linear>(&entries, (), step)?;
-            held::<Compact, Sqrt16, Linear>(&entries, &low, step)?;
-            held::<Compact, Sqrt16, Nearest>(&entries, &low, step)?;
-            held::<Wide, Sqrt8, Nearest>(&entries, (), step)?;
-            held::<Wide, Sqrt16, Linear>(&entries, &low, step)?;
+            held::<_, Sqrt8, Linear>(Compact, &entries, (), step)?;
+            held::<_, Sqrt16, Linear>(Compact, &entries, &low, step)?;
+            held::<_, Sqrt16, Nearest>(Compact, &entries, &low, step)?;
+            held::<_, Sqrt8, Nearest>(Wide, &entries, (), step)?;
+            held::<_, Sqrt16, Linear>(Wide, &entries, &low, step)?;
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A scene on a volume, and the frame that it renders to.
 
-use slicecast::plane::Pipeline;
+use slicecast::plane::Pictured;
 use slicecast_scene::Scene;
 use slicecast_volume::Volume;
 
@@ -109,9 +109,9 @@ struct Render<'a> {
 impl Job for Render<'_> {
     type Output = Result<Frame, RenderError>;
 
-    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output {
+    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
         let plan = &self.prepared.setup.plan;
-        let mut image = new_image::<L>(plan)?;
+        let mut image = new_image(plan, pipeline)?;
         match self.layer {
             Layer::Tiles(rows) => {
                 let simd = self.prepared.simd;

@@ -1,9 +1,10 @@
 //! Base-plane images and pictures.
 
-use slicecast::composite::Channel;
+use slicecast::composite::{Channel, Recurrence as _};
 use slicecast::format::Intensity;
 use slicecast::plan::Plan;
-use slicecast::plane::{ChannelOf, Pipeline, clear};
+use slicecast::plane::{Pipeline, clear};
+use slicecast::precision::Precision as _;
 use slicecast::stream::{Needs, base_pixel};
 use slicecast_scene::Scene;
 
@@ -47,7 +48,7 @@ pub struct Frame {
 ///
 /// # Errors
 /// [`RenderError::Memory`] before anything too large is allocated.
-pub fn new_image<L: Pipeline>(plan: &Plan) -> Result<Vec<L::Element>, RenderError> {
+pub fn new_image<L: Pipeline>(plan: &Plan, pipeline: &L) -> Result<Vec<L::Element>, RenderError> {
     let needs = Needs::of::<L>(plan);
     let bytes = needs.image as u64 * needs.element_bytes as u64;
     if bytes > IMAGE_BYTES_MAX {
@@ -56,8 +57,8 @@ pub fn new_image<L: Pipeline>(plan: &Plan) -> Result<Vec<L::Element>, RenderErro
             limit: IMAGE_BYTES_MAX,
         });
     }
-    let mut image = vec![L::empty(0); needs.image];
-    clear::<L>(plan, &mut image);
+    let mut image = vec![L::Element::default(); needs.image];
+    clear(pipeline, plan, &mut image);
     Ok(image)
 }
 
@@ -75,10 +76,11 @@ pub fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) 
             planes[3].push(pixel.transparency.bits());
         }
     }
+    let pixel = pipeline.precision().pixel();
     BaseImage {
         size,
-        format: ChannelOf::<L::Precision>::NAME,
-        one: ChannelOf::<L::Precision>::ONE.bits(),
+        format: pixel.format(),
+        one: pixel.one().bits(),
         planes,
     }
 }

@@ -10,11 +10,11 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use slicecast::composite::{Channel, Pixel};
+use slicecast::composite::{Channel as _, ChannelFormat, Pixel};
 use slicecast::format::Intensity;
 use slicecast::lanes::Lanes;
 use slicecast::plan::Plan;
-use slicecast::plane::{ChannelOf, Pipeline};
+use slicecast::plane::{ChannelOf, Pictured, Pipeline};
 use slicecast::stream::phase_len;
 use slicecast::warp::{Point, Warp, in_front_of, in_front_of_row, mix_row};
 
@@ -33,7 +33,7 @@ const DOWN: usize = 32;
 const COPY_MAX: i128 = 8192;
 
 /// The picture of a base-plane image, in front of the scene's background.
-pub fn picture<L: Pipeline>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
+pub fn picture<L: Pictured>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
     let Picture { size, warp, .. } = prepared.setup.picture;
     let background = background(prepared.scene);
     let shape = Shape::of(&warp);
@@ -118,7 +118,7 @@ fn channels<C>(pixel: Pixel<C>) -> [C; 4] {
 }
 
 /// A base-plane image as the pipeline left it.
-struct Base<'a, L: Pipeline> {
+struct Base<'a, L: Pictured> {
     pipeline: &'a L,
     image: &'a [L::Element],
     /// Phases along u and along v.
@@ -129,7 +129,7 @@ struct Base<'a, L: Pipeline> {
     row_len: usize,
 }
 
-impl<'a, L: Pipeline> Base<'a, L> {
+impl<'a, L: Pictured> Base<'a, L> {
     fn of(plan: &Plan, pipeline: &'a L, image: &'a [L::Element]) -> Self {
         let n = plan.sampling().rays_per_voxel as usize;
         let [width, height] = plan.base().map(|side| side as usize);
@@ -165,7 +165,7 @@ impl<'a, L: Pipeline> Base<'a, L> {
     }
 }
 
-impl<L: Pipeline> BasePixels<ChannelOf<L::Precision>> for Base<'_, L> {
+impl<L: Pictured> BasePixels<ChannelOf<L::Precision>> for Base<'_, L> {
     fn copy(&self, first: [i64; 2], width: usize, copy: &mut [Channels<L>], phase: &mut [Channels<L>]) -> bool {
         let clear = channels(Pixel::clear());
         let existing = |axis: usize, side: usize| -> Range<usize> {
@@ -215,7 +215,7 @@ struct Memory<C> {
     row: Box<Row<C>>,
 }
 
-impl<C: Channel> Memory<C> {
+impl<C: ChannelFormat> Memory<C> {
     fn new(shape: &Shape, background: [Intensity; 3]) -> Self {
         let [width, height] = shape.copy;
         let clear = channels(Pixel::clear());
@@ -240,7 +240,7 @@ struct Row<C> {
     bytes: [[u8; 4]; ACROSS],
 }
 
-impl<C: Channel> Row<C> {
+impl<C: ChannelFormat> Row<C> {
     fn new(background: [Intensity; 3]) -> Self {
         let [red, green, blue] = background.map(Intensity::to_bits);
         let clear = channels(Pixel::clear());
@@ -311,7 +311,7 @@ struct Band<'a, C> {
     memory: &'a mut Memory<C>,
 }
 
-impl<C: Channel> OverLanes for Band<'_, C> {
+impl<C: ChannelFormat> OverLanes for Band<'_, C> {
     type Output = ();
 
     fn run<V: Lanes>(self) {

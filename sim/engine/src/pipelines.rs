@@ -1,7 +1,7 @@
 //! From a scene to one of core's pipeline types: the one place where run-time choices become types.
 
-use slicecast::composite::{BackToFront, FrontToBack};
-use slicecast::plane::{Composite, Pipeline, Project};
+use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
+use slicecast::plane::{Composite, Pictured, Project};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::project::{Maximum, Minimum};
 use slicecast::shade::{PhongError, Shader, Unlit};
@@ -12,12 +12,12 @@ use crate::table::{Correction, Table};
 use slicecast_scene::{Blend, PrecisionName, Scene};
 use slicecast_volume::Mapping;
 
-/// Something that can be done with any pipeline.
+/// Something that can be done with any pipeline of a scene.
 pub trait Job {
     /// What comes of it.
     type Output;
     /// Does it.
-    fn run<L: Pipeline>(self, pipeline: &L) -> Self::Output;
+    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output;
 }
 
 /// The table of a scene: opacities corrected for the step, or as written where rays are not composited.
@@ -44,13 +44,14 @@ pub fn dispatch<J: Job>(
     let expanded = table.expanded();
     let table = &expanded;
     match scene.precision {
-        PrecisionName::Paper => with_precision::<Paper, J>(scene, table, material, job),
-        PrecisionName::Compact => with_precision::<Compact, J>(scene, table, material, job),
-        PrecisionName::Wide => with_precision::<Wide, J>(scene, table, material, job),
+        PrecisionName::Paper => with_precision(Paper, scene, table, material, job),
+        PrecisionName::Compact => with_precision(Compact, scene, table, material, job),
+        PrecisionName::Wide => with_precision(Wide, scene, table, material, job),
     }
 }
 
-fn with_precision<P: Precision, J: Job>(
+fn with_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>, J: Job>(
+    precision: P,
     scene: &Scene,
     table: &Expanded,
     material: Option<&Material>,
@@ -58,15 +59,15 @@ fn with_precision<P: Precision, J: Job>(
 ) -> Result<J::Output, PhongError> {
     Ok(match (scene.blend, material) {
         (Blend::FrontToBack, Some(material)) => {
-            job.run(&early::<P, _>(Composite::new(table, material.phong::<P>()?), scene))
+            job.run(&early(Composite::new(precision, table, material.phong(precision)?), scene))
         }
-        (Blend::FrontToBack, None) => job.run(&early::<P, _>(Composite::new(table, Unlit), scene)),
+        (Blend::FrontToBack, None) => job.run(&early(Composite::new(precision, table, Unlit), scene)),
         (Blend::BackToFront, Some(material)) => {
-            job.run(&Composite::<P, _, _, BackToFront>::new(table, material.phong::<P>()?))
+            job.run(&Composite::<_, _, _, BackToFront>::new(precision, table, material.phong(precision)?))
         }
-        (Blend::BackToFront, None) => job.run(&Composite::<P, _, _, BackToFront>::new(table, Unlit)),
-        (Blend::Maximum, _) => job.run(&Project::<P, _, Maximum>::new(table)),
-        (Blend::Minimum, _) => job.run(&Project::<P, _, Minimum>::new(table)),
+        (Blend::BackToFront, None) => job.run(&Composite::<_, _, _, BackToFront>::new(precision, table, Unlit)),
+        (Blend::Maximum, _) => job.run(&Project::<_, _, Maximum>::new(precision, table)),
+        (Blend::Minimum, _) => job.run(&Project::<_, _, Minimum>::new(precision, table)),
     })
 }
 

@@ -18,7 +18,7 @@ use slicecast::locate::{Cell, cell, position};
 use slicecast::normalise::{Normal, normalise};
 use slicecast::plan::Plan;
 use slicecast::plane::ChannelOf;
-use slicecast::precision::{Compact, Paper, Precision, Wide};
+use slicecast::precision::{Formats, Compact, Paper, Precision, Wide};
 use slicecast::project::{Extreme, Maximum, Minimum, resolve};
 use slicecast::shade::{Phong, PhongError};
 
@@ -82,9 +82,9 @@ impl Witness for Nobody {
 /// [`PhongError`] if the material is not one that the pipeline takes.
 pub fn render<W: Witness>(prepared: &Prepared<'_>, witness: &mut W) -> Result<BaseImage, PhongError> {
     match prepared.scene.precision {
-        PrecisionName::Paper => Ok(Rays::<Paper>::new(prepared)?.image(witness)),
-        PrecisionName::Compact => Ok(Rays::<Compact>::new(prepared)?.image(witness)),
-        PrecisionName::Wide => Ok(Rays::<Wide>::new(prepared)?.image(witness)),
+        PrecisionName::Paper => Ok(Rays::new(Paper, prepared)?.image(witness)),
+        PrecisionName::Compact => Ok(Rays::new(Compact, prepared)?.image(witness)),
+        PrecisionName::Wide => Ok(Rays::new(Wide, prepared)?.image(witness)),
     }
 }
 
@@ -94,13 +94,14 @@ pub fn render<W: Witness>(prepared: &Prepared<'_>, witness: &mut W) -> Result<Ba
 /// As [`render`].
 pub fn follow(prepared: &Prepared<'_>) -> Result<u64, PhongError> {
     match prepared.scene.precision {
-        PrecisionName::Paper => Ok(Rays::<Paper>::new(prepared)?.follow()),
-        PrecisionName::Compact => Ok(Rays::<Compact>::new(prepared)?.follow()),
-        PrecisionName::Wide => Ok(Rays::<Wide>::new(prepared)?.follow()),
+        PrecisionName::Paper => Ok(Rays::new(Paper, prepared)?.follow()),
+        PrecisionName::Compact => Ok(Rays::new(Compact, prepared)?.follow()),
+        PrecisionName::Wide => Ok(Rays::new(Wide, prepared)?.follow()),
     }
 }
 
 struct Rays<'a, P: Precision> {
+    precision: P,
     plan: &'a Plan,
     grid: Grid<'a>,
     table: AnyTable<'a>,
@@ -125,21 +126,22 @@ struct Ray {
 }
 
 impl<'a, P: Precision> Rays<'a, P> {
-    fn new(prepared: &'a Prepared<'_>) -> Result<Self, PhongError> {
-        let plan = &prepared.setup.plan;
+    fn new(precision: P, prepared: &'a Prepared<'_>) -> Result<Self, PhongError> {
+        let (plan, pixel) = (&prepared.setup.plan, precision.pixel());
         let blend = prepared.scene.blend;
         let asked = match (blend, prepared.scene.early_termination) {
-            (Blend::FrontToBack, Some(bits)) => ChannelOf::<P>::ONE.bits() >> bits,
+            (Blend::FrontToBack, Some(bits)) => pixel.one().bits() >> bits,
             _ => 0,
         };
         let material = prepared.setup.material.as_ref();
         Ok(Self {
+            precision,
             grid: Grid::of(prepared.volume, plan),
             plan,
             table: prepared.table.classifier(),
-            phong: material.map(|material| material.phong()).transpose()?,
+            phong: material.map(|material| material.phong(precision)).transpose()?,
             blend,
-            floor: Channel::from_bits(P::Pixel::FLOOR.bits().max(asked)),
+            floor: Channel::from_bits(pixel.floor().bits().max(asked)),
         })
     }
 
@@ -160,8 +162,8 @@ impl<'a, P: Precision> Rays<'a, P> {
         }
         BaseImage {
             size: [width as usize, height as usize],
-            format: ChannelOf::<P>::NAME,
-            one: ChannelOf::<P>::ONE.bits(),
+            format: self.precision.pixel().format(),
+            one: self.precision.pixel().one().bits(),
             planes,
         }
     }
@@ -240,7 +242,8 @@ impl<'a, P: Precision> Rays<'a, P> {
 
     /// One ray, alpha compositing.
     fn composited<W: Witness, const BACK_TO_FRONT: bool>(&self, ray: &Ray, witness: &mut W) -> Pixel<ChannelOf<P>> {
-        let mut pixel = Pixel::clear();
+        let (p, recurrence) = (self.precision, self.precision.pixel());
+        let mut pixel = recurrence.clear();
         for step in 0..self.plan.planes() {
             let Some((cells, at)) = self.locate(ray, step, witness) else {
                 continue;
@@ -251,13 +254,13 @@ impl<'a, P: Precision> Rays<'a, P> {
             } else {
                 self.sample::<false>(cells)
             };
-            witness.sample(at, bits_of_sample::<P>(sample));
-            let opacity = Classifier::<P>::opacity(&self.table, sample);
+            witness.sample(at, sample);
+            let opacity = self.table.opacity(p, sample);
             if !W::EVERYTHING && opacity.to_bits() == 0 {
                 continue;
             }
             let before = pixel;
-            let colour = Classifier::<P>::colour(&self.table, sample);
+            let colour = self.table.colour(p, sample);
             let lit = self.phong.as_ref().map(|phong| {
                 if inner {
                     self.shaded::<true>(phong, cells, colour)
@@ -268,9 +271,9 @@ impl<'a, P: Precision> Rays<'a, P> {
             let shaded = lit.map_or(colour, |(_, _, shaded)| shaded);
             let dither = Dither::of_plane(self.index(step));
             if BACK_TO_FRONT {
-                pixel = P::Pixel::under(pixel, shaded, opacity, dither);
+                pixel = recurrence.under(pixel, shaded, opacity, dither);
             } else {
-                pixel = P::Pixel::over(pixel, shaded, opacity, dither);
+                pixel = recurrence.over(pixel, shaded, opacity, dither);
                 pixel.transparency = settle(pixel.transparency, self.floor);
             }
             let seen = Composited {
@@ -293,12 +296,12 @@ impl<'a, P: Precision> Rays<'a, P> {
         let mut kept = X::EMPTY;
         for step in 0..self.plan.planes() {
             if let Some((cells, at)) = self.locate(ray, step, witness) {
-                let sample = bits_of_sample::<P>(self.sample::<false>(cells));
+                let sample = self.sample::<false>(cells);
                 kept = X::keep(kept, sample);
                 witness.sample(at, sample);
             }
         }
-        resolve::<P, X>(kept, &self.table)
+        resolve::<_, X>(self.precision, kept, &self.table)
     }
 
     /// Gradient, normal and shaded colour of a sample. `INNER`: all voxels that are looked at exist.
@@ -309,7 +312,7 @@ impl<'a, P: Precision> Rays<'a, P> {
         colour: [u32; 3],
     ) -> ([i32; 3], Normal, [u32; 3]) {
         let weights = cells.map(|c| c.weight);
-        let at = |corners: Corners| bits_of_sample::<P>(trilinear::<P>(corners, weights));
+        let at = |corners: Corners| trilinear(self.precision, corners, weights);
         let grid = &self.grid;
         let [dx, dy, dz] = if INNER {
             let ([i, j, k], here) = (grid.stride, grid.place(cells));
@@ -328,8 +331,9 @@ impl<'a, P: Precision> Rays<'a, P> {
         };
         let [fx, fy, fz] = self.plan.spacing();
         let mut gradient = [space(dx, fx), space(dy, fy), space(dz, fz)];
-        if P::GRADIENT_BITS < 15 {
-            gradient = coarsen(gradient, P::GRADIENT_BITS);
+        let Formats { gradient_bits, .. } = self.precision.formats();
+        if gradient_bits < 15 {
+            gradient = coarsen(gradient, gradient_bits);
         }
         let normal = normalise(gradient);
         (gradient, normal, phong.shade(normal, colour))
@@ -337,13 +341,13 @@ impl<'a, P: Precision> Rays<'a, P> {
 
     /// The sample that is classified: voxels of the volume only; behind the last there is none and none is needed.
     #[inline(always)]
-    fn sample<const INNER: bool>(&self, cells: Cells) -> P::Sample {
+    fn sample<const INNER: bool>(&self, cells: Cells) -> i32 {
         let corners = if INNER {
             self.grid.corners(self.grid.place(cells))
         } else {
             corners_of(cells, [0; 2], |at| self.grid.voxel(at))
         };
-        trilinear::<P>(corners, cells.map(|c| c.weight))
+        trilinear(self.precision, corners, cells.map(|c| c.weight))
     }
 }
 
@@ -360,8 +364,4 @@ fn difference([a, b]: Corners, [c, d]: Corners) -> Corners {
     let row = |[a, b]: [i16; 2], [c, d]: [i16; 2]| [a - c, b - d];
     let face = |[a, b]: [[i16; 2]; 2], [c, d]: [[i16; 2]; 2]| [row(a, c), row(b, d)];
     [face(a, c), face(b, d)]
-}
-
-fn bits_of_sample<P: Precision>(sample: P::Sample) -> i32 {
-    fixed::traits::Fixed::to_bits(sample)
 }

@@ -211,23 +211,23 @@ macro_rules! with_table {
 }
 
 impl<P: Precision> Classifier<P> for AnyTable<'_> {
-    fn opacity(&self, sample: P::Sample) -> Opacity {
-        with_table!(self, table => Classifier::<P>::opacity(table, sample))
+    fn opacity(&self, p: P, sample: i32) -> Opacity {
+        with_table!(self, table => Classifier::opacity(table, p, sample))
     }
 
-    fn colour(&self, sample: P::Sample) -> [u32; 3] {
-        with_table!(self, table => Classifier::<P>::colour(table, sample))
+    fn colour(&self, p: P, sample: i32) -> [u32; 3] {
+        with_table!(self, table => Classifier::colour(table, p, sample))
     }
 
     fn support(&self) -> Support {
         with_table!(self, table => Classifier::<P>::support(table))
     }
 
-    fn opacity_row<V: Lanes>(&self, slab: Slab<'_>, out: &mut [i32]) {
-        with_table!(self, table => Classifier::<P>::opacity_row::<V>(table, slab, out));
+    fn opacity_row<V: Lanes>(&self, p: P, slab: Slab<'_>, out: &mut [i32]) {
+        with_table!(self, table => Classifier::opacity_row::<V>(table, p, slab, out));
     }
 
-    fn colour_row<V: Lanes>(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
-        with_table!(self, table => Classifier::<P>::colour_row::<V>(table, slab, out));
+    fn colour_row<V: Lanes>(&self, p: P, slab: Slab<'_>, out: [&mut [i32]; 3]) {
+        with_table!(self, table => Classifier::colour_row::<V>(table, p, slab, out));
     }
 }

@@ -1,24 +1,22 @@
-//! The configurations that are instantiated: the named precisions, each parameter varied from `compact` one at a time,
-//! and a few combinations.
+//! The configurations that a sweep runs by itself: the named precisions, each parameter varied from `compact` one at a
+//! time, and a few combinations.
 //!
-//! Every line but the positions' and the tables' is a pipeline of its own in the program, lit and (surfaces apart) unlit:
-//! under the tap that gathers errors, with one lane and with eight. That is what building this crate takes longest for.
+//! The named precisions are pipelines of their own, whose widths are constants. All others are one pipeline, whose widths
+//! are values ([`Study`]): a further one is a line here, or none at all ([`Configuration::varied`]).
 
-use slicecast::classify::{Linear, Lookup, Nearest, Sqrt8, Sqrt16};
-use slicecast::composite::{Dithered, Unorm16};
-use slicecast::format::{Sample12, Sample15};
-use slicecast::plane::ChannelOf;
-use slicecast::precision::{Compact, Paper, Precision, Wide};
+use slicecast::classify::{AlphaCode, Sqrt8, Sqrt16};
+use slicecast::format::Rounding;
+use slicecast::precision::{Compact, Formats, NormalForm, Paper, Power, Precision, Shading, Wide};
+use slicecast_scene::LookupName::{Linear, Nearest};
+use slicecast_scene::{LookupName, PrecisionName};
 
-use super::channels::{Byte, Long, Packed, Short};
+use super::channels::Scale::{self, Binary, Carrying, Full};
 use super::codes::{Coded, Plain8, Plain16};
-use super::formats::{
-    Blend, CompactPixel, CompactSurface, CompactValues, Cut, Deep, Deferred, Near, ParabolicPower, Sample4, Sample6,
-    Sample8, Sample10, Study, TruncatedPower, TruncatedShading,
-};
-use super::measure::Runner;
+use super::formats::Study;
+use super::measure::{Kind, Runner};
 use super::parameters::{self, Name, Parameter};
-use super::pixels::{Carrying, Described, Product, Scaled, Telescoping};
+use super::pixels::Arithmetic::{self, Dithered, Product, Telescoping};
+use super::pixels::StudyPixel;
 
 /// A pipeline that a study can run.
 #[derive(Clone, Debug)]
@@ -38,51 +36,48 @@ pub struct Configuration {
 }
 
 impl Configuration {
-    fn of<P, A, L>(name: &str) -> Self
-    where
-        P: Precision<Pixel: Described>,
-        A: Coded,
-        L: Lookup,
-    {
-        Self::made::<P, P, A, L>(name)
-    }
-
-    /// See [`Runner::of`].
-    fn made<P, U, A, L>(name: &str) -> Self
-    where
-        P: Precision<Pixel: Described>,
-        U: Precision<Pixel: Described>,
-        A: Coded,
-        L: Lookup,
-    {
+    /// A precision with a table.
+    fn of<A: Coded>(name: &str, kind: Kind, lookup: LookupName) -> Self {
+        let (formats, pixel, rounding) = match kind {
+            Kind::Named(PrecisionName::Paper) => (Paper.formats(), Binary(15), "truncated"),
+            Kind::Named(PrecisionName::Compact) => (Compact.formats(), Full(16), "dithered"),
+            Kind::Named(PrecisionName::Wide) => (Wide.formats(), Binary(31), "telescoping"),
+            Kind::Study(study) => (study.formats, study.pixel.scale(), study.pixel.rounding()),
+        };
         Self {
             name: name.to_owned(),
-            parameters: parameters::of::<P, A, L>(),
-            pixel_bytes: 4 * size_of::<ChannelOf<P>>(),
-            table_bytes: slicecast::classify::PointTable::<A, L>::BYTES,
+            parameters: parameters::of(formats, (pixel.bits(), rounding), A::NAME, lookup),
+            pixel_bytes: 4 * pixel.bytes(),
+            table_bytes: 4 * slicecast::table::ENTRIES + <A as AlphaCode>::PLANE_BYTES,
             step_bits: 32,
-            runner: Runner::of::<P, U, A, L>(),
+            runner: Runner::of::<A>(kind, lookup),
         }
     }
 
-    /// `compact` with other samples.
-    fn values<V: super::formats::Values>(name: &str) -> Self {
-        Self::of::<Study<V, CompactSurface, CompactPixel>, Sqrt16, Linear>(name)
+    /// A precision with the table of 16-bit roots.
+    fn linear(name: &str, kind: Kind) -> Self {
+        Self::of::<Sqrt16>(name, kind, Linear)
     }
 
-    /// `compact` with another surface.
-    fn surface<S: super::formats::Surface>(name: &str) -> Self {
-        Self::made::<Study<CompactValues, S, CompactPixel>, Compact, Sqrt16, Linear>(name)
+    /// `compact` with other formats.
+    fn formats(name: &str, change: impl FnOnce(&mut Formats)) -> Self {
+        let mut study = Study::compact();
+        change(&mut study.formats);
+        Self::linear(name, Kind::Study(study))
     }
 
     /// `compact` with another pixel.
-    fn pixel<X: Described>(name: &str) -> Self {
-        Self::of::<Study<CompactValues, CompactSurface, X>, Sqrt16, Linear>(name)
+    fn pixel(name: &str, pixel: StudyPixel) -> Self {
+        let study = Study {
+            pixel,
+            ..Study::compact()
+        };
+        Self::linear(name, Kind::Study(study))
     }
 
     /// `compact` with a shorter step.
     fn step(bits: u32) -> Self {
-        let mut configuration = Self::of::<Compact, Sqrt16, Linear>(&format!("position-{bits}"));
+        let mut configuration = Self::linear(&format!("position-{bits}"), COMPACT);
         configuration.step_bits = bits;
         for (name, value) in &mut configuration.parameters {
             if *name == Name::PositionBits {
@@ -92,11 +87,68 @@ impl Configuration {
         configuration
     }
 
+    /// `compact` with one number changed, under the name that the catalogue would give it. A normal is truncated to so many
+    /// bits; a pixel is dithered up to 15 bits, and telescoping beyond.
+    ///
+    /// # Errors
+    /// The widths that the parameter has, in words; for a parameter that is not a number, that it is none.
+    pub fn varied(name: Name, bits: u32) -> Result<Self, &'static str> {
+        let within = |least: u32, most: u32, accepted| {
+            if (least..=most).contains(&bits) {
+                Ok(())
+            } else {
+                Err(accepted)
+            }
+        };
+        let stage = name.stage();
+        let formats = |change: &dyn Fn(&mut Formats)| Self::formats(&format!("{stage}-{bits}"), change);
+        match name {
+            Name::PositionBits => within(1, 32, "1 to 32").map(|()| Self::step(bits)),
+            Name::WeightBits => within(1, 16, "1 to 16").map(|()| formats(&|f| f.weight_bits = bits)),
+            Name::SampleBits => within(1, 15, "1 to 15").map(|()| formats(&|f| f.sample_bits = bits)),
+            Name::GradientBits => within(1, 15, "1 to 15").map(|()| formats(&|f| f.gradient_bits = bits)),
+            Name::NormalBits => within(1, 15, "1 to 15").map(|()| formats(&|f| f.normal = NormalForm::Formed(bits))),
+            Name::CompositingBits => {
+                let (arithmetic, rounding) = if bits <= 15 {
+                    (Dithered, "dithered")
+                } else {
+                    (TELESCOPING, "telescoping")
+                };
+                let pixel = StudyPixel::new(arithmetic, Binary(bits)).ok_or("1 to 31")?;
+                Ok(Self::pixel(&format!("pixel-{bits}-{rounding}"), pixel))
+            }
+            _ => Err("no number"),
+        }
+    }
+
+    /// `compact` in a pipeline of the same kind: what the speed of this one is related to.
+    pub fn base(&self) -> Self {
+        if self.runner.is_study() {
+            Self::linear(BASE, Kind::Study(Study::compact()))
+        } else {
+            Self::linear(BASE, COMPACT)
+        }
+    }
+
     /// The value of a parameter.
     pub fn parameter(&self, name: Name) -> &str {
         let found = self.parameters.iter().find(|(n, _)| *n == name);
         found.map_or("", |(_, value)| value)
     }
+}
+
+const PAPER: Kind = Kind::Named(PrecisionName::Paper);
+const COMPACT: Kind = Kind::Named(PrecisionName::Compact);
+const WIDE: Kind = Kind::Named(PrecisionName::Wide);
+
+const TRUNCATED: Arithmetic = Product { rounded: false };
+const ROUNDED: Arithmetic = Product { rounded: true };
+const TELESCOPING: Arithmetic = Telescoping { rounded: false };
+const NEAREST: Arithmetic = Telescoping { rounded: true };
+
+/// A pixel that there is.
+const fn pixel(arithmetic: Arithmetic, scale: Scale) -> StudyPixel {
+    StudyPixel::new(arithmetic, scale).expect("a format that the arithmetic has")
 }
 
 /// The configuration that speeds are related to, and that parameters are varied from.
@@ -106,77 +158,77 @@ pub const BASE: &str = "compact";
 pub fn all() -> Vec<Configuration> {
     type C = Configuration;
     let mut all = vec![
-        C::of::<Paper, Sqrt8, Nearest>("paper"),
-        C::of::<Compact, Sqrt16, Linear>(BASE),
-        C::of::<Wide, Sqrt16, Linear>("wide"),
+        C::of::<Sqrt8>("paper", PAPER, Nearest),
+        C::linear(BASE, COMPACT),
+        C::linear("wide", WIDE),
     ];
     all.extend([6, 8, 10, 12, 14, 16].map(C::step));
+    let numbers = [
+        (Name::WeightBits, &[6, 8, 10, 12][..]),
+        (Name::SampleBits, &[4, 6, 8, 10, 15]),
+    ];
+    all.extend(varied(&numbers));
+    all.push(C::formats("sample-12-truncated", |f| {
+        (f.lerp_bits, f.lerp_rounding) = (12, Rounding::Truncate);
+    }));
+    let numbers = [
+        (Name::GradientBits, &[4, 6, 8, 10, 12][..]),
+        (Name::NormalBits, &[4, 6, 8, 10, 12, 14]),
+    ];
+    all.extend(varied(&numbers));
     all.extend([
-        C::values::<Blend<Sample12, 6, false>>("weight-6"),
-        C::values::<Blend<Sample12, 8, false>>("weight-8"),
-        C::values::<Blend<Sample12, 10, false>>("weight-10"),
-        C::values::<Blend<Sample12, 12, false>>("weight-12"),
-        C::values::<Blend<Sample4, 16, false>>("sample-4"),
-        C::values::<Blend<Sample6, 16, false>>("sample-6"),
-        C::values::<Blend<Sample8, 16, false>>("sample-8"),
-        C::values::<Blend<Sample10, 16, false>>("sample-10"),
-        C::values::<Blend<Sample15, 16, false>>("sample-15"),
-        C::values::<Blend<Sample12, 16, true>>("sample-12-truncated"),
+        C::formats("normal-15-nearest", |f| f.normal = NormalForm::Nearest(15)),
+        C::formats("power-truncated", |f| f.power = Power::Truncated16),
+        C::formats("power-parabola", |f| f.power = Power::Parabola),
+        C::formats("shading-truncated", |f| {
+            (f.shading, f.power) = (Shading::Truncated16, Power::Truncated16);
+        }),
     ]);
     all.extend([
-        C::surface::<Deferred<4>>("gradient-4"),
-        C::surface::<Deferred<6>>("gradient-6"),
-        C::surface::<Deferred<8>>("gradient-8"),
-        C::surface::<Deferred<10>>("gradient-10"),
-        C::surface::<Deferred<12>>("gradient-12"),
-        C::surface::<Cut<4>>("normal-4"),
-        C::surface::<Cut<6>>("normal-6"),
-        C::surface::<Cut<8>>("normal-8"),
-        C::surface::<Cut<10>>("normal-10"),
-        C::surface::<Cut<12>>("normal-12"),
-        C::surface::<Cut<14>>("normal-14"),
-        C::surface::<Near<15>>("normal-15-nearest"),
-        C::surface::<TruncatedPower>("power-truncated"),
-        C::surface::<ParabolicPower>("power-parabola"),
-        C::surface::<TruncatedShading>("shading-truncated"),
+        C::of::<Plain8>("table-alpha8-nearest", COMPACT, Nearest),
+        C::of::<Plain8>("table-alpha8", COMPACT, Linear),
+        C::of::<Sqrt8>("table-sqrt8-nearest", COMPACT, Nearest),
+        C::of::<Sqrt8>("table-sqrt8", COMPACT, Linear),
+        C::of::<Plain16>("table-alpha16-nearest", COMPACT, Nearest),
+        C::of::<Plain16>("table-alpha16", COMPACT, Linear),
+        C::of::<Sqrt16>("table-sqrt16-nearest", COMPACT, Nearest),
     ]);
+    all.extend([8, 10, 12, 14, 15, 16].map(|bits| {
+        let name = format!("pixel-{bits}-truncated");
+        C::pixel(&name, pixel(TRUNCATED, Binary(bits)))
+    }));
     all.extend([
-        C::of::<Compact, Plain8, Nearest>("table-alpha8-nearest"),
-        C::of::<Compact, Plain8, Linear>("table-alpha8"),
-        C::of::<Compact, Sqrt8, Nearest>("table-sqrt8-nearest"),
-        C::of::<Compact, Sqrt8, Linear>("table-sqrt8"),
-        C::of::<Compact, Plain16, Nearest>("table-alpha16-nearest"),
-        C::of::<Compact, Plain16, Linear>("table-alpha16"),
-        C::of::<Compact, Sqrt16, Nearest>("table-sqrt16-nearest"),
+        C::pixel("pixel-12-rounded", pixel(ROUNDED, Binary(12))),
+        C::pixel("pixel-15-rounded", pixel(ROUNDED, Binary(15))),
+        C::pixel("pixel-23-rounded", pixel(ROUNDED, Binary(23))),
+        C::pixel("pixel-15-telescoping", pixel(TELESCOPING, Binary(15))),
+        C::pixel("pixel-23-telescoping", pixel(NEAREST, Binary(23))),
+        C::pixel("pixel-31-telescoping", pixel(TELESCOPING, Binary(31))),
     ]);
+    all.extend(varied(&[(Name::CompositingBits, &[10, 12, 14, 15])]));
     all.extend([
-        C::pixel::<Product<Short<8>, false, 15>>("pixel-8-truncated"),
-        C::pixel::<Product<Short<10>, false, 15>>("pixel-10-truncated"),
-        C::pixel::<Product<Short<12>, false, 15>>("pixel-12-truncated"),
-        C::pixel::<Product<Short<14>, false, 15>>("pixel-14-truncated"),
-        C::pixel::<Product<Short<15>, false, 15>>("pixel-15-truncated"),
-        C::pixel::<Product<Long<16>, false, 15>>("pixel-16-truncated"),
-        C::pixel::<Product<Short<12>, true, 15>>("pixel-12-rounded"),
-        C::pixel::<Product<Short<15>, true, 15>>("pixel-15-rounded"),
-        C::pixel::<Product<Packed<23>, true, 15>>("pixel-23-rounded"),
-        C::pixel::<Telescoping<Short<15>, false, 15>>("pixel-15-telescoping"),
-        C::pixel::<Telescoping<Packed<23>, true, 15>>("pixel-23-telescoping"),
-        C::pixel::<Telescoping<Long<31>, false, 15>>("pixel-31-telescoping"),
-        C::pixel::<Dithered<Short<10>>>("pixel-10-dithered"),
-        C::pixel::<Dithered<Short<12>>>("pixel-12-dithered"),
-        C::pixel::<Dithered<Short<14>>>("pixel-14-dithered"),
-        C::pixel::<Dithered<Short<15>>>("pixel-15-dithered"),
-        C::pixel::<Carrying<12>>("pixel-12-carry"),
-        C::pixel::<Carrying<15>>("pixel-15-carry"),
-        C::pixel::<Scaled<Byte, true>>("pixel-255-blinn"),
-        C::pixel::<Scaled<Unorm16, true>>("pixel-65535-blinn"),
+        C::pixel("pixel-12-carry", pixel(TELESCOPING, Carrying(12))),
+        C::pixel("pixel-15-carry", pixel(TELESCOPING, Carrying(15))),
+        C::pixel("pixel-255-blinn", pixel(ROUNDED, Full(8))),
+        C::pixel("pixel-65535-blinn", pixel(ROUNDED, Full(16))),
     ]);
+    let deep = Study {
+        formats: Wide.formats(),
+        pixel: pixel(NEAREST, Binary(23)).deep().expect("room for 31-bit colours"),
+    };
     all.extend([
-        C::of::<Paper, Sqrt16, Linear>("paper-sqrt16-linear"),
-        C::of::<Wide, Sqrt16, Nearest>("wide-nearest"),
-        C::of::<Study<Blend<Sample15, 16, false>, Deep, Telescoping<Packed<23>, true, 31>>, Sqrt16, Linear>("deep-23"),
+        C::linear("paper-sqrt16-linear", PAPER),
+        C::of::<Sqrt16>("wide-nearest", WIDE, Nearest),
+        C::linear("deep-23", Kind::Study(deep)),
     ]);
     all
+}
+
+/// One configuration per number.
+fn varied<'a>(numbers: &'a [(Name, &'a [u32])]) -> impl Iterator<Item = Configuration> + 'a {
+    let of = |(name, bits): &'a (Name, &'a [u32])| bits.iter().map(|bits| (*name, *bits));
+    let made = |(name, bits)| Configuration::varied(name, bits).expect("a width within its range");
+    numbers.iter().flat_map(of).map(made)
 }
 
 #[cfg(test)]

@@ -4,12 +4,13 @@ use super::catalogue::{BASE, Configuration};
 use super::parameters::Name;
 use super::sweep::SweepError;
 
-/// `STAGE.WIDTH=VALUE,VALUE`: the configurations that differ from the base in that stage only and have such a value.
-/// Ranges of numbers are written `6..12`.
+/// `STAGE.WIDTH=VALUE,VALUE`: the configurations that differ from the base in that stage only and have such a value, as
+/// places in `all`. A number that none of them has makes a new one, at the end of `all`. Ranges are written `6..12`: every
+/// number from the first to the last.
 ///
 /// # Errors
 /// [`SweepError::Vary`], with what is accepted.
-pub fn vary(all: &[Configuration], text: &str) -> Result<Vec<usize>, SweepError> {
+pub fn vary(all: &mut Vec<Configuration>, text: &str) -> Result<Vec<usize>, SweepError> {
     let known = || {
         let names: Vec<_> = Name::ALL.iter().map(|name| name.text()).collect();
         names.join(", ")
@@ -22,29 +23,59 @@ pub fn vary(all: &[Configuration], text: &str) -> Result<Vec<usize>, SweepError>
     };
     let name = Name::from_text(name)
         .ok_or_else(|| SweepError::Vary(format!("--vary {text}: no parameter `{name}`; accepted: {}", known())))?;
-    let candidates: Vec<_> = all.iter().enumerate().filter(|(_, c)| varies(all, c, name)).collect();
     let mut chosen = Vec::new();
     for value in values.split(',') {
-        let before = chosen.len();
-        chosen.extend(
-            candidates
-                .iter()
-                .filter(|(_, c)| has(c, name, value))
-                .map(|(index, _)| *index),
-        );
-        if chosen.len() == before {
-            let mut values: Vec<_> = candidates.iter().map(|(_, c)| c.parameter(name)).collect();
-            values.dedup();
-            return Err(SweepError::Vary(format!(
-                "--vary {text}: no configuration has {} {value}; accepted: {}",
-                name.text(),
-                values.join(", ")
-            )));
+        let refused = |accepted: &str| {
+            SweepError::Vary(format!(
+                "--vary {text}: {} has no value `{value}`; accepted: {accepted}",
+                name.text()
+            ))
+        };
+        let numbers = range(value).ok_or_else(|| refused("ranges from low to high, as 6..12"))?;
+        for value in &numbers {
+            let with = with_value(all, name, value);
+            if with.is_empty() {
+                let words = || {
+                    let mut words: Vec<_> = varying(all, name).map(|(_, c)| c.parameter(name).to_owned()).collect();
+                    words.dedup();
+                    words.join(", ")
+                };
+                let made = match value.parse().map(|bits| Configuration::varied(name, bits)) {
+                    Ok(made) => made.map_err(refused)?,
+                    Err(_) if Configuration::varied(name, 8).is_ok() => return Err(refused("a number")),
+                    Err(_) => return Err(refused(&words())),
+                };
+                chosen.push(all.len());
+                all.push(made);
+            }
+            chosen.extend(with);
         }
     }
     chosen.sort_unstable();
     chosen.dedup();
     Ok(chosen)
+}
+
+/// The values that a text stands for: itself, or every number of a range. `None` for a range without a number.
+fn range(text: &str) -> Option<Vec<String>> {
+    let Some((low, high)) = text.split_once("..") else {
+        return Some(vec![text.to_owned()]);
+    };
+    let high = high.strip_prefix('=').unwrap_or(high);
+    let numbers = low.parse::<u32>().ok()?..=high.parse().ok()?;
+    // No width is above 32; a longer range ends where that is said.
+    (!numbers.is_empty()).then(|| numbers.take(34).map(|number| number.to_string()).collect())
+}
+
+/// The configurations that are the base but for the stage of a parameter.
+fn varying(all: &[Configuration], name: Name) -> impl Iterator<Item = (usize, &Configuration)> {
+    all.iter().enumerate().filter(move |(_, c)| varies(all, c, name))
+}
+
+/// Those that have a value.
+fn with_value(all: &[Configuration], name: Name, value: &str) -> Vec<usize> {
+    let having = varying(all, name).filter(|(_, c)| c.parameter(name) == value);
+    having.map(|(place, _)| place).collect()
 }
 
 /// Whether a configuration is the base, but for the stage of a parameter.
@@ -57,19 +88,6 @@ fn varies(all: &[Configuration], configuration: &Configuration, name: Name) -> b
             .filter(|(n, _)| n.stage() != name.stage());
         others.into_iter().all(|(n, value)| base.parameter(*n) == value)
     })
-}
-
-/// Whether a parameter has a value, or a number within a range.
-fn has(configuration: &Configuration, name: Name, value: &str) -> bool {
-    let own = configuration.parameter(name);
-    let range = value.split_once("..").and_then(|(low, high)| {
-        let high = high.strip_prefix('=').unwrap_or(high);
-        Some(low.parse::<u32>().ok()?..=high.parse().ok()?)
-    });
-    match range {
-        Some(range) => own.parse::<u32>().is_ok_and(|own| range.contains(&own)),
-        None => own == value,
-    }
 }
 
 /// Without what varies shading alone, where there is none: it would be the base over and over.
@@ -102,30 +120,47 @@ mod tests {
 
     #[test]
     fn vary_chooses_one_stage() {
-        let all = catalogue::all();
         let chosen = |text| {
-            vary(&all, text)
+            let mut all = catalogue::all();
+            vary(&mut all, text)
                 .map(|chosen| names(&all, &chosen))
                 .map_err(|e| e.to_string())
         };
         assert_eq!(chosen("weight.bits=6,10").unwrap(), ["weight-6", "weight-10"]);
         assert_eq!(
-            chosen("weight.bits=8..16").unwrap(),
-            ["compact", "weight-8", "weight-10", "weight-12"]
+            chosen("weight.bits=8..=10,16").unwrap(),
+            ["compact", "weight-8", "weight-10", "weight-9"]
         );
-        assert_eq!(chosen("position.bits=6..=8").unwrap(), ["position-6", "position-8"]);
+        assert_eq!(chosen("position.bits=6..=8").unwrap(), ["position-6", "position-8", "position-7"]);
         assert_eq!(chosen("table.lookup=nearest").unwrap().len(), 4);
+        assert_eq!(chosen("compositing.bits=9,24").unwrap(), ["pixel-9-dithered", "pixel-24-telescoping"]);
         for (text, part) in [
             ("weight.bits", "expected STAGE.WIDTH=VALUE"),
             ("width.bits=3", "no parameter `width.bits`; accepted: position.bits"),
-            (
-                "weight.bits=7",
-                "no configuration has weight.bits 7; accepted: 16, 6, 8, 10, 12",
-            ),
-            ("weight.bits=", "no configuration has weight.bits ;"),
+            ("weight.bits=17", "weight.bits has no value `17`; accepted: 1 to 16"),
+            ("normal.bits=4..16", "normal.bits has no value `4..16`; accepted: 1 to 15"),
+            ("weight.bits=", "weight.bits has no value ``; accepted: a number"),
+            ("weight.bits=9..6", "accepted: ranges from low to high, as 6..12"),
+            ("weight.bits=0..4000000000", "accepted: 1 to 16"),
+            ("table.lookup=cubic", "table.lookup has no value `cubic`; accepted: linear, nearest"),
         ] {
             let message = chosen(text).unwrap_err();
             assert!(message.contains(part), "{message}");
+        }
+    }
+
+    /// Every width that is accepted is a configuration of its own, and differs from the base in one stage.
+    #[test]
+    fn every_width_is_a_configuration() {
+        for name in Name::ALL {
+            for bits in 0..=40 {
+                let Ok(made) = Configuration::varied(name, bits) else {
+                    continue;
+                };
+                let all = catalogue::all();
+                assert!(varies(&all, &made, name), "{}", made.name);
+                assert_eq!(made.parameter(name), bits.to_string());
+            }
         }
     }
 

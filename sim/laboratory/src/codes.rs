@@ -115,11 +115,9 @@ impl Coded for Sqrt16 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::formats::{Blend, CompactPixel, CompactSurface, Sample4, Sample6, Sample8, Sample10, Study};
+    use super::super::formats::Study;
     use super::*;
-    use fixed::traits::Fixed;
     use slicecast::classify::{Classifier, Linear, Lookup, Nearest, PointTable, Slab};
-    use slicecast::format::{Sample12, Sample15};
 
     /// Every opacity comes back within half a step of its code (as the code's own scale has it).
     fn within<A: Coded>(step: impl Fn(f64) -> f64) {
@@ -167,8 +165,9 @@ mod tests {
     }
 
     /// What a study runs, decoded tables, has the bits of the definition, whatever the sample's width and the lanes.
-    fn held<'a, A: Coded, L: Lookup, S: Fixed<Bits = i32> + 'static>(filled: &'a Filled, plane: A::Plane<'a>) {
-        type P<S> = Study<Blend<S, 16, false>, CompactSurface, CompactPixel>;
+    fn held<'a, A: Coded, L: Lookup>(sample_bits: u32, filled: &'a Filled, plane: A::Plane<'a>) {
+        let mut study = Study::compact();
+        study.formats.sample_bits = sample_bits;
         let table = PointTable::<A, L>::new(&filled.entries, plane);
         let lookup = if L::LINEAR {
             LookupName::Linear
@@ -176,16 +175,16 @@ mod tests {
             LookupName::Nearest
         };
         let expanded = &A::expanded(filled, lookup);
-        let samples: Vec<i32> = (0..=4095 << S::FRAC_NBITS).step_by(7).collect();
+        let samples: Vec<i32> = (0..=4095 << sample_bits).step_by(7).collect();
         let row = || vec![0; samples.len()];
         let (mut expected, mut found) = (row(), row());
-        Classifier::<P<S>>::opacity_row::<i32>(&table, Slab::of(&samples), &mut expected);
-        Classifier::<P<S>>::opacity_row::<i32>(&expanded, Slab::of(&samples), &mut found);
-        assert!(expected == found, "{} {lookup:?} {}", A::NAME, S::FRAC_NBITS);
+        table.opacity_row::<i32>(study, Slab::of(&samples), &mut expected);
+        expanded.opacity_row::<i32>(study, Slab::of(&samples), &mut found);
+        assert!(expected == found, "{} {lookup:?} {sample_bits}", A::NAME);
         let [mut expected, mut found] = [(); 2].map(|()| [row(), row(), row()]);
-        Classifier::<P<S>>::colour_row::<i32>(&table, Slab::of(&samples), expected.each_mut().map(|r| &mut r[..]));
-        Classifier::<P<S>>::colour_row::<i32>(&expanded, Slab::of(&samples), found.each_mut().map(|r| &mut r[..]));
-        assert!(expected == found, "{} {lookup:?} {}", A::NAME, S::FRAC_NBITS);
+        table.colour_row::<i32>(study, Slab::of(&samples), expected.each_mut().map(|r| &mut r[..]));
+        expanded.colour_row::<i32>(study, Slab::of(&samples), found.each_mut().map(|r| &mut r[..]));
+        assert!(expected == found, "{} {lookup:?} {sample_bits}", A::NAME);
     }
 
     #[test]
@@ -196,14 +195,14 @@ mod tests {
             plane: Box::new(std::array::from_fn(|index| word(index + 1) as u8)),
             underflows: 0,
         };
-        held::<Plain8, Nearest, Sample12>(&filled, ());
-        held::<Plain8, Linear, Sample12>(&filled, ());
-        held::<Plain16, Nearest, Sample12>(&filled, &filled.plane);
-        held::<Plain16, Linear, Sample12>(&filled, &filled.plane);
-        held::<Sqrt16, Linear, Sample4>(&filled, &filled.plane);
-        held::<Sqrt16, Linear, Sample6>(&filled, &filled.plane);
-        held::<Sqrt16, Linear, Sample8>(&filled, &filled.plane);
-        held::<Sqrt16, Linear, Sample10>(&filled, &filled.plane);
-        held::<Sqrt16, Linear, Sample15>(&filled, &filled.plane);
+        held::<Plain8, Nearest>(12, &filled, ());
+        held::<Plain8, Linear>(12, &filled, ());
+        held::<Plain16, Nearest>(12, &filled, &filled.plane);
+        held::<Plain16, Linear>(12, &filled, &filled.plane);
+        held::<Sqrt16, Linear>(4, &filled, &filled.plane);
+        held::<Sqrt16, Linear>(6, &filled, &filled.plane);
+        held::<Sqrt16, Linear>(8, &filled, &filled.plane);
+        held::<Sqrt16, Linear>(10, &filled, &filled.plane);
+        held::<Sqrt16, Linear>(15, &filled, &filled.plane);
     }
 }

@@ -1,16 +1,16 @@
 //! The precision laboratory: formats that the library does not ship, run through the very same pipeline.
 //!
-//! A configuration is a type, as a shipped precision is: core's stages read its constants. Nothing here is linked by
-//! firmware, and no stage is written a second time.
+//! The widths of a study are values, so that all studies are one pipeline; core's stages read them as they read the
+//! constants of a shipped precision. Nothing here is linked by firmware, and no stage is written a second time.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `channels` | accumulator formats from 8 to 31 bits |
+//! | `channels` | accumulator formats, 1 to 31 bits |
 //! | `pixels` | compositing: products, telescoping, residual carry, the [0, 255] scale |
 //! | `codes` | opacity in a table entry: plain or as a root, 8 or 16 bits |
-//! | `formats` | precisions put together from parts |
+//! | `formats` | the precision of a study |
 //! | `parameters` | what a configuration is made of, for reports and for `--vary` |
-//! | `catalogue` | the configurations that are instantiated |
+//! | `catalogue` | the configurations of a sweep, and those of any width |
 //! | `measure` | errors and speed of one configuration |
 //! | `choose` | which of them a sweep runs |
 //! | `sweep` | their errors and speeds, batch by batch |

@@ -4,19 +4,16 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use slicecast::classify::Lookup;
-use slicecast::composite::{self, Channel, FrontToBack};
-use slicecast::lanes::Lanes;
+use slicecast::composite::{Channel, FrontToBack, Recurrence as _};
 use slicecast::locate::plane;
 use slicecast::plan::Plan;
-use slicecast::plane::{At, ChannelOf, Composite, Pipeline, Rows, ScratchError, ScratchRows, clear, scratch_len};
-use slicecast::precision::Precision;
+use slicecast::plane::{ChannelOf, Composite, Pipeline, clear, scratch_len};
+use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Shader, Unlit};
 use slicecast::slice::Slice;
-use slicecast::tap::Tap;
 
 use super::codes::Coded;
-use super::pixels::Described;
+use super::formats::Study;
 use slicecast_compare::Tiles;
 use slicecast_compare::image::{ImageFigures, base_figures};
 use slicecast_compare::lockstep::Lockstep;
@@ -26,11 +23,10 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::{BaseImage, new_image};
-use slicecast_engine::simd::Simd;
 use slicecast_engine::table::{Correction, Filled, fill};
 use slicecast_engine::tiles::{TILE_ROWS, Tile, fold_tile, fold_tiles};
 use slicecast_model::{Model, Pixel};
-use slicecast_scene::LookupName;
+use slicecast_scene::{LookupName, PrecisionName};
 
 /// A scene that configurations are run on.
 #[derive(Clone, Copy)]
@@ -41,17 +37,6 @@ pub struct Bench<'a> {
     pub model: &'a Model<'a>,
     /// The slices in the view's order.
     pub slices: &'a [Slice<'a>],
-}
-
-/// The most lanes that configurations are compiled for.
-const LANES: usize = 8;
-
-/// The vectors that render a study's frames, where a scene would be rendered with these.
-pub fn narrowed(simd: Simd) -> Simd {
-    match simd {
-        Simd::Avx512(token) => Simd::Avx2(token.narrower()),
-        Simd::Avx2(_) | Simd::Scalar => simd,
-    }
 }
 
 /// What a comparison of a configuration found.
@@ -85,41 +70,6 @@ struct Compared {
     model: Vec<Pixel>,
 }
 
-/// A pipeline that is not compiled for sixteen lanes. A study has a hundred pipelines, which would take minutes more to
-/// build; what it compares is decided in eight lanes as well.
-struct Narrow<'a, L>(&'a L);
-
-impl<L: Pipeline> Pipeline for Narrow<'_, L> {
-    type Precision = L::Precision;
-    type Element = L::Element;
-    const CHANNELS: usize = L::CHANNELS;
-    const SLICES: usize = L::SLICES;
-    const SCRATCH: ScratchRows = L::SCRATCH;
-    const BACK_TO_FRONT: bool = L::BACK_TO_FRONT;
-
-    fn empty(channel: usize) -> Self::Element {
-        L::empty(channel)
-    }
-
-    #[inline(always)]
-    fn fold<V: Lanes>(
-        &self,
-        at: &At<'_>,
-        rows: Rows<'_, Self::Element>,
-        scratch: &mut [i32],
-        tap: Option<&mut dyn Tap>,
-    ) -> Result<(), ScratchError> {
-        if const { V::COUNT <= LANES } {
-            self.0.fold::<V>(at, rows, scratch, tap)?;
-        }
-        Ok(())
-    }
-
-    fn pixel(&self, row: &[Self::Element], column: usize) -> composite::Pixel<ChannelOf<L::Precision>> {
-        self.0.pixel(row, column)
-    }
-}
-
 /// FNV-1a over whole words.
 #[derive(Clone, Copy)]
 struct Checksum(u64);
@@ -133,33 +83,30 @@ impl Checksum {
     }
 }
 
-/// A pipeline whose type is forgotten. What is behind it is compiled once a configuration and lighting: one tile with a
-/// tap, and one without for each kind of vectors.
+/// A pipeline whose type is forgotten.
 trait Bound: Sync {
-    /// Name, 1.0 and shown bits of a channel.
-    fn format(&self) -> (&'static str, u32, u32);
+    /// Name and 1.0 of a channel.
+    fn format(&self) -> (&'static str, u32);
     /// Renders a frame with the scene's vectors on rayon's current threads, and looks at nothing.
     fn time(&self, bench: Bench<'_>) -> Result<Timed, RenderError>;
     /// Renders a tile beside the model, by the scalar definitions.
     fn compare(&self, bench: Bench<'_>, tile: Tile) -> Compared;
+    /// The figures of errors that were gathered.
+    fn report(&self, errors: &StageErrors) -> Vec<StageReport>;
 }
 
-impl<L: Pipeline<Element = ChannelOf<<L as Pipeline>::Precision>>> Bound for L
-where
-    <L::Precision as Precision>::Pixel: Described,
-{
-    fn format(&self) -> (&'static str, u32, u32) {
-        let shown = <<L::Precision as Precision>::Pixel as Described>::SHOWN;
-        (L::Element::NAME, L::Element::ONE.bits(), shown)
+impl<L: Pipeline<Element = ChannelOf<<L as Pipeline>::Precision>>> Bound for L {
+    fn format(&self) -> (&'static str, u32) {
+        let pixel = self.precision().pixel();
+        (pixel.format(), pixel.one().bits())
     }
 
     fn time(&self, bench: Bench<'_>) -> Result<Timed, RenderError> {
         let Prepared { setup, simd, .. } = bench.prepared;
-        let simd = narrowed(*simd);
-        let mut image = new_image::<L>(&setup.plan)?;
+        let mut image = new_image(&setup.plan, self)?;
         let start = Instant::now();
-        let (plan, pipeline, rows) = (&setup.plan, Narrow(self), TILE_ROWS);
-        fold_tiles(plan, &pipeline, bench.slices, &mut image, rows, simd, &|_, _| ());
+        let (plan, rows) = (&setup.plan, TILE_ROWS);
+        fold_tiles(plan, self, bench.slices, &mut image, rows, *simd, &|_, _| ());
         let time = start.elapsed();
         let bits = Checksum::EMPTY.add(black_box(image).into_iter().map(Channel::bits));
         Ok(Timed { time, bits: bits.0 })
@@ -168,10 +115,10 @@ where
     fn compare(&self, bench: Bench<'_>, tile: Tile) -> Compared {
         let Prepared { scene, setup, .. } = bench.prepared;
         let plan = &setup.plan;
-        let mut lockstep = Lockstep::new::<L::Precision>(bench.model, setup, scene.blend, tile);
+        let mut lockstep = Lockstep::new(self.precision(), bench.model, setup, scene.blend, tile);
         let ([width, _], [slice_width, _, _]) = (plan.base(), plan.dims());
-        let mut data = vec![L::empty(0); L::CHANNELS * width as usize * tile.rows as usize];
-        clear::<L>(plan, &mut data);
+        let mut data = vec![L::Element::default(); L::CHANNELS * width as usize * tile.rows as usize];
+        clear(self, plan, &mut data);
         let mut scratch = vec![0; scratch_len::<L>(slice_width)];
         fold_tile(plan, self, bench.slices, tile, &mut data, &mut scratch, &mut lockstep)
             .unwrap_or_else(|error| unreachable!("{error}"));
@@ -182,6 +129,10 @@ where
             errors,
             model,
         }
+    }
+
+    fn report(&self, errors: &StageErrors) -> Vec<StageReport> {
+        errors.report(self.precision())
     }
 }
 
@@ -198,42 +149,55 @@ fn tiles(plan: &Plan) -> Vec<Tile> {
     (0..plan.phases()).flat_map(of_phase).collect()
 }
 
-/// Lends a configuration's pipeline over a table.
-type With = fn(&Prepared<'_>, &Expanded, &mut dyn FnMut(&dyn Bound)) -> Result<(), RenderError>;
+/// The precision of a configuration: one of the named ones, whose pipeline is compiled for it, or a study.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// Widths are constants.
+    Named(PrecisionName),
+    /// Widths are values.
+    Study(Study),
+}
 
 /// What runs a configuration. The pipeline is the host's own: it reads decoded tables, so the code of the opacity
 /// decides the bits of a frame and not its speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Runner {
-    with: With,
-    table: fn(&Prepared<'_>) -> Expanded,
-    report: fn(&StageErrors) -> Vec<StageReport>,
+    kind: Kind,
+    table: fn(&Prepared<'_>, LookupName) -> Expanded,
+    lookup: LookupName,
 }
 
 impl Runner {
-    /// That of a precision; in scenes without lights that of another one, which differs from it in the surface alone.
-    pub fn of<P, U, A, L>() -> Self
-    where
-        P: Precision<Pixel: Described>,
-        U: Precision<Pixel: Described>,
-        A: Coded,
-        L: Lookup,
-    {
+    /// That of a precision, with a table.
+    pub fn of<A: Coded>(kind: Kind, lookup: LookupName) -> Self {
         Self {
-            with: with_pipeline::<P, U>,
-            table: table::<A, L>,
-            report: StageErrors::report::<P>,
+            kind,
+            table: table::<A>,
+            lookup,
         }
     }
 
+    /// Whether widths are values.
+    pub const fn is_study(&self) -> bool {
+        matches!(self.kind, Kind::Study(_))
+    }
+
     fn with<R>(&self, prepared: &Prepared<'_>, work: impl FnOnce(&dyn Bound) -> R) -> Result<R, RenderError> {
-        let table = (self.table)(prepared);
-        let (mut work, mut result) = (Some(work), None);
-        (self.with)(prepared, &table, &mut |bound| {
-            result = work.take().map(|work| work(bound));
-        })?;
-        // What lends a pipeline without an error has called the function.
-        Ok(result.expect("a pipeline was lent"))
+        let table = &(self.table)(prepared, self.lookup);
+        match self.kind {
+            Kind::Named(PrecisionName::Paper) => with_pipeline(Paper, prepared, table, work),
+            Kind::Named(PrecisionName::Compact) => with_pipeline(Compact, prepared, table, work),
+            Kind::Named(PrecisionName::Wide) => with_pipeline(Wide, prepared, table, work),
+            Kind::Study(study) => with_pipeline(study, prepared, table, work),
+        }
+    }
+
+    /// The bits of a channel that make the picture.
+    fn shown(&self) -> u32 {
+        match self.kind {
+            Kind::Named(_) => u32::MAX,
+            Kind::Study(study) => study.pixel.scale().shown(),
+        }
     }
 
     /// Every error, against the model.
@@ -242,14 +206,14 @@ impl Runner {
     /// [`RenderError`] if the scene does not fit the pipeline.
     pub fn compare(&self, bench: Bench<'_>) -> Result<Measured, RenderError> {
         let plan = &bench.prepared.setup.plan;
-        let ((format, one, shown), compared) = self.with(bench.prepared, |bound| {
+        let ((format, one), compared) = self.with(bench.prepared, |bound| {
             let compared: Vec<_> = tiles(plan)
                 .into_par_iter()
                 .map(|tile| bound.compare(bench, tile))
                 .collect();
             (bound.format(), compared)
         })?;
-        let rays = plan.sampling().rays_per_voxel as usize;
+        let (rays, shown) = (plan.sampling().rays_per_voxel as usize, self.shown());
         let [width, _] = plan.base().map(|side| side as usize);
         let size = bench.model.lattice().size;
         let mut errors = StageErrors::default();
@@ -292,46 +256,45 @@ impl Runner {
     }
 
     /// The figures of errors that were gathered.
-    pub fn report(&self, errors: &StageErrors) -> Vec<StageReport> {
-        (self.report)(errors)
+    ///
+    /// # Errors
+    /// As [`Runner::compare`].
+    pub fn report(&self, prepared: &Prepared<'_>, errors: &StageErrors) -> Result<Vec<StageReport>, RenderError> {
+        self.with(prepared, |bound| bound.report(errors))
     }
 }
 
 /// The table of a scene in a code.
-fn table<A: Coded, L: Lookup>(prepared: &Prepared<'_>) -> Expanded {
+fn table<A: Coded>(prepared: &Prepared<'_>, lookup: LookupName) -> Expanded {
     let correction = Correction::Step(prepared.setup.step_length);
     let mapping = &prepared.volume.mapping;
     let filled: Filled = fill(&prepared.scene.transfer, mapping, correction, A::encode, A::decode);
-    let lookup = if L::LINEAR {
-        LookupName::Linear
-    } else {
-        LookupName::Nearest
-    };
     A::expanded(&filled, lookup)
 }
 
-/// Lends the pipeline of a lit scene's precision or of an unlit one's.
-fn with_pipeline<P: Precision<Pixel: Described>, U: Precision<Pixel: Described>>(
+/// Makes the pipeline of a lit scene or of an unlit one.
+fn with_pipeline<P: Precision, R>(
+    precision: P,
     prepared: &Prepared<'_>,
     table: &Expanded,
-    work: &mut dyn FnMut(&dyn Bound),
-) -> Result<(), RenderError> {
-    match &prepared.setup.material {
+    work: impl FnOnce(&dyn Bound) -> R,
+) -> Result<R, RenderError> {
+    let early = prepared.scene.early_termination;
+    Ok(match &prepared.setup.material {
         Some(material) => {
-            let phong = material.phong::<P>().map_err(CameraError::from)?;
-            work(&early::<P, _>(Composite::new(table, phong), prepared));
+            let phong = material.phong(precision).map_err(CameraError::from)?;
+            work(&front_to_back(Composite::new(precision, table, phong), early))
         }
-        None => work(&early::<U, _>(Composite::new(table, Unlit), prepared)),
-    }
-    Ok(())
+        None => work(&front_to_back(Composite::new(precision, table, Unlit), early)),
+    })
 }
 
 /// Ends rays early if the scene asks for it.
-fn early<'t, P: Precision, S: Shader<P>>(
+fn front_to_back<'t, P: Precision, S: Shader<P>>(
     pipeline: Composite<P, &'t Expanded, S, FrontToBack>,
-    prepared: &Prepared<'_>,
+    early: Option<u32>,
 ) -> Composite<P, &'t Expanded, S, FrontToBack> {
-    match prepared.scene.early_termination {
+    match early {
         Some(bits) => pipeline.with_early_termination(bits),
         None => pipeline,
     }

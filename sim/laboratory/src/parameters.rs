@@ -1,12 +1,9 @@
 //! What a configuration is made of, in words and numbers: the columns of a sweep, and the stages of `--vary`.
 
 use serde::{Deserialize, Serialize};
-use slicecast::classify::Lookup;
 use slicecast::format::Rounding;
-use slicecast::precision::{NormalForm, Power, Precision, Shading};
-
-use super::codes::Coded;
-use super::pixels::Described;
+use slicecast::precision::{Formats, NormalForm, Power, Shading};
+use slicecast_scene::LookupName;
 
 /// A parameter: its name and the value that a configuration has. Values are compared as text.
 pub type Parameter = (Name, String);
@@ -103,51 +100,46 @@ impl Name {
     }
 }
 
-/// The parameters of a pipeline type.
-pub fn of<P, A, L>() -> Vec<Parameter>
-where
-    P: Precision<Pixel: Described>,
-    A: Coded,
-    L: Lookup,
-{
-    let (form, normal_bits) = match P::NORMAL {
+/// The parameters of a configuration: its formats, bits and rounding of its pixel, code and look-up of its table.
+pub fn of(formats: Formats, pixel: (u32, &str), code: &str, lookup: LookupName) -> Vec<Parameter> {
+    let (form, normal_bits) = match formats.normal {
         NormalForm::Deferred => ("deferred", 0),
         NormalForm::Formed(bits) => ("truncated", bits),
         NormalForm::Nearest(bits) => ("nearest", bits),
     };
-    Name::ALL
-        .into_iter()
-        .map(|name| {
-            let value = match name {
-                Name::PositionBits => "32".to_owned(),
-                Name::WeightBits => P::WEIGHT_BITS.to_string(),
-                Name::SampleBits => P::SAMPLE_BITS.to_string(),
-                Name::SampleRounding => match P::LERP_ROUNDING {
-                    Rounding::Truncate => "truncated",
-                    Rounding::Nearest => "rounded",
-                }
-                .into(),
-                Name::GradientBits => P::GRADIENT_BITS.to_string(),
-                Name::NormalBits => normal_bits.to_string(),
-                Name::NormalForm => form.into(),
-                Name::ShadingForm => match P::SHADING {
-                    Shading::Truncated16 => "truncated16",
-                    Shading::Rounded16 => "rounded16",
-                    Shading::Rounded31 => "rounded31",
-                }
-                .into(),
-                Name::PowerForm => match P::POWER {
-                    Power::Rounded31 => "rounded",
-                    Power::Truncated16 => "truncated",
-                    Power::Parabola => "parabola",
-                }
-                .into(),
-                Name::TableCode => A::NAME.into(),
-                Name::TableLookup => if L::LINEAR { "linear" } else { "nearest" }.into(),
-                Name::CompositingBits => P::Pixel::BITS.to_string(),
-                Name::CompositingRounding => P::Pixel::ROUNDING.into(),
-            };
-            (name, value)
-        })
-        .collect()
+    let (pixel_bits, pixel_rounding) = pixel;
+    let value = |name| match name {
+        Name::PositionBits => "32".to_owned(),
+        Name::WeightBits => formats.weight_bits.to_string(),
+        Name::SampleBits => formats.sample_bits.to_string(),
+        Name::SampleRounding => match formats.lerp_rounding {
+            Rounding::Truncate => "truncated",
+            Rounding::Nearest => "rounded",
+        }
+        .into(),
+        Name::GradientBits => formats.gradient_bits.to_string(),
+        Name::NormalBits => normal_bits.to_string(),
+        Name::NormalForm => form.into(),
+        Name::ShadingForm => match formats.shading {
+            Shading::Truncated16 => "truncated16",
+            Shading::Rounded16 => "rounded16",
+            Shading::Rounded31 => "rounded31",
+        }
+        .into(),
+        Name::PowerForm => match formats.power {
+            Power::Rounded31 => "rounded",
+            Power::Truncated16 => "truncated",
+            Power::Parabola => "parabola",
+        }
+        .into(),
+        Name::TableCode => code.to_owned(),
+        Name::TableLookup => match lookup {
+            LookupName::Linear => "linear",
+            LookupName::Nearest => "nearest",
+        }
+        .into(),
+        Name::CompositingBits => pixel_bits.to_string(),
+        Name::CompositingRounding => pixel_rounding.to_owned(),
+    };
+    Name::ALL.into_iter().map(|name| (name, value(name))).collect()
 }

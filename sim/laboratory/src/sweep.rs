@@ -5,8 +5,8 @@
 //! is also related to the base's, in the median of the rounds' ratios, so that rows of several runs and machines can stand
 //! in one table, and how far that ratio scatters from round to round stands beside it.
 
-use super::catalogue::{BASE, Configuration};
-use super::measure::{Bench, Measured, narrowed, samples};
+use super::catalogue::Configuration;
+use super::measure::{Bench, Measured, samples};
 use super::rows::{Row, StageRow};
 use slicecast_bench::spread::{median, spread};
 use slicecast_compare::image::ImageFigures;
@@ -134,7 +134,7 @@ pub fn run<E: From<SweepError>>(
             gather((view, model), &batch, &mut found, &mut step)?;
         }
         let mut steps = |round: usize| progress(done + round * batch.len() / options.rounds.max(1) as usize, total);
-        let times = timed((first, &models[0]), all, &batch, options, &mut steps)?;
+        let times = timed((first, &models[0]), &batch, options, &mut steps)?;
         done += batch.len();
         let mut rows = Vec::new();
         for (((index, configuration), found), times) in batch.iter().zip(found).zip(times) {
@@ -142,7 +142,7 @@ pub fn run<E: From<SweepError>>(
                 let name = configuration.name.clone();
                 return Err(SweepError::Bits { name }.into());
             }
-            rows.push(row((*index, configuration), first, found, &times, options));
+            rows.push(row((*index, configuration), first, found, &times, options)?);
         }
         finished(&rows)?;
     }
@@ -203,13 +203,10 @@ impl Times {
 /// The frames of each configuration and of the base, in turns: each frame of a configuration follows one of the base.
 fn timed(
     (view, model): (&Prepared<'_>, &Model<'_>),
-    all: &[Configuration],
     batch: &[(usize, &Configuration)],
     options: Options,
     steps: &mut (dyn FnMut(usize) + Send),
 ) -> Result<Vec<Times>, SweepError> {
-    let base = all.iter().find(|c| c.name == BASE);
-    let base = base.ok_or(SweepError::Vary(format!("no configuration `{BASE}`")))?;
     let stepped: Vec<_> = batch.iter().map(|(_, c)| (*c, stepped(view, c))).collect();
     let timed = on_threads(Some(options.timing_threads), || {
         with_slices(view.volume, view.setup.plan.view(), |slices| {
@@ -223,7 +220,7 @@ fn timed(
             };
             for round in 0..options.rounds {
                 for (times, (configuration, prepared)) in all_times.iter_mut().zip(&stepped) {
-                    let before = frame(base, view)?;
+                    let before = frame(&configuration.base(), view)?;
                     let own = frame(configuration, prepared)?;
                     times.own.push(own.time.as_secs_f64());
                     times.base.push(before.time.as_secs_f64());
@@ -245,8 +242,8 @@ fn row(
     found: Found,
     times: &Times,
     options: Options,
-) -> Row {
-    let stages = configuration.runner.report(&found.errors);
+) -> Result<Row, SweepError> {
+    let stages = configuration.runner.report(first, &found.errors)?;
     let stages = stages.into_iter().map(|stage| StageRow {
         name: stage.name.to_owned(),
         format: stage.format,
@@ -256,7 +253,7 @@ fn row(
         carried_max_ulp: stage.carried.max_ulp,
         carried_mean_ulp: stage.carried.mean_ulp,
     });
-    Row {
+    Ok(Row {
         key: key(first),
         index,
         name: configuration.name.clone(),
@@ -271,8 +268,8 @@ fn row(
         speed_spread: spread(&times.ratios()),
         rounds: options.rounds,
         threads: options.timing_threads,
-        lanes: narrowed(first.simd).name().to_owned(),
-    }
+        lanes: first.simd.name().to_owned(),
+    })
 }
 
 #[cfg(test)]

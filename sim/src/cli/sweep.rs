@@ -7,7 +7,6 @@ use slicecast_engine::frame::Prepared;
 use slicecast_engine::threads::on_threads;
 use slicecast_laboratory::catalogue::{self, Configuration};
 use slicecast_laboratory::choose;
-use slicecast_laboratory::measure::narrowed;
 use slicecast_laboratory::rows::{self, Row, RowsError, Writer};
 use slicecast_laboratory::shards::{merge, shard};
 use slicecast_laboratory::sweep::{self, Options, SweepError};
@@ -128,8 +127,8 @@ pub struct Args {
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
-        let all = catalogue::all();
-        let mut chosen = self.chosen(&all)?;
+        let mut all = catalogue::all();
+        let mut chosen = self.chosen(&mut all)?;
         if self.list {
             println!("{}", sweep_table::list(chosen.iter().map(|index| &all[*index])));
             return Ok(());
@@ -193,7 +192,7 @@ impl Args {
         let how = |views, lanes: &str, threads| format!("{views} views and timed with {lanes} on {threads} threads");
         let own = how(
             self.views as usize,
-            narrowed(first.simd).name(),
+            first.simd.name(),
             usize::from(self.timing_threads),
         );
         for row in &rows {
@@ -210,7 +209,7 @@ impl Args {
     }
 
     /// The configurations asked for; all without a wish.
-    fn chosen(&self, all: &[Configuration]) -> Result<Vec<usize>, Failure> {
+    fn chosen(&self, all: &mut Vec<Configuration>) -> Result<Vec<usize>, Failure> {
         let mut chosen = Vec::new();
         for text in &self.vary {
             chosen.extend(choose::vary(all, text)?);

@@ -16,7 +16,8 @@ const LEGEND: &str = "\
 Errors: steps of 1/255 on the base plane against the f64 model at the positions of the full step. `worst stage`: the
 stage with the fewest right bits on its own inputs. Speeds: fastest frame of several, rendered by the host with these
 lanes and taken in turns with `compact`; `speed` is the median of the rounds' ratios, and `± %` half the distance between
-their quartiles. Front: no configuration is at least as fast and at least as exact in the mean, and clearly better in one of the
+their quartiles. Widths of studies are values: such a row stands beside `compact` with its widths as values, and its
+speed is that of the arithmetic, not of the memory. Front: no configuration is at least as fast and at least as exact in the mean, and clearly better in one of the
 two; speeds that differ by no more than they scatter (at least 1 %) are one speed. `~` would be on the front if they
 were exact.";
 

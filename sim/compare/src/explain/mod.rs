@@ -5,7 +5,7 @@ mod record;
 
 use serde::Serialize;
 
-use crate::lockstep::Formats;
+use crate::lockstep::Scales;
 use crate::stages::Stage;
 use crate::{ModelPositions, model};
 use record::{Record, Recorded, Step};
@@ -166,7 +166,7 @@ fn assemble(ray: [usize; 2], record: Recorded, exact: &Model<'_>, rounded: &Mode
         samples.push(Sample {
             plane: index,
             folded: step.after.is_some() && step.opacity.is_some_and(|a| a > 0.0),
-            stages: stages(step, &sample, so_far, &record.formats, exact.lights().is_some()),
+            stages: stages(step, &sample, so_far, &record.scales, exact.lights().is_some()),
         });
     }
     let (exact_pixel, shares) = chain::shares(&record, exact, rounded, ray);
@@ -184,7 +184,7 @@ fn assemble(ray: [usize; 2], record: Recorded, exact: &Model<'_>, rounded: &Mode
 }
 
 /// The values of a sample's stages, as far as both sides have them.
-fn stages(step: &Step, sample: &ModelSample, so_far: Pixel, formats: &Formats, lit: bool) -> Vec<Values> {
+fn stages(step: &Step, sample: &ModelSample, so_far: Pixel, scales: &Scales, lit: bool) -> Vec<Values> {
     let mut all = Vec::new();
     let mut add = |stage: Stage, fixed: &[f64], exact: &[f64]| {
         let away = fixed.iter().zip(exact).map(|(f, e)| (f - e).abs()).fold(0.0, f64::max);
@@ -192,7 +192,7 @@ fn stages(step: &Step, sample: &ModelSample, so_far: Pixel, formats: &Formats, l
             stage: stage.name(),
             fixed: fixed.to_vec(),
             exact: exact.to_vec(),
-            error_ulp: away * formats.per_unit[stage as usize],
+            error_ulp: away * scales.per_unit[stage as usize],
         });
     };
     add(Stage::Location, &step.position, &sample.position);

@@ -1,13 +1,14 @@
 //! What the pipeline had on every plane of one ray, by a tap.
 
-use slicecast::composite::Channel;
+use slicecast::composite::{Channel, Recurrence as _};
 use slicecast::locate::plane;
-use slicecast::plane::{ChannelOf, Pipeline, clear, scratch_len};
+use slicecast::plane::{ChannelOf, Pictured, clear, scratch_len};
+use slicecast::precision::Precision as _;
 use slicecast::slice::Slice;
 use slicecast::stage::Stage;
 use slicecast::tap::{Beam, Bits, Tap};
 
-use crate::lockstep::Formats;
+use crate::lockstep::Scales;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::pipelines::Job;
 use slicecast_engine::tiles::{Tile, fold_tile};
@@ -29,7 +30,7 @@ pub(super) struct Step {
 /// A tap that keeps one column of one row.
 struct Recorder {
     column: usize,
-    formats: Formats,
+    scales: Scales,
     steps: Vec<Step>,
     /// The plane under way.
     plane: usize,
@@ -50,7 +51,7 @@ impl Tap for Recorder {
     }
 
     fn row(&mut self, stage: Stage, at: Beam<'_>, rows: &[&dyn Bits]) {
-        let formats = self.formats;
+        let scales = self.scales.clone();
         let len = rows.first().map_or(0, |row| row.len());
         let Some((offset, step)) = self.here(at, len) else {
             return;
@@ -59,13 +60,13 @@ impl Tap for Recorder {
         let three = || [0, 1, 2].map(bits);
         match stage {
             Stage::Location | Stage::Before => {}
-            Stage::Interpolation => step.value = Some(f64::from(bits(0)) / formats.sample_one),
-            Stage::Opacity => step.opacity = Some(formats.opacity(bits(0))),
-            Stage::Colour => step.colour = Some(formats.colour(three())),
-            Stage::Gradient => step.gradient = Some(three().map(|g| f64::from(g) / formats.sample_one)),
-            Stage::Normal => step.normal = Some(formats.normal(three(), bits(3))),
-            Stage::Shading => step.shaded = Some(formats.colour(three())),
-            Stage::After => step.after = formats.pixels(rows).get(offset).copied(),
+            Stage::Interpolation => step.value = Some(f64::from(bits(0)) / scales.sample_one),
+            Stage::Opacity => step.opacity = Some(scales.opacity(bits(0))),
+            Stage::Colour => step.colour = Some(scales.colour(three())),
+            Stage::Gradient => step.gradient = Some(three().map(|g| f64::from(g) / scales.sample_one)),
+            Stage::Normal => step.normal = Some(scales.normal(three(), bits(3))),
+            Stage::Shading => step.shaded = Some(scales.colour(three())),
+            Stage::After => step.after = scales.pixels(rows).get(offset).copied(),
         }
     }
 }
@@ -73,7 +74,7 @@ impl Tap for Recorder {
 /// What a ray left behind.
 pub(super) struct Recorded {
     pub(super) steps: Vec<Step>,
-    pub(super) formats: Formats,
+    pub(super) scales: Scales,
     pub(super) pixel: Pixel,
 }
 
@@ -86,7 +87,7 @@ pub(super) struct Record<'a> {
 impl Job for Record<'_> {
     type Output = Recorded;
 
-    fn run<L: Pipeline>(self, pipeline: &L) -> Recorded {
+    fn run<L: Pictured>(self, pipeline: &L) -> Recorded {
         let plan = &self.prepared.setup.plan;
         let rays = plan.sampling().rays_per_voxel as usize;
         let [u, v] = self.ray;
@@ -109,16 +110,16 @@ impl Job for Record<'_> {
                 ..Step::default()
             }
         };
-        let formats = Formats::of::<L::Precision>();
+        let scales = Scales::of(pipeline.precision());
         let mut recorder = Recorder {
             column,
-            formats,
+            scales: scales.clone(),
             steps: (0..plan.planes()).map(step).collect(),
             plane: 0,
         };
         let ([width, _], [slice_width, _, _]) = (plan.base(), plan.dims());
-        let mut data = vec![L::empty(0); L::CHANNELS * width as usize];
-        clear::<L>(plan, &mut data);
+        let mut data = vec![L::Element::default(); L::CHANNELS * width as usize];
+        clear(pipeline, plan, &mut data);
         let mut scratch = vec![0; scratch_len::<L>(slice_width)];
         fold_tile(
             plan,
@@ -131,12 +132,11 @@ impl Job for Record<'_> {
         )
         .unwrap_or_else(|error| unreachable!("{error}"));
         let pixel = pipeline.pixel(&data, column);
-        let value = |c: ChannelOf<L::Precision>| {
-            f64::from(c.bits()) / f64::from(<ChannelOf<L::Precision> as Channel>::ONE.bits())
-        };
+        let one = f64::from(pipeline.precision().pixel().one().bits());
+        let value = |c: ChannelOf<L::Precision>| f64::from(c.bits()) / one;
         Recorded {
             steps: recorder.steps,
-            formats,
+            scales,
             pixel: Pixel {
                 colour: pixel.colour.map(value),
                 transparency: value(pixel.transparency),

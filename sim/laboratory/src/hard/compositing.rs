@@ -1,31 +1,46 @@
 //! Rays of fog: thin over many samples, in every width and rounding; periodic against the dither; long and empty before
 //! a wall.
 
-use slicecast::composite::{Channel, Dither, Dithered, Pixel, Recurrence, settle};
+use slicecast::composite::{Channel as _, Dither, Pixel, Recurrence, settle};
 use slicecast::format::Opacity;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 
 use super::{Case, Size};
-use crate::channels::{Binary, Byte, Long, Packed, Short};
-use crate::pixels::{Carrying, Described, Product, Scaled, Telescoping};
+use crate::channels::Scale::{self, Binary, Carrying, Full};
+use crate::pixels::Arithmetic::{self, Dithered, Product, Telescoping};
+use crate::pixels::StudyPixel;
+
+const TRUNCATED: Arithmetic = Product { rounded: false };
+const ROUNDED: Arithmetic = Product { rounded: true };
+
+/// A pixel that there is.
+fn study(arithmetic: Arithmetic, scale: Scale) -> StudyPixel {
+    StudyPixel::new(arithmetic, scale).expect("a format that the arithmetic has")
+}
 
 /// A ray: opacity (1.31) of plane k; all samples are white.
 type Fog<'a> = &'a dyn Fn(u32) -> u32;
 
 /// Accumulated opacity, percent, by the recurrence's own definition.
-fn blocked<R: Described>(samples: u32, fog: Fog<'_>) -> f64 {
-    100.0 - 100.0 * value::<R>(ray::<R>(samples, fog).transparency)
+fn blocked<R: Recurrence>(r: R, samples: u32, fog: Fog<'_>) -> f64 {
+    100.0 - 100.0 * value(r, ray(r, samples, fog).transparency, u32::MAX)
 }
 
-fn value<R: Described>(channel: R::Channel) -> f64 {
-    f64::from(channel.bits() & R::SHOWN) / f64::from(R::Channel::ONE.bits())
+/// The same of a study, by the bits that make its picture.
+fn shown(pixel: StudyPixel, samples: u32, fog: Fog<'_>) -> f64 {
+    let left = ray(pixel, samples, fog).transparency;
+    100.0 - 100.0 * value(pixel, left, pixel.scale().shown())
 }
 
-fn ray<R: Recurrence>(samples: u32, fog: Fog<'_>) -> Pixel<R::Channel> {
-    let white = [1u32 << R::COLOUR_BITS; 3];
-    (0..samples).fold(Pixel::clear(), |pixel, k| {
-        let mut out = R::over(pixel, white, Opacity::from_bits(fog(k)), Dither::of_plane(k));
-        out.transparency = settle(out.transparency, R::FLOOR);
+fn value<R: Recurrence>(r: R, channel: R::Channel, shown: u32) -> f64 {
+    f64::from(channel.bits() & shown) / f64::from(r.one().bits())
+}
+
+fn ray<R: Recurrence>(r: R, samples: u32, fog: Fog<'_>) -> Pixel<R::Channel> {
+    let white = [1u32 << r.colour_bits(); 3];
+    (0..samples).fold(r.clear(), |pixel, k| {
+        let mut out = r.over(pixel, white, Opacity::from_bits(fog(k)), Dither::of_plane(k));
+        out.transparency = settle(out.transparency, r.floor());
         out
     })
 }
@@ -36,28 +51,19 @@ fn exact(samples: u32, fog: Fog<'_>) -> f64 {
     -100.0 * left.exp_m1()
 }
 
-/// The schemes of one width.
-fn schemes<C: Binary>(case: &mut Case, samples: u32, fog: Fog<'_>)
-where
-    Dithered<C>: Recurrence<Channel = C>,
-{
-    plain_schemes::<C>(case, samples, fog);
-    let percent = |bits: u32| 100.0 * (1.0 - f64::from(bits) / f64::from(C::ONE.bits()));
-    let dithered = ray::<Dithered<C>>(samples, fog).transparency;
-    case.outcome(format!("1.{} dithered", C::FRACTION), percent(dithered.bits()), None);
-}
-
-/// Those without a dither.
-fn plain_schemes<C: Binary>(case: &mut Case, samples: u32, fog: Fog<'_>) {
-    let f = C::FRACTION;
-    let name = |scheme: &str| format!("1.{f} {scheme}");
-    case.outcome(name("truncated"), blocked::<Product<C, false, 15>>(samples, fog), None);
-    case.outcome(name("rounded"), blocked::<Product<C, true, 15>>(samples, fog), None);
-    case.outcome(
-        name("telescoping"),
-        blocked::<Telescoping<C, false, 15>>(samples, fog),
-        None,
-    );
+/// The schemes of 1.F that this many fraction bits have room for.
+fn schemes(case: &mut Case, bits: u32, samples: u32, fog: Fog<'_>) {
+    let schemes = [
+        (TRUNCATED, Binary(bits), "truncated"),
+        (ROUNDED, Binary(bits), "rounded"),
+        (Telescoping { rounded: false }, Binary(bits), "telescoping"),
+        (Dithered, Binary(bits), "dithered"),
+    ];
+    for (arithmetic, scale, name) in schemes {
+        if let Some(pixel) = StudyPixel::new(arithmetic, scale) {
+            case.outcome(format!("1.{bits} {name}"), shown(pixel, samples, fog), None);
+        }
+    }
 }
 
 /// Half a step of 1/255 in percent: what an 8-bit picture can show.
@@ -69,49 +75,33 @@ fn thin_fog(bits: u32, samples: u32) -> Case {
     let theory = format!("1 - (1 - 2^-{bits})^{samples}");
     let name = format!("2^-{bits} x {samples}");
     let mut case = Case::new("thin fog", name, "opacity, %", exact(samples, &fog), theory);
-    case.outcome("paper", blocked::<<Paper as Precision>::Pixel>(samples, &fog), None);
+    case.outcome("paper", blocked(Paper.pixel(), samples, &fog), None);
     // The dither's errors are bounded by measurement only: 0.61 of a step of 1/255 over 8192 samples in 1.15 (study),
     // half of that on the scale of 65535, here allowed for the longest rays as well.
     case.outcome(
         "compact",
-        blocked::<<Compact as Precision>::Pixel>(samples, &fog),
+        blocked(Compact.pixel(), samples, &fog),
         Some(0.61 * HALF_STEP),
     );
     // N floors of 2^-31, and the floor of 2^-20.
     let wide = 100.0 * (f64::from(samples) * 2f64.powi(-31) + 2f64.powi(-20));
-    case.outcome("wide", blocked::<<Wide as Precision>::Pixel>(samples, &fog), Some(wide));
-    match bits {
-        8 => schemes::<Short<8>>(&mut case, samples, &fog),
-        10 => schemes::<Short<10>>(&mut case, samples, &fog),
-        12 => schemes::<Short<12>>(&mut case, samples, &fog),
-        14 => schemes::<Short<14>>(&mut case, samples, &fog),
-        15 => schemes::<Short<15>>(&mut case, samples, &fog),
-        _ => {
-            schemes::<Long<16>>(&mut case, samples, &fog);
-            // The plane dither's products with a colour have 32 bits, too few for these.
-            plain_schemes::<Packed<23>>(&mut case, samples, &fog);
-            plain_schemes::<u32>(&mut case, samples, &fog);
-        }
+    case.outcome("wide", blocked(Wide.pixel(), samples, &fog), Some(wide));
+    schemes(&mut case, bits, samples, &fog);
+    if bits == 16 {
+        schemes(&mut case, 23, samples, &fog);
+        schemes(&mut case, 31, samples, &fog);
     }
-    let carry = match bits {
-        8 => Some(blocked::<Carrying<8>>(samples, &fog)),
-        10 => Some(blocked::<Carrying<10>>(samples, &fog)),
-        12 => Some(blocked::<Carrying<12>>(samples, &fog)),
-        14 => Some(blocked::<Carrying<14>>(samples, &fog)),
-        15 => Some(blocked::<Carrying<15>>(samples, &fog)),
-        _ => None,
-    };
-    if let Some(carry) = carry {
+    if let Some(carrying) = StudyPixel::new(Telescoping { rounded: false }, Carrying(bits)) {
         // A rest of 16 bits: what is left of an error is one unit of the value.
         case.outcome(
             format!("1.{bits} residual carry"),
-            carry,
+            shown(carrying, samples, &fog),
             Some(100.0 * 2f64.powi(1 - bits as i32)),
         );
     }
     case.outcome(
         "[0, 255] after Blinn",
-        blocked::<Scaled<Byte, true>>(samples, &fog),
+        shown(study(ROUNDED, Full(8)), samples, &fog),
         None,
     );
     if samples == 1024 {
@@ -165,8 +155,8 @@ fn one_part_in_128() -> Case {
         128.0,
         "truncated, T loses one of its 128 units a sample; exactly, T is 2^-7 after 619 samples and never 0",
     );
-    let truncated = until(&|n| ray::<Product<Short<7>, false, 15>>(n, &fog).transparency.bits() == 0);
-    let rounded = until(&|n| ray::<Product<Short<7>, true, 15>>(n, &fog).transparency.bits() == 0);
+    let truncated = until(&|n| ray(study(TRUNCATED, Binary(7)), n, &fog).transparency.bits() == 0);
+    let rounded = until(&|n| ray(study(ROUNDED, Binary(7)), n, &fog).transparency.bits() == 0);
     case.outcome("1.7 truncated", truncated, Some(0.0));
     case.outcome("1.7 rounded (stops at T = 1/2)", rounded, None);
     case.paper = Some("63".into());
@@ -204,17 +194,17 @@ fn periodic(size: Size) -> Case {
     };
     case.outcome(
         "paper",
-        worst(&|fog| blocked::<<Paper as Precision>::Pixel>(samples, fog)),
+        worst(&|fog| blocked(Paper.pixel(), samples, fog)),
         None,
     );
     case.outcome(
         "compact",
-        worst(&|fog| blocked::<<Compact as Precision>::Pixel>(samples, fog)),
+        worst(&|fog| blocked(Compact.pixel(), samples, fog)),
         Some(0.42),
     );
     case.outcome(
         "wide",
-        worst(&|fog| blocked::<<Wide as Precision>::Pixel>(samples, fog)),
+        worst(&|fog| blocked(Wide.pixel(), samples, fog)),
         Some(255.0 * (f64::from(samples) * 2f64.powi(-31) + 2f64.powi(-20))),
     );
     case.study = Some("0.42 in 1.15, p = 2 to 128".into());
@@ -233,34 +223,34 @@ fn empty_before_a_wall() -> Case {
     );
     let wall = |k: u32| if k == 32768 { 1 << 31 } else { 0 };
     let colour = |value: f64| 255.0 * value;
-    let paper = ray::<<Paper as Precision>::Pixel>(32769, &wall);
-    let compact = ray::<<Compact as Precision>::Pixel>(32769, &wall);
-    let wide = ray::<<Wide as Precision>::Pixel>(32769, &wall);
+    let paper = ray(Paper.pixel(), 32769, &wall);
+    let compact = ray(Compact.pixel(), 32769, &wall);
+    let wide = ray(Wide.pixel(), 32769, &wall);
     case.outcome(
         "paper",
-        colour(value::<<Paper as Precision>::Pixel>(paper.colour[0])),
+        colour(value(Paper.pixel(), paper.colour[0], u32::MAX)),
         Some(0.0),
     );
     case.outcome(
         "compact",
-        colour(value::<<Compact as Precision>::Pixel>(compact.colour[0])),
+        colour(value(Compact.pixel(), compact.colour[0], u32::MAX)),
         Some(0.0),
     );
     case.outcome(
         "wide",
-        colour(value::<<Wide as Precision>::Pixel>(wide.colour[0])),
+        colour(value(Wide.pixel(), wide.colour[0], u32::MAX)),
         Some(0.0),
     );
-    let shifted = ray::<Scaled<Byte, false>>(32769, &wall);
+    let shifted = ray(study(TRUNCATED, Full(8)), 32769, &wall);
     case.outcome(
         "[0, 255], one shift",
-        colour(value::<Scaled<Byte, false>>(shifted.colour[0])),
+        colour(value(study(TRUNCATED, Full(8)), shifted.colour[0], u32::MAX)),
         None,
     );
-    let blinn = ray::<Scaled<Byte, true>>(32769, &wall);
+    let blinn = ray(study(ROUNDED, Full(8)), 32769, &wall);
     case.outcome(
         "[0, 255] after Blinn",
-        colour(value::<Scaled<Byte, true>>(blinn.colour[0])),
+        colour(value(study(ROUNDED, Full(8)), blinn.colour[0], u32::MAX)),
         Some(0.0),
     );
     case.paper = Some("[0, 255] with one shift is opaque after 255 clear samples (section 3)".into());

@@ -4,7 +4,7 @@
 //! reduced form of this file, run as a test, ends with a panic where one does not. What is counted here besides are
 //! results outside the range that the contract states.
 
-use slicecast::composite::{Channel, Dither, Pixel};
+use slicecast::composite::{Channel as _, Dither, Pixel, Recurrence};
 use slicecast::format::{Coefficient, Cosine, Intensity, Opacity, Vector, Weight};
 use slicecast::gradient::{coarsen, space};
 use slicecast::interpolate::trilinear;
@@ -14,8 +14,9 @@ use slicecast::shade::{Highlight, Light, Phong, dot, keep_vector, power, reflect
 
 use super::scenes::{compared, scene, volume};
 use super::{Case, Size};
-use crate::channels::{Byte, Packed, Short};
-use crate::pixels::{Carrying, Described, Product, Scaled, Telescoping};
+use crate::channels::Scale::{Binary, Carrying, Full};
+use crate::pixels::Arithmetic::{Product, Telescoping};
+use crate::pixels::StudyPixel;
 use slicecast_scene::{PrecisionName, View};
 
 /// Values tried and values out of range.
@@ -33,7 +34,7 @@ impl Tally {
 }
 
 /// All 256 cells of corners 0 and 4095 (or, where gradients look beyond an edge, -4095 and 8190), at extreme weights.
-fn interpolation<P: Precision>(tally: &mut Tally) {
+fn interpolation<P: Precision>(p: P, tally: &mut Tally) {
     let weights = [0u32, 1, 32767, 32768, 65535].map(Weight::from_bits);
     for (low, high) in [(0i16, 4095i16), (-4095, 8190)] {
         for corners in 0u32..256 {
@@ -48,8 +49,8 @@ fn interpolation<P: Precision>(tally: &mut Tally) {
             for x in weights {
                 for y in weights {
                     for z in weights {
-                        let sample = fixed::traits::Fixed::to_bits(trilinear::<P>(voxels, [x, y, z]));
-                        let range = i32::from(low) << P::SAMPLE_BITS..=i32::from(high) << P::SAMPLE_BITS;
+                        let sample = trilinear(p, voxels, [x, y, z]);
+                        let range = i32::from(low) << p.formats().sample_bits..=i32::from(high) << p.formats().sample_bits;
                         tally.check(range.contains(&sample));
                     }
                 }
@@ -86,7 +87,7 @@ fn normals(tally: &mut Tally) {
 }
 
 /// Eight lights of everything, from and towards everywhere.
-fn shading<P: Precision>(tally: &mut Tally) {
+fn shading<P: Precision>(p: P, tally: &mut Tally) {
     let one = Vector::ONE;
     let root = Vector::from_num(3f64.sqrt().recip());
     let zero = Vector::ZERO;
@@ -97,7 +98,7 @@ fn shading<P: Precision>(tally: &mut Tally) {
         [-root; 3],
         [zero, -one, zero],
     ];
-    let top = 1u32 << P::COLOUR_BITS;
+    let top = 1u32 << p.pixel().colour_bits();
     for direction in directions {
         let light = Light {
             direction,
@@ -105,19 +106,19 @@ fn shading<P: Precision>(tally: &mut Tally) {
             diffuse: [Coefficient::ONE; 3],
             specular: [Coefficient::ONE; 3],
         };
-        let kept = keep_vector::<P>(direction);
+        let kept = keep_vector(p, direction);
         for highlight in [Highlight::Reflection, Highlight::HalfVector] {
             for exponent in [0, 8] {
-                let phong = Phong::<P>::new([Coefficient::ONE; 3], &[light; 8], direction, highlight, exponent);
+                let phong = Phong::new(p, [Coefficient::ONE; 3], &[light; 8], direction, highlight, exponent);
                 tally.check(phong.is_ok());
                 let Ok(phong) = phong else { continue };
                 for gradient in gradients().into_iter().step_by(7) {
                     let normal = normalise(gradient);
-                    let cosine = dot::<P>(normal, kept);
-                    let mirrored = reflected::<P>(cosine, cosine, kept, kept);
-                    let powers = [cosine, mirrored, Cosine::ONE, Cosine::ZERO].map(|c| power::<P>(c, exponent));
+                    let cosine = dot(p, normal, kept);
+                    let mirrored = reflected(p, cosine, cosine, kept, kept);
+                    let powers = [cosine, mirrored, Cosine::ONE, Cosine::ZERO].map(|c| power(p, c, exponent));
                     tally.check(cosine <= Cosine::ONE && mirrored <= Cosine::ONE);
-                    tally.check(powers.iter().all(|p| *p <= Cosine::ONE));
+                    tally.check(powers.iter().all(|power| *power <= Cosine::ONE));
                     for colour in [0, 1, top - 1, top] {
                         tally.check(phong.shade(normal, [colour; 3]).iter().all(|c| *c <= top));
                     }
@@ -128,8 +129,8 @@ fn shading<P: Precision>(tally: &mut Tally) {
 }
 
 /// Every pair of extreme pixels and samples, both ways.
-fn compositing<R: Described>(tally: &mut Tally) {
-    let one = R::Channel::ONE.bits();
+fn compositing<R: Recurrence>(r: R, shown: u32, tally: &mut Tally) {
+    let (one, colour_bits) = (r.one().bits(), r.colour_bits());
     let opacities = [
         0u32,
         1,
@@ -144,9 +145,9 @@ fn compositing<R: Described>(tally: &mut Tally) {
     let colours = [
         0,
         1,
-        1 << (R::COLOUR_BITS - 1),
-        (1 << R::COLOUR_BITS) - 1,
-        1 << R::COLOUR_BITS,
+        1 << (colour_bits - 1),
+        (1 << colour_bits) - 1,
+        1 << colour_bits,
     ];
     let transparencies = [0, 1, 2, one / 2, one / 2 + 1, one - 1, one];
     for k in (0..64).chain([20_250, 32_767, u32::MAX]) {
@@ -159,11 +160,11 @@ fn compositing<R: Described>(tally: &mut Tally) {
                 };
                 for opacity in opacities.map(Opacity::from_bits) {
                     for colour in colours {
-                        let over = R::over(pixel, [colour; 3], opacity, dither);
-                        let under = R::under(pixel, [colour; 3], opacity, dither);
+                        let over = r.over(pixel, [colour; 3], opacity, dither);
+                        let under = r.under(pixel, [colour; 3], opacity, dither);
                         let bounded = |p: Pixel<R::Channel>| {
-                            let left = p.transparency.bits() & R::SHOWN;
-                            p.colour.iter().all(|c| c.bits() <= one) && left <= t & R::SHOWN
+                            let left = p.transparency.bits() & shown;
+                            p.colour.iter().all(|c| c.bits() <= one) && left <= t & shown
                         };
                         tally.check(bounded(over) && bounded(under));
                     }
@@ -221,28 +222,35 @@ pub fn cases(size: Size) -> Result<Vec<Case>, slicecast_engine::error::RenderErr
         named.push((name, tally));
     };
     stage("interpolation", &|t| {
-        interpolation::<Paper>(t);
-        interpolation::<Compact>(t);
-        interpolation::<Wide>(t);
+        interpolation(Paper, t);
+        interpolation(Compact, t);
+        interpolation(Wide, t);
     });
     stage("spacing, normalisation", &normals);
     stage("dots, powers, shading", &|t| {
-        shading::<Paper>(t);
-        shading::<Compact>(t);
-        shading::<Wide>(t);
+        shading(Paper, t);
+        shading(Compact, t);
+        shading(Wide, t);
     });
     stage("compositing", &|t| {
-        compositing::<<Paper as Precision>::Pixel>(t);
-        compositing::<<Compact as Precision>::Pixel>(t);
-        compositing::<<Wide as Precision>::Pixel>(t);
+        compositing(Paper.pixel(), u32::MAX, t);
+        compositing(Compact.pixel(), u32::MAX, t);
+        compositing(Wide.pixel(), u32::MAX, t);
     });
     stage("compositing of studies", &|t| {
-        compositing::<Product<Short<8>, true, 15>>(t);
-        compositing::<Product<u32, false, 31>>(t);
-        compositing::<Product<u32, true, 31>>(t);
-        compositing::<Telescoping<Packed<23>, true, 31>>(t);
-        compositing::<Carrying<15>>(t);
-        compositing::<Scaled<Byte, true>>(t);
+        let study = |arithmetic, scale| StudyPixel::new(arithmetic, scale).expect("a format that the arithmetic has");
+        let deep = |arithmetic, scale| study(arithmetic, scale).deep().expect("room for 31-bit colours");
+        let pixels = [
+            study(Product { rounded: true }, Binary(8)),
+            deep(Product { rounded: false }, Binary(31)),
+            deep(Product { rounded: true }, Binary(31)),
+            deep(Telescoping { rounded: true }, Binary(23)),
+            study(Telescoping { rounded: false }, Carrying(15)),
+            study(Product { rounded: true }, Full(8)),
+        ];
+        for pixel in pixels {
+            compositing(pixel, pixel.scale().shown(), t);
+        }
     });
     let views = if size == Size::Full { 64 } else { 8 };
     let mut tally = Tally::default();
