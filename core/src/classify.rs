@@ -19,9 +19,9 @@
 
 use core::marker::PhantomData;
 
+use crate::composite::Recurrence as _;
 use crate::format::Opacity;
 use crate::lanes::{Lanes, Small, Wide as _};
-use crate::composite::Recurrence as _;
 use crate::precision::{Formats, Precision};
 use crate::slice::RowRange;
 use crate::table::ENTRIES;
@@ -335,7 +335,11 @@ impl<A: AlphaCode, L: Lookup> PointTable<'_, A, L> {
     fn opacity_row_small<P: Precision>(&self, p: P, samples: &[i32], out: &mut [i32]) {
         let dark = self.support.dark(p);
         for (o, &s) in out.iter_mut().zip(samples) {
-            *o = if s <= dark { 0 } else { self.opacity_by::<P, Small>(p, s) };
+            *o = if s <= dark {
+                0
+            } else {
+                self.opacity_by::<P, Small>(p, s)
+            };
         }
     }
 }

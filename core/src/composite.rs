@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | T, C | 1.15 ([`Truncating15`]), [`Unorm16`] or 1.15 ([`Dithered`]), 1.31 ([`Telescoping31`]) | 0 to 1 |
 //! | opacity a | 1.31 | 0 to 1 |
-//! | colour c | 1.15 (16-bit channels) or 1.31, [`Recurrence::COLOUR_BITS`] | 0 to 1 |
+//! | colour c | 1.15 (16-bit channels) or 1.31, [`Recurrence::colour_bits`] | 0 to 1 |
 //!
 //! An opacity of 0 leaves a pixel as it is, and so does any sample where T is 0: skipping what is empty, stopping a
 //! finished ray and going on are the same bits. T that falls below a pixel format's floor becomes 0. A higher floor is
@@ -214,14 +214,26 @@ pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
 
     /// [`Recurrence::over_lanes`] of one pixel.
     #[inline(always)]
-    fn over(self, pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel> {
+    fn over(
+        self,
+        pixel: Pixel<Self::Channel>,
+        colour: [u32; 3],
+        opacity: Opacity,
+        dither: Dither,
+    ) -> Pixel<Self::Channel> {
         let (colour, opacity) = (colour.map(|c| c as i32), opacity.to_bits() as i32);
         Pixel::of_bits(self.over_lanes(pixel.bits(), colour, opacity, dither))
     }
 
     /// [`Recurrence::under_lanes`] of one pixel.
     #[inline(always)]
-    fn under(self, pixel: Pixel<Self::Channel>, colour: [u32; 3], opacity: Opacity, dither: Dither) -> Pixel<Self::Channel> {
+    fn under(
+        self,
+        pixel: Pixel<Self::Channel>,
+        colour: [u32; 3],
+        opacity: Opacity,
+        dither: Dither,
+    ) -> Pixel<Self::Channel> {
         let (colour, opacity) = (colour.map(|c| c as i32), opacity.to_bits() as i32);
         Pixel::of_bits(self.under_lanes(pixel.bits(), colour, opacity, dither))
     }
@@ -337,20 +349,18 @@ pub fn dithered_over<V: Lanes>(pixel: Pixel<V>, colour: [V; 3], opacity: V, dith
     let offset = V::splat(dither.colour as i32);
     let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
     Pixel {
-        colour: [r + given(cr, w, offset), g + given(cg, w, offset), b + given(cb, w, offset)],
+        colour: [
+            r + given(cr, w, offset),
+            g + given(cg, w, offset),
+            b + given(cb, w, offset),
+        ],
         transparency: pixel.transparency - w,
     }
 }
 
 /// The arithmetic of [`Dithered`] back to front, in channels in which 1.0 is `one`, at most 65535.
 #[inline(always)]
-pub fn dithered_under<V: Lanes>(
-    one: u32,
-    pixel: Pixel<V>,
-    colour: [V; 3],
-    opacity: V,
-    dither: Dither,
-) -> Pixel<V> {
+pub fn dithered_under<V: Lanes>(one: u32, pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither) -> Pixel<V> {
     let w = taken(pixel.transparency, opacity, dither);
     let half = V::Wide::splat(i64::from(2 * dither.colour + 1) << 15);
     let ([r, g, b], [cr, cg, cb], one) = (pixel.colour, colour, V::splat(one as i32));
@@ -614,7 +624,14 @@ impl Order for FrontToBack {
 impl Order for BackToFront {
     const BACK_TO_FRONT: bool = true;
     #[inline(always)]
-    fn fold<R: Recurrence, V: Lanes>(recurrence: R, pixel: Pixel<V>, colour: [V; 3], opacity: V, dither: Dither, _: V) -> Pixel<V> {
+    fn fold<R: Recurrence, V: Lanes>(
+        recurrence: R,
+        pixel: Pixel<V>,
+        colour: [V; 3],
+        opacity: V,
+        dither: Dither,
+        _: V,
+    ) -> Pixel<V> {
         recurrence.under_lanes(pixel, colour, opacity, dither)
     }
 }

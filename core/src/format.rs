@@ -11,7 +11,7 @@
 //! | [`Position`] | s15.16 | below 2^15 | voxels | location | interpolation |
 //! | [`Weight`] | 0.16 | 0 to 65535 | fraction of a voxel | location | interpolation |
 //! | [`Blend16`] | s15.16 | -4095 to 8190 beyond a face; -16380 to 20475 beyond an edge, read with weight 0 only | data code | z and y interpolation | x interpolation |
-//! | [`Sample12`], [`Sample15`] | 12.12, 12.15 | 0 to 4095 | data code | interpolation | classification, gradient |
+//! | sample | 12.12, 12.15 | 0 to 4095 | data code | interpolation | classification, gradient |
 //! | gradient | s13.12, s13.15 | -8190 to 8190 | data code over two voxels | gradient | normalisation |
 //! | [`Vector`] | s1.30 | -1 to 1 | | caller | shading |
 //! | [`Unit`] | s1.15 | -1 to 1 | | normalisation | export |
@@ -28,7 +28,7 @@
 //! Rounding is named as hardware tools name it: *truncate* is towards minus infinity (AP_TRN), *nearest* is half up
 //! (AP_RND), *saturate* is AP_SAT and always stated.
 
-use fixed::types::extra::{U12, U15, U16, U30, U31, U32, U58};
+use fixed::types::extra::{U15, U16, U30, U31, U32, U58};
 use fixed::{FixedI32, FixedI64, FixedU16, FixedU32};
 
 /// A component of a viewing direction in voxel units, s5.58, -1 to 1; the vector's length does not matter.
@@ -41,10 +41,6 @@ pub type Position = FixedI32<U16>;
 pub type Weight = FixedU32<U16>;
 /// A partly interpolated value, s15.16. Lives inside `interpolate`.
 pub type Blend16 = FixedI32<U16>;
-/// A sample of the `Paper` and `Compact` precisions, 12.12.
-pub type Sample12 = FixedI32<U12>;
-/// A sample of the `Wide` precision, 12.15.
-pub type Sample15 = FixedI32<U15>;
 /// A component of a light or viewing vector, s1.30. A precision may keep fewer bits of it.
 pub type Vector = FixedI32<U30>;
 /// A component of a normal made for export, s1.15; 32768 is 1.0.

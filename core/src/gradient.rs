@@ -51,9 +51,9 @@ pub fn space_row<V: Lanes>(row: &mut [i32], factor: Intensity) {
 }
 
 /// A gradient of which the largest component keeps `bits` bits (1 to 15) and the others the same scale; to nearest on
-/// magnitudes, saturated. 15 bits are all that normalisation reads. For studies ([`Precision::GRADIENT_BITS`]).
+/// magnitudes, saturated. 15 bits are all that normalisation reads. For studies ([`Formats::gradient_bits`]).
 ///
-/// [`Precision::GRADIENT_BITS`]: crate::precision::Precision::GRADIENT_BITS
+/// [`Formats::gradient_bits`]: crate::precision::Formats::gradient_bits
 #[inline(always)]
 pub fn coarsen<V: Lanes>(gradient: [V; 3], bits: u32) -> [V; 3] {
     let [x, y, z] = gradient;

@@ -6,11 +6,11 @@
 //! | value | format | range |
 //! |---|---|---|
 //! | voxel v | 12.0 | 0 to 4095; -4095 to 8190 one voxel beyond a face |
-//! | weight w | 0.16, cut to `WEIGHT_BITS` | 0 to 65535 |
+//! | weight w | 0.16, cut to [`Formats::weight_bits`] | 0 to 65535 |
 //! | after z, after y | s15.16 | as the voxels |
 //! | sample | 12.12 or 12.15 | between its eight voxels |
 //!
-//! z: `(v0 << 16) + (v1 - v0) w`, exact. y: `a + (b - a) w`, rounded to `LERP_BITS`. x: the same, rounded to the
+//! z: `(v0 << 16) + (v1 - v0) w`, exact. y: `a + (b - a) w`, rounded to `lerp_bits`. x: the same, rounded to the
 //! sample's format. Products of 28 by 16 bits are exact before they are rounded (`product`).
 //! Error of a sample against the same weights: 0.75 ulp of 12.15, 0.54 of 12.12 (both nearest), below 2 truncated.
 //! Overflow: none; |b - a| <= 16380 * 2^16 < 2^30. State: none.
@@ -30,7 +30,11 @@ pub(crate) fn cut<P: Precision>(p: P, weight: Weight) -> i32 {
 /// A number with all 16 fraction bits, rounded to those that a precision keeps between its steps.
 #[inline(always)]
 pub(crate) fn kept<P: Precision, V: Lanes>(p: P, exact: V) -> V {
-    let Formats { lerp_bits, lerp_rounding, .. } = p.formats();
+    let Formats {
+        lerp_bits,
+        lerp_rounding,
+        ..
+    } = p.formats();
     let cut = 16 - lerp_bits;
     if cut == 0 {
         exact
@@ -42,7 +46,11 @@ pub(crate) fn kept<P: Precision, V: Lanes>(p: P, exact: V) -> V {
 /// `WHOLE`: `a` and `b` are whole numbers, and so their difference times the weight is exact.
 #[inline(always)]
 pub(crate) fn lerp_y<P: Precision, V: Lanes, const WHOLE: bool>(p: P, a: V, b: V, w: V) -> V {
-    let Formats { lerp_bits, lerp_rounding, .. } = p.formats();
+    let Formats {
+        lerp_bits,
+        lerp_rounding,
+        ..
+    } = p.formats();
     let cut = 16 - lerp_bits;
     if WHOLE {
         kept(p, a + ((b - a) >> 16) * w)
@@ -55,7 +63,11 @@ pub(crate) fn lerp_y<P: Precision, V: Lanes, const WHOLE: bool>(p: P, a: V, b: V
 
 #[inline(always)]
 pub(crate) fn lerp_x<P: Precision, V: Lanes>(p: P, a: V, b: V, w: V) -> V {
-    let Formats { sample_bits, lerp_rounding, .. } = p.formats();
+    let Formats {
+        sample_bits,
+        lerp_rounding,
+        ..
+    } = p.formats();
     let cut = 16 - sample_bits;
     (a + (b - a).scale16(w, 0) + V::splat(lerp_rounding.bias(cut) as i32)) >> cut
 }

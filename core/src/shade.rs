@@ -354,7 +354,8 @@ impl Normals<'_> {
     #[inline(always)]
     fn dot<P: Precision, V: Lanes>(&self, p: P, at: usize, away: [i32; 3]) -> V::Wide {
         let [x, y, z] = self.g;
-        dot_lanes::<P, V>(p, 
+        dot_lanes::<P, V>(
+            p,
             [V::load(x, at), V::load(y, at), V::load(z, at)],
             V::load(self.r, at),
             away,

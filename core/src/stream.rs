@@ -228,7 +228,11 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             pushed: 0,
             folded: 0,
         };
-        clear(&stream.pipeline, &plan, stream.memory.image.get_mut(..needs.image).unwrap_or(&mut []));
+        clear(
+            &stream.pipeline,
+            &plan,
+            stream.memory.image.get_mut(..needs.image).unwrap_or(&mut []),
+        );
         Ok(stream)
     }
 

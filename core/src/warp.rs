@@ -176,7 +176,12 @@ fn byte_lanes<C: ChannelFormat, V: Lanes>(channel: V) -> V {
 /// [`in_front_of`] of rows of channels: each with its pixel's transparency and its background (1.15). All rows equally
 /// long; with shorter ones nothing is written.
 #[inline(always)]
-pub fn in_front_of_row<C: ChannelFormat, V: Lanes>(channels: &[C], transparency: &[C], background: &[u16], out: &mut [u8]) {
+pub fn in_front_of_row<C: ChannelFormat, V: Lanes>(
+    channels: &[C],
+    transparency: &[C],
+    background: &[u16],
+    out: &mut [u8],
+) {
     let len = out.len();
     let (Some(channels), Some(transparency)) = (channels.get(..len), transparency.get(..len)) else {
         return;
@@ -201,8 +206,8 @@ pub fn in_front_of_row<C: ChannelFormat, V: Lanes>(channels: &[C], transparency:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::composite::{Recurrence as _, Telescoping31, Truncating15};
     use crate::composite::Unorm16;
+    use crate::composite::{Recurrence as _, Telescoping31, Truncating15};
     use proptest::prelude::*;
 
     #[test]

@@ -17,7 +17,6 @@ use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::table::ENTRIES;
 use slicecast::view::{Axis, View};
 
-
 fn view([x, y, z]: [i64; 3]) -> View {
     View::new([x, y, z].map(|c| Direction::from_bits(c << 50))).unwrap()
 }
@@ -137,7 +136,15 @@ fn highlights_beyond_one_are_one() {
             diffuse: [Coefficient::ZERO; 3],
             specular: [Coefficient::ONE; 3],
         };
-        let phong = Phong::new(p, [Coefficient::ZERO; 3], &[light; 8], towards, Highlight::HalfVector, 0).unwrap();
+        let phong = Phong::new(
+            p,
+            [Coefficient::ZERO; 3],
+            &[light; 8],
+            towards,
+            Highlight::HalfVector,
+            0,
+        )
+        .unwrap();
         // g points away from the normal.
         let normal = slicecast::normalise::normalise([0, 0, 1000]);
         phong.shade(normal, [0; 3])[0]

@@ -183,10 +183,15 @@ impl<P: Precision> Call<'_, P> {
                 Kernel::InterpolateInSlice => {
                     yx_row_in_slice::<P, V>(bench.precision, &bench.near, &bench.far, [weight, weight], out);
                 }
-                Kernel::Opacity => Classifier::opacity_row::<V>(&&bench.table, bench.precision, Slab::of(&bench.samples), out),
-                Kernel::Colour => {
-                    Classifier::colour_row::<V>(&&bench.table, bench.precision, Slab::of(&bench.samples), [red, green, blue])
+                Kernel::Opacity => {
+                    Classifier::opacity_row::<V>(&&bench.table, bench.precision, Slab::of(&bench.samples), out)
                 }
+                Kernel::Colour => Classifier::colour_row::<V>(
+                    &&bench.table,
+                    bench.precision,
+                    Slab::of(&bench.samples),
+                    [red, green, blue],
+                ),
                 Kernel::Difference => {
                     let [a, b, _] = &bench.gradients;
                     difference_row::<V>(a, b, out);
@@ -277,7 +282,13 @@ fn point_table<P: Precision>(
     });
     group.bench_function(format!("point-colour-{table}/{}", P::NAME), |b| {
         let [r, g, blue] = &mut colours;
-        b.iter(|| classifier.colour_row::<i32>(precision, Slab::of(black_box(samples)), [&mut r[..], &mut g[..], &mut blue[..]]));
+        b.iter(|| {
+            classifier.colour_row::<i32>(
+                precision,
+                Slab::of(black_box(samples)),
+                [&mut r[..], &mut g[..], &mut blue[..]],
+            )
+        });
     });
 }
 

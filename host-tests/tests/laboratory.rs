@@ -57,16 +57,15 @@ fn frame(material: Option<Material>) -> Frame {
         direction: [300, -200, 1000],
         planes_per_voxel: 2,
         material,
-        ..Frame::new(Arc::new(volume([23, 19, 17], Filling::Ripples, 5)), table_of(&[(0, [0; 3], 0)]))
+        ..Frame::new(
+            Arc::new(volume([23, 19, 17], Filling::Ripples, 5)),
+            table_of(&[(0, [0; 3], 0)]),
+        )
     }
 }
 
 fn checksums(frame: &Frame) -> BTreeMap<String, u64> {
-    let point = |value, colour, opacity| Point {
-        value,
-        colour,
-        opacity,
-    };
+    let point = |value, colour, opacity| Point { value, colour, opacity };
     let scene = Scene {
         transfer: TransferFunction {
             unit_distance: 1.0,

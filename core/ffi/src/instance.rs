@@ -321,14 +321,26 @@ impl<S: Lights<Paper>> Instance for Composite<Paper, Paper8, S, FrontToBack> {
 impl<S: Lights<Compact>> Instance for Composite<Compact, Fine16, S, FrontToBack> {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(Compact, Fine16::new(scene.entries()?, scene.low_roots()?), S::of(Compact, scene)?) })
+        Ok(unsafe {
+            Self::new(
+                Compact,
+                Fine16::new(scene.entries()?, scene.low_roots()?),
+                S::of(Compact, scene)?,
+            )
+        })
     }
 }
 
 impl<S: Lights<Wide>> Instance for Composite<Wide, Fine16, S, FrontToBack> {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(Wide, Fine16::new(scene.entries()?, scene.low_roots()?), S::of(Wide, scene)?) })
+        Ok(unsafe {
+            Self::new(
+                Wide,
+                Fine16::new(scene.entries()?, scene.low_roots()?),
+                S::of(Wide, scene)?,
+            )
+        })
     }
 }
 

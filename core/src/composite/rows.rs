@@ -189,7 +189,14 @@ fn fold_row_of<R: Recurrence, O: Order, V: Lanes, K: Given, const ALL: bool>(
     while at < len {
         if ALL || !V::load(opacity, at).all_zero() {
             let pixel = row.lanes(at);
-            let folded = O::fold(recurrence, pixel, colour.colours(at), V::load(opacity, at), dither, floor);
+            let folded = O::fold(
+                recurrence,
+                pixel,
+                colour.colours(at),
+                V::load(opacity, at),
+                dither,
+                floor,
+            );
             row.set_lanes(at, folded);
         }
         at += V::COUNT;

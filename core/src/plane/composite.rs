@@ -144,7 +144,13 @@ where
             return Ok(());
         }
         let (precision, first, dither) = (self.precision, rows.first, Dither::of_plane(plane.index));
-        let mut canvas = Image::<P::Pixel, O, V>::new((first, rows.data), base_width, &extent, dither, (precision.pixel(), self.floor));
+        let mut canvas = Image::<P::Pixel, O, V>::new(
+            (first, rows.data),
+            base_width,
+            &extent,
+            dither,
+            (precision.pixel(), self.floor),
+        );
         let classifier = Kernels::<C, P, V>::of(&self.classifier, precision);
         let shader = Kernels::<S, P, V>::of(&self.shader, precision);
         let spacing = plan.spacing();

@@ -151,7 +151,14 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
         if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
-            yx_row::<P, V>(self.precision, pick(row), pick(next), extent.in_slice(), extent.weights(), out);
+            yx_row::<P, V>(
+                self.precision,
+                pick(row),
+                pick(next),
+                extent.in_slice(),
+                extent.weights(),
+                out,
+            );
             *key = row;
         }
     }
@@ -179,7 +186,13 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
                 // One row beyond a face: twice the edge less the row inside it.
                 let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
                 let (near_row, far_row) = rows(inner);
-                z_row::<P, V>(self.precision, near_row, far_row, weight, part_mut(self.inner, voxels.clone()));
+                z_row::<P, V>(
+                    self.precision,
+                    near_row,
+                    far_row,
+                    weight,
+                    part_mut(self.inner, voxels.clone()),
+                );
                 extend_row(part_mut(out, voxels.clone()), part(self.inner, voxels));
             }
             extend_ends(out);
@@ -201,7 +214,13 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         *made = (row, columns.clone());
         let (near, far) = derivatives(self.window, row);
         let (near, far) = (near.columns(columns.clone()), far.columns(columns.clone()));
-        z_difference_row::<P, V>(self.precision, near, far, self.extent.z.weight, part_mut(out, columns.clone()));
+        z_difference_row::<P, V>(
+            self.precision,
+            near,
+            far,
+            self.extent.z.weight,
+            part_mut(out, columns.clone()),
+        );
     }
 
     #[inline(always)]

@@ -377,7 +377,15 @@ fn what_does_not_fit_is_refused() {
     let one = Coefficient::ONE.to_bits();
     let make = |lights: &[Light], ambient: u32, exponent| {
         let ambient = [Coefficient::from_bits(ambient); 3];
-        Phong::new(Compact, ambient, lights, unit([0.0, 0.0, 1.0]), Highlight::HalfVector, exponent).err()
+        Phong::new(
+            Compact,
+            ambient,
+            lights,
+            unit([0.0, 0.0, 1.0]),
+            Highlight::HalfVector,
+            exponent,
+        )
+        .err()
     };
     assert_eq!(make(&[light; 9], 0, 0), Some(PhongError::Lights { given: 9 }));
     assert_eq!(make(&[light], 0, 9), Some(PhongError::Exponent { given: 9 }));

@@ -157,7 +157,11 @@ fn cast<R: Recurrence>(
     assert!(red == green && green == blue, "{name}: channels differ");
     // To the nearest byte.
     let (bits, one) = (u64::from(red.bits()), u64::from(r.one().bits()));
-    (red.bits(), pixel.transparency.bits(), ((bits * 510 + one) / (2 * one)) as u8)
+    (
+        red.bits(),
+        pixel.transparency.bits(),
+        ((bits * 510 + one) / (2 * one)) as u8,
+    )
 }
 
 fn without_floor<R: Recurrence>(r: R, ray: Ray) -> Result3 {

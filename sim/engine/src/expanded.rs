@@ -4,9 +4,9 @@
 //! lanes. A table of one colour is not asked for colours at all. 32 KiB, of which a sample reads 16 bytes.
 
 use slicecast::classify::{AlphaCode, Classifier, Linear, PointTable, Slab, Support, colour_of_entry, mix_colour};
+use slicecast::composite::Recurrence as _;
 use slicecast::format::Opacity;
 use slicecast::lanes::{Lanes, places};
-use slicecast::composite::Recurrence as _;
 use slicecast::precision::Precision;
 use slicecast::table::ENTRIES;
 use slicecast::table::{Coding, Neighboured};
@@ -88,7 +88,12 @@ fn around<P: Precision, V: Lanes>(p: P, values: &Neighboured, samples: &[i32], a
 #[inline(always)]
 fn mixed_colour<P: Precision, V: Lanes>(p: P, a: V, b: V, channel: u32, f: V) -> V {
     let bits = p.pixel().colour_bits();
-    mix_colour(p, colour_of_entry(a, channel, bits), colour_of_entry(b, channel, bits), f)
+    mix_colour(
+        p,
+        colour_of_entry(a, channel, bits),
+        colour_of_entry(b, channel, bits),
+        f,
+    )
 }
 
 impl<P: Precision> Classifier<P> for &Expanded {

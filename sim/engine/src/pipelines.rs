@@ -58,13 +58,16 @@ fn with_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>, J: Jo
     job: J,
 ) -> Result<J::Output, PhongError> {
     Ok(match (scene.blend, material) {
-        (Blend::FrontToBack, Some(material)) => {
-            job.run(&early(Composite::new(precision, table, material.phong(precision)?), scene))
-        }
+        (Blend::FrontToBack, Some(material)) => job.run(&early(
+            Composite::new(precision, table, material.phong(precision)?),
+            scene,
+        )),
         (Blend::FrontToBack, None) => job.run(&early(Composite::new(precision, table, Unlit), scene)),
-        (Blend::BackToFront, Some(material)) => {
-            job.run(&Composite::<_, _, _, BackToFront>::new(precision, table, material.phong(precision)?))
-        }
+        (Blend::BackToFront, Some(material)) => job.run(&Composite::<_, _, _, BackToFront>::new(
+            precision,
+            table,
+            material.phong(precision)?,
+        )),
         (Blend::BackToFront, None) => job.run(&Composite::<_, _, _, BackToFront>::new(precision, table, Unlit)),
         (Blend::Maximum, _) => job.run(&Project::<_, _, Maximum>::new(precision, table)),
         (Blend::Minimum, _) => job.run(&Project::<_, _, Minimum>::new(precision, table)),

@@ -18,7 +18,7 @@ use slicecast::locate::{Cell, cell, position};
 use slicecast::normalise::{Normal, normalise};
 use slicecast::plan::Plan;
 use slicecast::plane::ChannelOf;
-use slicecast::precision::{Formats, Compact, Paper, Precision, Wide};
+use slicecast::precision::{Compact, Formats, Paper, Precision, Wide};
 use slicecast::project::{Extreme, Maximum, Minimum, resolve};
 use slicecast::shade::{Phong, PhongError};
 

@@ -131,18 +131,30 @@ mod tests {
             chosen("weight.bits=8..=10,16").unwrap(),
             ["compact", "weight-8", "weight-10", "weight-9"]
         );
-        assert_eq!(chosen("position.bits=6..=8").unwrap(), ["position-6", "position-8", "position-7"]);
+        assert_eq!(
+            chosen("position.bits=6..=8").unwrap(),
+            ["position-6", "position-8", "position-7"]
+        );
         assert_eq!(chosen("table.lookup=nearest").unwrap().len(), 4);
-        assert_eq!(chosen("compositing.bits=9,24").unwrap(), ["pixel-9-dithered", "pixel-24-telescoping"]);
+        assert_eq!(
+            chosen("compositing.bits=9,24").unwrap(),
+            ["pixel-9-dithered", "pixel-24-telescoping"]
+        );
         for (text, part) in [
             ("weight.bits", "expected STAGE.WIDTH=VALUE"),
             ("width.bits=3", "no parameter `width.bits`; accepted: position.bits"),
             ("weight.bits=17", "weight.bits has no value `17`; accepted: 1 to 16"),
-            ("normal.bits=4..16", "normal.bits has no value `4..16`; accepted: 1 to 15"),
+            (
+                "normal.bits=4..16",
+                "normal.bits has no value `4..16`; accepted: 1 to 15",
+            ),
             ("weight.bits=", "weight.bits has no value ``; accepted: a number"),
             ("weight.bits=9..6", "accepted: ranges from low to high, as 6..12"),
             ("weight.bits=0..4000000000", "accepted: 1 to 16"),
-            ("table.lookup=cubic", "table.lookup has no value `cubic`; accepted: linear, nearest"),
+            (
+                "table.lookup=cubic",
+                "table.lookup has no value `cubic`; accepted: linear, nearest",
+            ),
         ] {
             let message = chosen(text).unwrap_err();
             assert!(message.contains(part), "{message}");

@@ -190,11 +190,7 @@ impl Args {
         let key = sweep::key(first);
         rows.retain(|row| row.key == key);
         let how = |views, lanes: &str, threads| format!("{views} views and timed with {lanes} on {threads} threads");
-        let own = how(
-            self.views as usize,
-            first.simd.name(),
-            usize::from(self.timing_threads),
-        );
+        let own = how(self.views as usize, first.simd.name(), usize::from(self.timing_threads));
         for row in &rows {
             let found = how(row.views.len(), &row.lanes, row.threads);
             if found != own {

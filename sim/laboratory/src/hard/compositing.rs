@@ -192,11 +192,7 @@ fn periodic(size: Size) -> Case {
             })
             .fold(0.0, f64::max)
     };
-    case.outcome(
-        "paper",
-        worst(&|fog| blocked(Paper.pixel(), samples, fog)),
-        None,
-    );
+    case.outcome("paper", worst(&|fog| blocked(Paper.pixel(), samples, fog)), None);
     case.outcome(
         "compact",
         worst(&|fog| blocked(Compact.pixel(), samples, fog)),
@@ -236,11 +232,7 @@ fn empty_before_a_wall() -> Case {
         colour(value(Compact.pixel(), compact.colour[0], u32::MAX)),
         Some(0.0),
     );
-    case.outcome(
-        "wide",
-        colour(value(Wide.pixel(), wide.colour[0], u32::MAX)),
-        Some(0.0),
-    );
+    case.outcome("wide", colour(value(Wide.pixel(), wide.colour[0], u32::MAX)), Some(0.0));
     let shifted = ray(study(TRUNCATED, Full(8)), 32769, &wall);
     case.outcome(
         "[0, 255], one shift",

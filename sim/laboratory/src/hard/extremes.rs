@@ -50,7 +50,8 @@ fn interpolation<P: Precision>(p: P, tally: &mut Tally) {
                 for y in weights {
                     for z in weights {
                         let sample = trilinear(p, voxels, [x, y, z]);
-                        let range = i32::from(low) << p.formats().sample_bits..=i32::from(high) << p.formats().sample_bits;
+                        let range =
+                            i32::from(low) << p.formats().sample_bits..=i32::from(high) << p.formats().sample_bits;
                         tally.check(range.contains(&sample));
                     }
                 }
@@ -142,13 +143,7 @@ fn compositing<R: Recurrence>(r: R, shown: u32, tally: &mut Tally) {
         (1 << 31) - 1,
         1 << 31,
     ];
-    let colours = [
-        0,
-        1,
-        1 << (colour_bits - 1),
-        (1 << colour_bits) - 1,
-        1 << colour_bits,
-    ];
+    let colours = [0, 1, 1 << (colour_bits - 1), (1 << colour_bits) - 1, 1 << colour_bits];
     let transparencies = [0, 1, 2, one / 2, one / 2 + 1, one - 1, one];
     for k in (0..64).chain([20_250, 32_767, u32::MAX]) {
         let dither = Dither::of_plane(k);

@@ -91,9 +91,21 @@ impl Plain {
         let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
             colour: [
-                sum(self.product(r, t, self.fraction), self.product(cr, a, self.colour_bits), one),
-                sum(self.product(g, t, self.fraction), self.product(cg, a, self.colour_bits), one),
-                sum(self.product(b, t, self.fraction), self.product(cb, a, self.colour_bits), one),
+                sum(
+                    self.product(r, t, self.fraction),
+                    self.product(cr, a, self.colour_bits),
+                    one,
+                ),
+                sum(
+                    self.product(g, t, self.fraction),
+                    self.product(cg, a, self.colour_bits),
+                    one,
+                ),
+                sum(
+                    self.product(b, t, self.fraction),
+                    self.product(cb, a, self.colour_bits),
+                    one,
+                ),
             ],
             transparency: self.product(pixel.transparency, t, self.fraction),
         }
@@ -115,13 +127,7 @@ impl Plain {
 
     /// Back to front, in channels in which 1.0 is `one`: a carrying channel's value and rest are one number.
     #[inline(always)]
-    pub(super) fn telescoping_under<V: Lanes>(
-        self,
-        pixel: Pixel<V>,
-        colour: [V; 3],
-        opacity: V,
-        one: u32,
-    ) -> Pixel<V> {
+    pub(super) fn telescoping_under<V: Lanes>(self, pixel: Pixel<V>, colour: [V; 3], opacity: V, one: u32) -> Pixel<V> {
         let t = pixel.transparency;
         let ([r, g, b], [cr, cg, cb]) = (pixel.colour, colour);
         Pixel {
