@@ -150,14 +150,14 @@ const REFUSED: &[(&str, i32, &str)] = &[
         "--vary width.bits=6: no parameter `width.bits`; accepted: position.bits, weight.bits,",
     ),
     (
-        "sweep a.nrrd --vary weight.bits=7",
+        "sweep a.nrrd --vary weight.bits=17",
         2,
-        "--vary weight.bits=7: no configuration has weight.bits 7; accepted: 16, 6, 8,",
+        "--vary weight.bits=17: weight.bits has no value `17`; accepted: 1 to 16",
     ),
     (
         "sweep a.nrrd --vary weight.bits=9..6",
         2,
-        "--vary weight.bits=9..6: no configuration has weight.bits 9..6; accepted: 16, 6, 8,",
+        "--vary weight.bits=9..6: weight.bits has no value `9..6`; accepted: ranges from low to high",
     ),
     (
         "sweep a.nrrd --only compcat",
