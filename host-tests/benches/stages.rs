@@ -14,20 +14,18 @@ use slicecast::gradient::{difference_row, space_row};
 use slicecast::interpolate::{yx_row, yx_row_in_slice, z_row};
 use slicecast::lanes::Lanes;
 use slicecast::normalise::normalise_row;
-use slicecast::plan::Plan;
-use slicecast::plane::{ChannelOf, Pictured};
+use slicecast::plane::ChannelOf;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Phong, Shader};
 use slicecast::slice::Slice;
 use slicecast::table::ENTRIES;
 use slicecast_engine::camera::Material;
 use slicecast_engine::expanded::Expanded;
-use slicecast_engine::image::new_image;
-use slicecast_engine::pipelines::Job;
+use slicecast_engine::frame::Prepared;
 use slicecast_engine::simd::{OverLanes, Simd, with_lanes};
 use slicecast_engine::table::Table;
 use slicecast_engine::threads::on_threads;
-use slicecast_engine::tiles::{TILE_ROWS, fold_tiles};
+use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_scene::{AlphaCodeName, LookupName, PrecisionName};
@@ -184,10 +182,10 @@ impl<P: Precision> Call<'_, P> {
                     yx_row_in_slice::<P, V>(bench.precision, &bench.near, &bench.far, [weight, weight], out);
                 }
                 Kernel::Opacity => {
-                    Classifier::opacity_row::<V>(&&bench.table, bench.precision, Slab::of(&bench.samples), out)
+                    Classifier::opacity_row::<V>(&bench.table, bench.precision, Slab::of(&bench.samples), out)
                 }
                 Kernel::Colour => Classifier::colour_row::<V>(
-                    &&bench.table,
+                    &bench.table,
                     bench.precision,
                     Slab::of(&bench.samples),
                     [red, green, blue],
@@ -306,25 +304,10 @@ fn stages(c: &mut Criterion) {
 }
 
 /// Folds all planes into a fresh image on the current threads.
-struct Fold<'a>(&'a Plan, &'a [Slice<'a>]);
-
-impl Job for Fold<'_> {
-    type Output = ();
-
-    fn run<L: Pictured>(self, pipeline: &L) {
-        let Self(plan, slices) = self;
-        let mut image = new_image(plan, pipeline).expect("a small image");
-        fold_tiles(
-            plan,
-            pipeline,
-            slices,
-            &mut image,
-            TILE_ROWS,
-            Simd::widest(),
-            &|_, _| (),
-        );
-        black_box(&image);
-    }
+fn fold(prepared: &Prepared<'_>, slices: &[Slice<'_>]) {
+    let mut rendering = prepared.begun().expect("a small image");
+    rendering.fold_rows(slices, TILE_ROWS, Simd::widest(), &|_, _| ());
+    black_box(rendering);
 }
 
 /// The whole pipeline on one thread. Samples: all that lie in the volume, whether skipped or not.
@@ -352,7 +335,7 @@ fn whole(c: &mut Criterion) {
             let frame = frame.in_precision(precision);
             frame.with_prepared(|prepared, slices| {
                 group.bench_function(format!("{name}/{}", precision.name()), |b| {
-                    let run = || b.iter(|| prepared.dispatch(Fold(&prepared.setup.plan, slices)).expect("a frame"));
+                    let run = || b.iter(|| fold(prepared, slices));
                     on_threads(Some(1), run).expect("a thread");
                 });
             });

@@ -6,15 +6,11 @@
 //! and a picture get the ordinary FNV-1a of their bytes.
 
 use slicecast::locate::Plane;
-use slicecast::plan::Plan;
-use slicecast::plane::Pictured;
-use slicecast::slice::Slice;
 use slicecast::stage::Stage;
 use slicecast::tap::{Beam, Bits, Tap};
 use slicecast_engine::frame::Layer;
-use slicecast_engine::image::{BaseImage, new_image};
-use slicecast_engine::pipelines::Job;
-use slicecast_engine::tiles::fold_tiles_tapped;
+use slicecast_engine::image::BaseImage;
+use slicecast_engine::rendering::tapped;
 
 use crate::frame::Frame;
 use crate::random::mixed;
@@ -106,23 +102,12 @@ impl Tap for Sums {
 /// # Panics
 /// If core or the engine refuses the frame.
 pub fn of_frame(frame: &Frame) -> Vec<(&'static str, u64)> {
-    struct Fold<'a>(&'a Plan, &'a [Slice<'a>]);
-    impl Job for Fold<'_> {
-        type Output = Sums;
-
-        fn run<L: Pictured>(self, pipeline: &L) -> Sums {
-            let Self(plan, slices) = self;
-            let mut image = new_image(plan, pipeline).expect("a small image");
-            let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, 16, &|_, _| (), |_| Sums::default());
-            let mut all = Sums::default();
-            taps.iter().for_each(|tap| all.add(tap));
-            all
-        }
-    }
     frame.with_prepared(|prepared, slices| {
-        let sums = prepared
-            .dispatch(Fold(&prepared.setup.plan, slices))
-            .expect("a material that core takes");
+        let mut rendering = prepared.begun().expect("a small image of a material that core takes");
+        let mut sums = Sums::default();
+        for tap in tapped(&mut *rendering, slices, 16, &|_, _| (), |_| Sums::default()) {
+            sums.add(&tap);
+        }
         let stages = Stage::ALL
             .into_iter()
             .filter_map(|stage| Some((stage.name(), sums.of(stage)?)));

@@ -5,15 +5,11 @@ use std::fmt;
 
 use slicecast::locate::Plane;
 use slicecast::plan::{Phase, Plan};
-use slicecast::plane::{Pictured, Pipeline};
-use slicecast::slice::Slice;
 use slicecast::stage::Stage;
 use slicecast::tap::{Beam, Bits as Row, Tap};
 use slicecast_engine::frame::Layer;
-use slicecast_engine::image::{BaseImage, base_image, new_image};
-use slicecast_engine::pipelines::Job;
-use slicecast_engine::stream::fold_stream;
-use slicecast_engine::tiles::fold_tiles_tapped;
+use slicecast_engine::image::BaseImage;
+use slicecast_engine::rendering::tapped;
 
 use crate::frame::Frame;
 
@@ -106,9 +102,9 @@ pub struct Recorder {
 
 impl Recorder {
     /// An empty recording of a pipeline's run.
-    pub fn new<L: Pipeline>(plan: &Plan) -> Self {
+    pub fn new(plan: &Plan, back_to_front: bool) -> Self {
         Self {
-            back_to_front: L::BACK_TO_FRONT,
+            back_to_front,
             planes: plan.planes(),
             rays: plan.sampling().rays_per_voxel,
             recording: Recording::default(),
@@ -153,41 +149,23 @@ pub fn bits(rows: &[&dyn Row], offset: usize) -> Bits {
 
 /// Runs a frame through a layer, recording everything.
 pub fn recorded(frame: &Frame, layer: Layer) -> (BaseImage, Recording) {
-    struct Record<'a> {
-        plan: &'a Plan,
-        slices: &'a [Slice<'a>],
-        layer: Layer,
-    }
-    impl Job for Record<'_> {
-        type Output = (BaseImage, Recording);
-
-        fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
-            let Self { plan, slices, layer } = self;
-            let mut image = new_image(plan, pipeline).expect("a small image");
-            let recorder = || Recorder::new::<L>(plan);
-            let recording = match layer {
-                Layer::Tiles(rows) => {
-                    let quiet = |_, _| ();
-                    let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, rows, &quiet, |_| recorder());
-                    let values = taps.into_iter().flat_map(|t| t.recording.values).collect();
-                    Recording { values }
-                }
-                Layer::Stream => {
-                    let mut tap = recorder();
-                    fold_stream(plan, pipeline, slices, &mut image, &|_, _| (), Some(&mut tap)).expect("good slices");
-                    tap.recording
-                }
-            };
-            (base_image(plan, pipeline, &image), recording)
-        }
-    }
     frame.with_prepared(|prepared, slices| {
-        prepared
-            .dispatch(Record {
-                plan: &prepared.setup.plan,
-                slices,
-                layer,
-            })
-            .expect("a material that core takes")
+        let mut rendering = prepared.begun().expect("a small image of a material that core takes");
+        let (plan, back_to_front) = (&prepared.setup.plan, rendering.back_to_front());
+        let recorder = || Recorder::new(plan, back_to_front);
+        let recording = match layer {
+            Layer::Tiles(rows) => {
+                let taps = tapped(&mut *rendering, slices, rows, &|_, _| (), |_| recorder());
+                let values = taps.into_iter().flat_map(|t| t.recording.values).collect();
+                Recording { values }
+            }
+            Layer::Stream => {
+                let mut tap = recorder();
+                let streamed = rendering.stream(slices, &|_, _| (), Some(&mut tap));
+                streamed.expect("good slices");
+                tap.recording
+            }
+        };
+        (rendering.base(), recording)
     })
 }

@@ -12,13 +12,11 @@ use proptest::test_runner::{Config, RngSeed, TestRunner};
 use slicecast::composite::{ChannelFormat, Pixel, Unorm16};
 use slicecast::format::Step;
 use slicecast::plan::Plan;
-use slicecast::plane::Pictured;
 use slicecast::warp::{Warp, in_front_of};
 use slicecast_engine::camera::Picture;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::{BaseImage, background};
 use slicecast_engine::oriented::Oriented;
-use slicecast_engine::pipelines::Job;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::threads::on_threads;
 use slicecast_host_tests::frame::{Frame, table_of};
@@ -157,7 +155,7 @@ fn blocks_that_are_not_seen_change_nothing() {
     let tried = TestRunner::new(config(400, 16)).run(&wide_frame(), |frame| {
         let (share, few) = frame.with_prepared(|prepared, slices| {
             let (plan, volume) = (&prepared.setup.plan, &Oriented::of(slices));
-            prepared.dispatch(Chosen { plan, volume }).expect("a good frame")
+            chosen_blocks(prepared, plan, volume)
         });
         count(&frames, true);
         count(&chosen, few);
@@ -183,24 +181,14 @@ fn blocks_that_are_not_seen_change_nothing() {
 }
 
 /// The share of blocks that a frame's pipeline can show, and whether vectors make those alone.
-struct Chosen<'a> {
-    plan: &'a Plan,
-    volume: &'a Oriented<'a>,
-}
-
-impl Job for Chosen<'_> {
-    type Output = (Option<f64>, bool);
-
-    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
-        let Self { plan, volume } = self;
-        let share = pipeline
-            .support()
-            .map(|support| volume.occupancy().share(plan, support));
-        let chosen = |simd| volume.sight(plan, pipeline, simd).is_some();
-        // One lane takes them more rarely.
-        assert!(chosen(Simd::widest()) || !chosen(Simd::Scalar));
-        (share, chosen(Simd::widest()))
-    }
+fn chosen_blocks(prepared: &Prepared<'_>, plan: &Plan, volume: &Oriented<'_>) -> (Option<f64>, bool) {
+    let rendering = prepared.rendering().expect("a good frame");
+    let (support, back_to_front) = (rendering.support(), rendering.back_to_front());
+    let share = support.map(|support| volume.occupancy().share(plan, support));
+    let chosen = |simd| volume.sight(plan, support, back_to_front, simd).is_some();
+    // One lane takes them more rarely.
+    assert!(chosen(Simd::widest()) || !chosen(Simd::Scalar));
+    (share, chosen(Simd::widest()))
 }
 
 proptest! {

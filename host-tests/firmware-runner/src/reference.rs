@@ -3,17 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::mpsc::channel;
 
-use slicecast::composite::Channel;
-use slicecast::plane::Pictured;
 use slicecast::slice::Slice;
 use slicecast::stage::Stage;
-use slicecast::stream::base_pixel;
 use slicecast::tap::{Beam, Bits, Tap};
+use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
-use slicecast_engine::image::new_image;
 use slicecast_engine::oriented::with_slices;
-use slicecast_engine::pipelines::Job;
-use slicecast_engine::tiles::fold_tiles_tapped;
+use slicecast_engine::rendering::{in_memory_order, tapped};
 use slicecast_firmware_shared::boundary::Boundaries;
 use slicecast_firmware_shared::image::add_rgb;
 use slicecast_firmware_shared::sum::Sum;
@@ -60,14 +56,9 @@ pub fn reference(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {
         add_rgb(&mut picture, [pixel[0], pixel[1], pixel[2]]);
     }
     let view = prepared.setup.plan.view();
-    let (planes, image, counts) = with_slices(&named.volume, view, |slices| {
-        prepared.dispatch(Fold {
-            prepared: &prepared,
-            slices,
-        })
-    })
-    .map_err(|e| words(&e))?
-    .map_err(|e| words(&e))?;
+    let (planes, image, counts) = with_slices(&named.volume, view, |slices| folded(&prepared, slices))
+        .map_err(|e| words(&e))?
+        .map_err(|e| words(&e))?;
     let sums = Sums {
         planes,
         image,
@@ -76,63 +67,44 @@ pub fn reference(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {
     Ok((sums, counts))
 }
 
-struct Fold<'a> {
-    prepared: &'a Prepared<'a>,
-    slices: &'a [Slice<'a>],
-}
-
-impl Job for Fold<'_> {
-    type Output = (BTreeMap<PlaneKey, [u32; Stage::ALL.len()]>, u32, Counts);
-
-    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
-        let plan = &self.prepared.setup.plan;
-        let rows = plan.base()[1] as usize;
-        let mut image = new_image(plan, pipeline).unwrap_or_default();
-        let (sender, planes) = channel();
-        let taps = fold_tiles_tapped(plan, pipeline, self.slices, &mut image, rows, &|_, _| (), |_| {
-            let sender = sender.clone();
-            Boundaries::new(move |plane| {
-                // The receiver outlives the taps.
-                let _ = sender.send(plane);
-            })
-        });
-        for mut tap in taps {
-            tap.finish();
-        }
-        drop(sender);
-        let planes = planes
-            .iter()
-            .map(|p| ((p.index, p.phase.u, p.phase.v), p.sums))
-            .collect();
-
-        let mut again = new_image(plan, pipeline).unwrap_or_default();
-        let counters = fold_tiles_tapped(plan, pipeline, self.slices, &mut again, rows, &|_, _| (), |_| {
-            Counter::default()
-        });
-        let mut counts = Counts::default();
-        for counter in counters {
-            counts.samples += counter.0.samples;
-            counts.visible += counter.0.visible;
-        }
-        counts.places = places(plan);
-
-        // In the order of memory: phases, rows, channels, columns.
-        let (n, [width, height]) = (i64::from(plan.sampling().rays_per_voxel), plan.base().map(i64::from));
-        let mut sum = Sum::new();
-        for phase in 0..n * n {
-            for row in 0..height {
-                for channel in 0..4 {
-                    for column in 0..width {
-                        let (u, v) = (column * n + phase % n, row * n + phase / n);
-                        let pixel = base_pixel(plan, pipeline, &image, u, v);
-                        let [r, g, b] = pixel.colour.map(Channel::bits);
-                        sum.word([r, g, b, pixel.transparency.bits()][channel]);
-                    }
-                }
-            }
-        }
-        (planes, sum.get(), counts)
+/// Sums of a frame's stage boundaries and of its image, and its counts.
+#[expect(clippy::type_complexity, reason = "three things that are named where they are used")]
+fn folded(
+    prepared: &Prepared<'_>,
+    slices: &[Slice<'_>],
+) -> Result<(BTreeMap<PlaneKey, [u32; Stage::ALL.len()]>, u32, Counts), RenderError> {
+    let plan = &prepared.setup.plan;
+    let rows = plan.base()[1] as usize;
+    let mut rendering = prepared.begun()?;
+    let (sender, planes) = channel();
+    let taps = tapped(&mut *rendering, slices, rows, &|_, _| (), |_| {
+        let sender = sender.clone();
+        Boundaries::new(move |plane| {
+            // The receiver outlives the taps.
+            let _ = sender.send(plane);
+        })
+    });
+    for mut tap in taps {
+        tap.finish();
     }
+    drop(sender);
+    let planes = planes
+        .iter()
+        .map(|p| ((p.index, p.phase.u, p.phase.v), p.sums))
+        .collect();
+    let mut sum = Sum::new();
+    in_memory_order(&rendering.base(), plan.sampling().rays_per_voxel as usize).for_each(|bits| sum.word(bits));
+
+    rendering.begin()?;
+    let mut counts = Counts {
+        places: places(plan),
+        ..Counts::default()
+    };
+    for counter in tapped(&mut *rendering, slices, rows, &|_, _| (), |_| Counter::default()) {
+        counts.samples += counter.0.samples;
+        counts.visible += counter.0.visible;
+    }
+    Ok((planes, sum.get(), counts))
 }
 
 /// Sample places inside the volume.

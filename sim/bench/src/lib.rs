@@ -14,20 +14,17 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use slicecast::locate::{cell, inside, plane};
 use slicecast::plan::Plan;
-use slicecast::plane::Pictured;
 
 use crate::opponent::Opponent;
 use crate::spread::spread;
 use slicecast_engine::camera::CameraError;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::image::new_image;
 use slicecast_engine::oriented::{Oriented, with_slices};
-use slicecast_engine::picture::picture;
-use slicecast_engine::pipelines::{Job, compile};
+use slicecast_engine::pipelines::compile;
 use slicecast_engine::rays;
 use slicecast_engine::simd::Simd;
-use slicecast_engine::tiles::{TILE_ROWS, fold_oriented};
+use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_scene::{PrecisionName, Scene};
 use slicecast_volume::Volume;
 
@@ -162,7 +159,7 @@ pub fn measure(
         for round in 0..frames {
             for (subject, times) in subjects.iter().zip(&mut times) {
                 let frame = || match subject.engine {
-                    Engine::Fixed(precision) => of(precision).dispatch(Fold(&plan, &oriented, subject.simd))?,
+                    Engine::Fixed(precision) => folded(of(precision), &oriented, subject.simd),
                     Engine::Float => {
                         floats.resize(Opponent::image_len(&plan), 0.0);
                         Opponent::clear(&plan, &mut floats);
@@ -212,20 +209,11 @@ fn rows(subjects: &[Subject], times: &[Vec<f64>], samples: u64, threads: &Thread
 }
 
 /// Folds a frame; the time that it takes.
-struct Fold<'a>(&'a Plan, &'a Oriented<'a>, Simd);
-
-impl Job for Fold<'_> {
-    type Output = Result<Duration, RenderError>;
-
-    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
-        let Self(plan, volume, simd) = self;
-        let mut image = new_image(plan, pipeline)?;
-        let start = Instant::now();
-        fold_oriented(plan, pipeline, volume, &mut image, TILE_ROWS, simd, &|_, _| ());
-        let time = start.elapsed();
-        black_box(&image);
-        Ok(time)
-    }
+fn folded(prepared: &Prepared<'_>, volume: &Oriented<'_>, simd: Simd) -> Result<Duration, RenderError> {
+    let mut rendering = prepared.begun()?;
+    let start = Instant::now();
+    rendering.fold(volume, TILE_ROWS, simd, &|_, _| ());
+    Ok(start.elapsed())
 }
 
 /// What a frame costs beside its samples.
@@ -266,8 +254,8 @@ pub fn beside(scene: &Scene, volume: &Volume, frames: usize, threads: &Threads) 
             let oriented = threads.pool(true).install(|| Oriented::of(slices));
             let measured = start.elapsed();
             bytes = oriented.occupancy().bytes();
-            let frame = || prepared.dispatch(FoldAndWarp(&prepared, &oriented));
-            let ([fold, warp, sight], seen) = threads.pool(true).install(frame)??;
+            let frame = || folded_and_warped(&prepared, &oriented);
+            let ([fold, warp, sight], seen) = threads.pool(true).install(frame)?;
             share = seen;
             let start = Instant::now();
             let table = black_box(compile(scene, &volume.mapping, prepared.setup.step_length));
@@ -297,27 +285,21 @@ pub fn beside(scene: &Scene, volume: &Volume, frames: usize, threads: &Threads) 
 }
 
 /// Folds a frame and makes its picture; the times that both take, and finding the visible blocks; the share of these.
-struct FoldAndWarp<'a>(&'a Prepared<'a>, &'a Oriented<'a>);
-
-impl Job for FoldAndWarp<'_> {
-    type Output = Result<([Duration; 3], f64), RenderError>;
-
-    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
-        let Self(prepared, volume) = self;
-        let plan = &prepared.setup.plan;
-        let mut image = new_image(plan, pipeline)?;
-        let start = Instant::now();
-        fold_oriented(plan, pipeline, volume, &mut image, TILE_ROWS, prepared.simd, &|_, _| ());
-        let fold = start.elapsed();
-        let start = Instant::now();
-        black_box(picture(prepared, pipeline, &image));
-        let warp = start.elapsed();
-        let start = Instant::now();
-        black_box(volume.sight(plan, pipeline, prepared.simd));
-        let found = start.elapsed();
-        let share = (pipeline.support()).map_or(1.0, |support| volume.occupancy().share(plan, support));
-        Ok(([fold, warp, found], share))
-    }
+fn folded_and_warped(prepared: &Prepared<'_>, volume: &Oriented<'_>) -> Result<([Duration; 3], f64), RenderError> {
+    let plan = &prepared.setup.plan;
+    let mut rendering = prepared.begun()?;
+    let start = Instant::now();
+    rendering.fold(volume, TILE_ROWS, prepared.simd, &|_, _| ());
+    let fold = start.elapsed();
+    let start = Instant::now();
+    black_box(rendering.picture(prepared));
+    let warp = start.elapsed();
+    let (support, back_to_front) = (rendering.support(), rendering.back_to_front());
+    let start = Instant::now();
+    black_box(volume.sight(plan, support, back_to_front, prepared.simd));
+    let found = start.elapsed();
+    let share = support.map_or(1.0, |support| volume.occupancy().share(plan, support));
+    Ok(([fold, warp, found], share))
 }
 
 #[cfg(test)]

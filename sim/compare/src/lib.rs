@@ -12,18 +12,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use slicecast::format::Position;
 use slicecast::locate::plane;
 use slicecast::plan::{Phase, Plan};
-use slicecast::plane::Pictured;
 use slicecast::slice::Slice;
 
 use image::{ImageFigures, base_figures, picture_figures};
 use lockstep::Lockstep;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::image::{Frame, base_image, new_image};
+use slicecast_engine::image::Frame;
 use slicecast_engine::oriented::with_slices;
-use slicecast_engine::picture::picture;
-use slicecast_engine::pipelines::Job;
-use slicecast_engine::tiles::{TILE_ROWS, Tile, fold_tiles_tapped};
+use slicecast_engine::rendering::tapped;
+use slicecast_engine::tiles::{TILE_ROWS, Tile};
+use slicecast_engine::with_precision;
 use slicecast_model::{Affine, Lattice, Model, ModelImage, Pixel, Positions};
 use slicecast_scene::Blend;
 use stages::{StageErrors, StageReport};
@@ -110,13 +109,8 @@ pub fn compare(
     let plan = &prepared.setup.plan;
     let model = model(prepared, positions);
     with_slices(prepared.volume, plan.view(), |slices| {
-        prepared.dispatch(Compare {
-            prepared,
-            model: &model,
-            slices,
-            progress,
-        })
-    })??
+        beside(prepared, &model, slices, progress)
+    })?
 }
 
 /// The model of a prepared scene: its own geometry from the scene's real numbers, on the pipeline's lattice of rays.
@@ -148,60 +142,52 @@ fn pipeline_positions(plan: Plan) -> impl Fn(usize, usize, usize) -> [f64; 3] + 
     }
 }
 
-struct Compare<'a> {
-    prepared: &'a Prepared<'a>,
-    model: &'a Model<'a>,
-    slices: &'a [Slice<'a>],
-    progress: &'a (dyn Fn(usize, usize) + Sync),
-}
-
-impl Job for Compare<'_> {
-    type Output = Result<Comparison, RenderError>;
-
-    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
-        let Self {
-            prepared,
-            model,
-            slices,
-            progress,
-        } = self;
-        let plan = &prepared.setup.plan;
-        let [width, _] = plan.base();
-        let rays = plan.sampling().rays_per_voxel;
-        let mut image = new_image(plan, pipeline)?;
-        let tap = |tile: Tile| Lockstep::new(pipeline.precision(), model, &prepared.setup, prepared.scene.blend, tile);
-        let taps = fold_tiles_tapped(plan, pipeline, slices, &mut image, TILE_ROWS, progress, tap);
-        let mut errors = StageErrors::default();
-        let mut pixels = Tiles::new(model.lattice().size, width as usize, rays as usize);
-        for lockstep in taps {
-            let (tile, tile_errors, tile_pixels) = lockstep.finish();
-            errors.merge(&tile_errors);
-            pixels.place(plan, tile, &tile_pixels);
-        }
-        let model_image = match prepared.scene.blend {
-            Blend::FrontToBack | Blend::BackToFront => pixels.image(),
-            // One sample a ray decides: nothing to keep in step.
-            Blend::Maximum | Blend::Minimum => model.render(),
-        };
-        let frame = Frame {
-            base: base_image(plan, pipeline, &image),
-            picture: picture(prepared, pipeline, &image),
-        };
-        let [origin, right, down] = prepared.setup.picture.affine;
-        let map = Affine {
-            u: [origin[0], right[0], down[0]],
-            v: [origin[1], right[1], down[1]],
-        };
-        let model_picture = model_image.warp(frame.picture.size.map(|side| side as usize), map);
-        Ok(Comparison {
-            image: base_figures(&frame.base, &model_image),
-            picture: picture_figures(&frame.picture, &model_picture, prepared.scene.image.background),
-            stages: errors.report(pipeline.precision()),
-            frame,
-            model: model_image,
-            model_picture,
-        })
+/// The pipeline beside the model.
+fn beside(
+    prepared: &Prepared<'_>,
+    model: &Model<'_>,
+    slices: &[Slice<'_>],
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Comparison, RenderError> {
+    let plan = &prepared.setup.plan;
+    let [width, _] = plan.base();
+    let rays = plan.sampling().rays_per_voxel;
+    let mut rendering = prepared.begun()?;
+    let precision = prepared.scene.precision;
+    let tap = |tile: Tile| {
+        let (setup, blend) = (&prepared.setup, prepared.scene.blend);
+        with_precision!(precision, p => Lockstep::new(p, model, setup, blend, tile))
+    };
+    let mut errors = StageErrors::default();
+    let mut pixels = Tiles::new(model.lattice().size, width as usize, rays as usize);
+    for lockstep in tapped(&mut *rendering, slices, TILE_ROWS, progress, tap) {
+        let (tile, tile_errors, tile_pixels) = lockstep.finish();
+        errors.merge(&tile_errors);
+        pixels.place(plan, tile, &tile_pixels);
     }
+    let model_image = match prepared.scene.blend {
+        Blend::FrontToBack | Blend::BackToFront => pixels.image(),
+        // One sample per ray decides: nothing to keep in step.
+        Blend::Maximum | Blend::Minimum => model.render(),
+    };
+    let frame = Frame {
+        base: rendering.base(),
+        picture: rendering.picture(prepared),
+    };
+    let [origin, right, down] = prepared.setup.picture.affine;
+    let map = Affine {
+        u: [origin[0], right[0], down[0]],
+        v: [origin[1], right[1], down[1]],
+    };
+    let model_picture = model_image.warp(frame.picture.size.map(|side| side as usize), map);
+    Ok(Comparison {
+        image: base_figures(&frame.base, &model_image),
+        picture: picture_figures(&frame.picture, &model_picture, prepared.scene.image.background),
+        stages: with_precision!(precision, p => errors.report(p)),
+        frame,
+        model: model_image,
+        model_picture,
+    })
 }
 
 /// The model's pixels, gathered from tiles of single phases.

@@ -96,7 +96,7 @@ fn mixed_colour<P: Precision, V: Lanes>(p: P, a: V, b: V, channel: u32, f: V) ->
     )
 }
 
-impl<P: Precision> Classifier<P> for &Expanded {
+impl<P: Precision> Classifier<P> for Expanded {
     fn opacity(&self, p: P, sample: i32) -> Opacity {
         let mut out = [0];
         self.opacity_row::<i32>(p, Slab::of(&[sample]), &mut out);
@@ -199,7 +199,7 @@ mod tests {
         } else {
             LookupName::Nearest
         };
-        let expanded = &Expanded::of::<A>(entries, plane, lookup);
+        let expanded = Expanded::of::<A>(entries, plane, lookup);
         let samples: Vec<i32> = (0..=4095 << p.formats().sample_bits).step_by(step).collect();
         let mut rows = [(); 8].map(|()| vec![0; samples.len()]);
         let [a, r, g, b, found_a, found_r, found_g, found_b] = &mut rows;

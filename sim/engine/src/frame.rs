@@ -1,19 +1,16 @@
 //! A scene on a volume, and the frame that it renders to.
 
-use slicecast::plane::Pictured;
 use slicecast_scene::Scene;
 use slicecast_volume::Volume;
 
 use crate::camera::{CameraError, Setup, set_up};
 use crate::error::RenderError;
-use crate::image::{Frame, base_image, new_image};
+use crate::image::Frame;
 use crate::oriented::{Oriented, with_slices};
-use crate::picture::picture;
-use crate::pipelines::{Job, compile, dispatch};
+use crate::pipelines::{compile, rendering};
+use crate::rendering::Framing;
 use crate::simd::Simd;
-use crate::stream::fold_stream;
 use crate::table::Table;
-use crate::tiles::fold_oriented;
 
 /// A scene on a volume, ready to be rendered.
 #[derive(Clone, Debug)]
@@ -61,13 +58,23 @@ impl<'a> Prepared<'a> {
         Self { simd, ..self }
     }
 
-    /// Does a job with this scene's pipeline.
+    /// The rendering of this scene, without an image.
     ///
     /// # Errors
     /// [`RenderError::Camera`] if the setup's material has been changed to one that the pipeline does not take.
-    pub fn dispatch<J: Job>(&self, job: J) -> Result<J::Output, RenderError> {
-        let material = self.setup.material.as_ref();
-        Ok(dispatch(self.scene, &self.table, material, job).map_err(CameraError::from)?)
+    pub fn rendering(&self) -> Result<Box<dyn Framing>, RenderError> {
+        let Setup { material, plan, .. } = &self.setup;
+        Ok(rendering(self.scene, &self.table, material.as_ref(), *plan).map_err(CameraError::from)?)
+    }
+
+    /// The rendering of this scene, its image untouched.
+    ///
+    /// # Errors
+    /// As [`Prepared::rendering`], and [`RenderError::Memory`] if the image is too large.
+    pub fn begun(&self) -> Result<Box<dyn Framing>, RenderError> {
+        let mut rendering = self.rendering()?;
+        rendering.begin()?;
+        Ok(rendering)
     }
 
     /// Renders the frame. `progress` is told how many steps of how many are done (tiles, or slices of a stream).
@@ -90,38 +97,14 @@ impl<'a> Prepared<'a> {
         layer: Layer,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Frame, RenderError> {
-        self.dispatch(Render {
-            prepared: self,
-            volume,
-            layer,
-            progress,
-        })?
-    }
-}
-
-struct Render<'a> {
-    prepared: &'a Prepared<'a>,
-    volume: &'a Oriented<'a>,
-    layer: Layer,
-    progress: &'a (dyn Fn(usize, usize) + Sync),
-}
-
-impl Job for Render<'_> {
-    type Output = Result<Frame, RenderError>;
-
-    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output {
-        let plan = &self.prepared.setup.plan;
-        let mut image = new_image(plan, pipeline)?;
-        match self.layer {
-            Layer::Tiles(rows) => {
-                let simd = self.prepared.simd;
-                fold_oriented(plan, pipeline, self.volume, &mut image, rows, simd, self.progress);
-            }
-            Layer::Stream => fold_stream(plan, pipeline, self.volume.slices, &mut image, self.progress, None)?,
+        let mut rendering = self.begun()?;
+        match layer {
+            Layer::Tiles(rows) => rendering.fold(volume, rows, self.simd, progress),
+            Layer::Stream => rendering.stream(volume.slices, progress, None)?,
         }
         Ok(Frame {
-            base: base_image(plan, pipeline, &image),
-            picture: picture(self.prepared, pipeline, &image),
+            base: rendering.base(),
+            picture: rendering.picture(self),
         })
     }
 }

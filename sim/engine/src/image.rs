@@ -48,7 +48,7 @@ pub struct Frame {
 ///
 /// # Errors
 /// [`RenderError::Memory`] before anything too large is allocated.
-pub fn new_image<L: Pipeline>(plan: &Plan, pipeline: &L) -> Result<Vec<L::Element>, RenderError> {
+pub(crate) fn new_image<L: Pipeline>(plan: &Plan, pipeline: &L) -> Result<Vec<L::Element>, RenderError> {
     let needs = Needs::of::<L>(plan);
     let bytes = needs.image as u64 * needs.element_bytes as u64;
     if bytes > IMAGE_BYTES_MAX {
@@ -63,7 +63,7 @@ pub fn new_image<L: Pipeline>(plan: &Plan, pipeline: &L) -> Result<Vec<L::Elemen
 }
 
 /// The base-plane image with its phases interleaved.
-pub fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) -> BaseImage {
+pub(crate) fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) -> BaseImage {
     let n = plan.sampling().rays_per_voxel as usize;
     let size = plan.base().map(|side| side as usize * n);
     let mut planes = [(); 4].map(|()| Vec::with_capacity(size[0] * size[1]));

@@ -5,8 +5,8 @@
 //! along the same axis ([`Prepared::render_oriented`](crate::frame::Prepared::render_oriented)).
 
 use rayon::prelude::*;
+use slicecast::classify::Support;
 use slicecast::plan::Plan;
-use slicecast::plane::Pipeline;
 use slicecast::slice::{RowRange, Slice, SliceError};
 use slicecast::view::{Axis, View};
 
@@ -55,8 +55,8 @@ pub struct Oriented<'a> {
 
 /// Share of blocks that can be seen from which on these vectors make whole rows faster (docs/speed.md): one lane gains
 /// nothing by short ways through many samples, and from back to front no ray is finished that blocks could leave out.
-fn dense<L: Pipeline>(simd: Simd) -> f64 {
-    match (simd, L::BACK_TO_FRONT) {
+fn dense(simd: Simd, back_to_front: bool) -> f64 {
+    match (simd, back_to_front) {
         (Simd::Scalar, _) => 0.125,
         (Simd::Avx2(_) | Simd::Avx512(_), true) => 0.4,
         (Simd::Avx2(_) | Simd::Avx512(_), false) => 0.5,
@@ -88,10 +88,11 @@ impl<'a> Oriented<'a> {
         &self.occupancy
     }
 
-    /// The blocks that a pipeline can show; none where they are so many that these vectors make rows faster as a whole.
-    pub fn sight<L: Pipeline>(&self, plan: &Plan, pipeline: &L, simd: Simd) -> Option<Sight> {
-        let support = pipeline.support()?;
-        let few = self.occupancy.share(plan, support) < self.dense.unwrap_or(dense::<L>(simd));
+    /// The blocks that a pipeline with this support can show; none where they are so many that these vectors make rows faster
+    /// as a whole.
+    pub fn sight(&self, plan: &Plan, support: Option<Support>, back_to_front: bool, simd: Simd) -> Option<Sight> {
+        let support = support?;
+        let few = self.occupancy.share(plan, support) < self.dense.unwrap_or(dense(simd, back_to_front));
         few.then(|| self.occupancy.sight(plan, support))
     }
 }

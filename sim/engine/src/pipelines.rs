@@ -1,23 +1,42 @@
 //! From a scene to one of core's pipeline types: the one place where run-time choices become types.
 
 use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
+use slicecast::plan::Plan;
 use slicecast::plane::{Composite, Pictured, Project};
-use slicecast::precision::{Compact, Paper, Precision, Wide};
+use slicecast::precision::Precision;
+#[doc(hidden)]
+pub use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::project::{Maximum, Minimum};
 use slicecast::shade::{PhongError, Shader, Unlit};
 
 use crate::camera::Material;
 use crate::expanded::Expanded;
+use crate::rendering::{Framing, Under};
 use crate::table::{Correction, Table};
-use slicecast_scene::{Blend, PrecisionName, Scene};
+#[doc(hidden)]
+pub use slicecast_scene::PrecisionName;
+use slicecast_scene::{Blend, Scene};
 use slicecast_volume::Mapping;
 
-/// Something that can be done with any pipeline of a scene.
-pub trait Job {
-    /// What comes of it.
-    type Output;
-    /// Does it.
-    fn run<L: Pictured>(self, pipeline: &L) -> Self::Output;
+/// Evaluates an expression with the precision of a name.
+#[macro_export]
+macro_rules! with_precision {
+    ($name:expr, $precision:ident => $with:expr) => {
+        match $name {
+            $crate::pipelines::PrecisionName::Paper => {
+                let $precision = $crate::pipelines::Paper;
+                $with
+            }
+            $crate::pipelines::PrecisionName::Compact => {
+                let $precision = $crate::pipelines::Compact;
+                $with
+            }
+            $crate::pipelines::PrecisionName::Wide => {
+                let $precision = $crate::pipelines::Wide;
+                $with
+            }
+        }
+    };
 }
 
 /// The table of a scene: opacities corrected for the step, or as written where rays are not composited.
@@ -31,55 +50,59 @@ pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
     Table::compile(&scene.transfer, mapping, correction, code, lookup)
 }
 
-/// Does a job with the pipeline of a scene.
+/// The rendering of a scene.
 ///
 /// # Errors
 /// [`PhongError`] if the material is not one that [`Material::new`] has checked.
-pub fn dispatch<J: Job>(
+pub fn rendering(
     scene: &Scene,
     table: &Table,
     material: Option<&Material>,
-    job: J,
-) -> Result<J::Output, PhongError> {
-    let expanded = table.expanded();
-    let table = &expanded;
-    match scene.precision {
-        PrecisionName::Paper => with_precision(Paper, scene, table, material, job),
-        PrecisionName::Compact => with_precision(Compact, scene, table, material, job),
-        PrecisionName::Wide => with_precision(Wide, scene, table, material, job),
-    }
+    plan: Plan,
+) -> Result<Box<dyn Framing>, PhongError> {
+    with_precision!(scene.precision, precision => of_precision(precision, scene, table, material, plan))
 }
 
-fn with_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>, J: Job>(
+fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     precision: P,
     scene: &Scene,
-    table: &Expanded,
+    table: &Table,
     material: Option<&Material>,
-    job: J,
-) -> Result<J::Output, PhongError> {
+    plan: Plan,
+) -> Result<Box<dyn Framing>, PhongError> {
+    let table = table.expanded();
     Ok(match (scene.blend, material) {
-        (Blend::FrontToBack, Some(material)) => job.run(&early(
-            Composite::new(precision, table, material.phong(precision)?),
-            scene,
-        )),
-        (Blend::FrontToBack, None) => job.run(&early(Composite::new(precision, table, Unlit), scene)),
-        (Blend::BackToFront, Some(material)) => job.run(&Composite::<_, _, _, BackToFront>::new(
-            precision,
-            table,
-            material.phong(precision)?,
-        )),
-        (Blend::BackToFront, None) => job.run(&Composite::<_, _, _, BackToFront>::new(precision, table, Unlit)),
-        (Blend::Maximum, _) => job.run(&Project::<_, _, Maximum>::new(precision, table)),
-        (Blend::Minimum, _) => job.run(&Project::<_, _, Minimum>::new(precision, table)),
+        (Blend::FrontToBack, Some(material)) => {
+            let phong = material.phong(precision)?;
+            under(
+                plan,
+                early(Composite::new(precision, table, phong), scene.early_termination),
+            )
+        }
+        (Blend::FrontToBack, None) => under(
+            plan,
+            early(Composite::new(precision, table, Unlit), scene.early_termination),
+        ),
+        (Blend::BackToFront, Some(material)) => {
+            let phong = material.phong(precision)?;
+            under(plan, Composite::<_, _, _, BackToFront>::new(precision, table, phong))
+        }
+        (Blend::BackToFront, None) => under(plan, Composite::<_, _, _, BackToFront>::new(precision, table, Unlit)),
+        (Blend::Maximum, _) => under(plan, Project::<_, _, Maximum>::new(precision, table)),
+        (Blend::Minimum, _) => under(plan, Project::<_, _, Minimum>::new(precision, table)),
     })
 }
 
-/// Ends rays early if the scene asks for it.
-fn early<'t, P: Precision, S: Shader<P>>(
-    pipeline: Composite<P, &'t Expanded, S, FrontToBack>,
-    scene: &Scene,
-) -> Composite<P, &'t Expanded, S, FrontToBack> {
-    match scene.early_termination {
+fn under<L: Pictured + Send + 'static>(plan: Plan, pipeline: L) -> Box<dyn Framing> {
+    Box::new(Under::new(plan, pipeline))
+}
+
+/// Ends rays early if a scene asks for it.
+pub fn early<P: Precision, S: Shader<P>>(
+    pipeline: Composite<P, Expanded, S, FrontToBack>,
+    bits: Option<u32>,
+) -> Composite<P, Expanded, S, FrontToBack> {
+    match bits {
         Some(bits) => pipeline.with_early_termination(bits),
         None => pipeline,
     }

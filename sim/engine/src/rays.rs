@@ -18,7 +18,7 @@ use slicecast::locate::{Cell, cell, position};
 use slicecast::normalise::{Normal, normalise};
 use slicecast::plan::Plan;
 use slicecast::plane::ChannelOf;
-use slicecast::precision::{Compact, Formats, Paper, Precision, Wide};
+use slicecast::precision::{Formats, Precision};
 use slicecast::project::{Extreme, Maximum, Minimum, resolve};
 use slicecast::shade::{Phong, PhongError};
 
@@ -26,7 +26,9 @@ use self::grid::Grid;
 use crate::frame::Prepared;
 use crate::image::BaseImage;
 use crate::table::AnyTable;
-use slicecast_scene::{Blend, PrecisionName};
+use slicecast_scene::Blend;
+
+use crate::with_precision;
 
 /// A sample of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,11 +83,7 @@ impl Witness for Nobody {
 /// # Errors
 /// [`PhongError`] if the material is not one that the pipeline takes.
 pub fn render<W: Witness>(prepared: &Prepared<'_>, witness: &mut W) -> Result<BaseImage, PhongError> {
-    match prepared.scene.precision {
-        PrecisionName::Paper => Ok(Rays::new(Paper, prepared)?.image(witness)),
-        PrecisionName::Compact => Ok(Rays::new(Compact, prepared)?.image(witness)),
-        PrecisionName::Wide => Ok(Rays::new(Wide, prepared)?.image(witness)),
-    }
+    with_precision!(prepared.scene.precision, precision => Ok(Rays::new(precision, prepared)?.image(witness)))
 }
 
 /// Follows all rays of a frame on rayon's current threads, each row by itself, and keeps a checksum of what they saw.
@@ -93,11 +91,7 @@ pub fn render<W: Witness>(prepared: &Prepared<'_>, witness: &mut W) -> Result<Ba
 /// # Errors
 /// As [`render`].
 pub fn follow(prepared: &Prepared<'_>) -> Result<u64, PhongError> {
-    match prepared.scene.precision {
-        PrecisionName::Paper => Ok(Rays::new(Paper, prepared)?.follow()),
-        PrecisionName::Compact => Ok(Rays::new(Compact, prepared)?.follow()),
-        PrecisionName::Wide => Ok(Rays::new(Wide, prepared)?.follow()),
-    }
+    with_precision!(prepared.scene.precision, precision => Ok(Rays::new(precision, prepared)?.follow()))
 }
 
 struct Rays<'a, P: Precision> {

@@ -10,6 +10,7 @@ use slicecast::tap::Tap;
 
 use crate::occupancy::Sight;
 use crate::oriented::Oriented;
+use crate::rendering::{LendTap, Progress};
 use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
 
 /// Rows of the base plane that one thread takes through all slices at a time.
@@ -28,17 +29,17 @@ pub struct Tile {
 
 /// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or, where the volume's blocks
 /// are known and few of them can be seen, those blocks.
-pub fn fold_oriented<L: Pipeline>(
+pub(crate) fn fold_oriented<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
     volume: &Oriented<'_>,
     image: &mut [L::Element],
     tile_rows: usize,
     simd: Simd,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    progress: Progress<'_>,
 ) {
-    let sight = volume.sight(plan, pipeline, simd);
-    each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {
+    let sight = volume.sight(plan, pipeline.support(), L::BACK_TO_FRONT, simd);
+    each_tile::<L>(plan, image, tile_rows, progress, |tile, data, scratch| {
         let fold = FoldTile {
             plan,
             pipeline,
@@ -54,16 +55,16 @@ pub fn fold_oriented<L: Pipeline>(
 }
 
 /// Folds all planes into an image, tile by tile on rayon's current threads, rows as a whole.
-pub fn fold_tiles<L: Pipeline>(
+pub(crate) fn fold_tiles<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
     slices: &[Slice<'_>],
     image: &mut [L::Element],
     tile_rows: usize,
     simd: Simd,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    progress: Progress<'_>,
 ) {
-    each_tile::<L, ()>(plan, image, tile_rows, progress, |tile, data, scratch| {
+    each_tile::<L>(plan, image, tile_rows, progress, |tile, data, scratch| {
         let fold = FoldTile {
             plan,
             pipeline,
@@ -78,22 +79,21 @@ pub fn fold_tiles<L: Pipeline>(
     });
 }
 
-/// Folds all planes into an image like [`fold_tiles`], by the scalar definitions, each tile under a tap of its own.
-/// Returns the taps in the order of the tiles, which does not depend on the number of threads.
-pub fn fold_tiles_tapped<L: Pipeline, T: Tap + Send>(
+/// Folds all planes into an image like [`fold_tiles`], by the scalar definitions, each tile under a tap that `lend` lends.
+pub(crate) fn fold_tiles_tapped<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
     slices: &[Slice<'_>],
     image: &mut [L::Element],
     tile_rows: usize,
-    progress: &(dyn Fn(usize, usize) + Sync),
-    tap: impl Fn(Tile) -> T + Sync,
-) -> Vec<T> {
-    each_tile::<L, T>(plan, image, tile_rows, progress, |tile, data, scratch| {
-        let mut tap = tap(tile);
-        enough(fold_tile(plan, pipeline, slices, tile, data, scratch, &mut tap));
-        tap
-    })
+    progress: Progress<'_>,
+    lend: LendTap<'_>,
+) {
+    each_tile::<L>(plan, image, tile_rows, progress, |tile, data, scratch| {
+        lend(tile, &mut |tap| {
+            enough(fold_scalar(plan, pipeline, slices, tile, data, scratch, tap))
+        });
+    });
 }
 
 /// [`each_tile`] lends as much scratch memory as pipelines ask for.
@@ -120,43 +120,48 @@ pub fn tiles<'i, E>(plan: &Plan, image: &'i mut [E], row_len: usize, tile_rows: 
     tiles
 }
 
-/// Does something with every tile of an image, in parallel; its results phase by phase, row by row.
-fn each_tile<L: Pipeline, R: Send>(
+/// Does something with every tile of an image, in parallel.
+fn each_tile<L: Pipeline>(
     plan: &Plan,
     image: &mut [L::Element],
     tile_rows: usize,
-    progress: &(dyn Fn(usize, usize) + Sync),
-    work: impl Fn(Tile, &mut [L::Element], &mut Vec<i32>) -> R + Sync,
-) -> Vec<R> {
+    progress: Progress<'_>,
+    work: impl Fn(Tile, &mut [L::Element], &mut [i32]) + Sync,
+) {
     let [base_width, _] = plan.base();
-    let [slice_width, _, _] = plan.dims();
     let tiles = tiles(plan, image, L::CHANNELS * base_width as usize, tile_rows);
-    let (total, phases) = (tiles.len(), plan.phases() as usize);
-    let tiles_per_phase = total / phases;
+    let total = tiles.len();
     let done = std::sync::atomic::AtomicUsize::new(0);
     // Each on its own: how long it takes depends on what it sees.
-    let mut results: Vec<Option<R>> = tiles
-        .into_par_iter()
-        .with_max_len(1)
-        .map_init(
-            // Room for rows that begin with a line of the cache.
-            || vec![0; blocks_scratch_len::<L>(slice_width.max(1024) + 32)],
-            |scratch, (tile, data)| {
-                let result = work(tile, data, scratch);
-                progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
-                Some(result)
-            },
-        )
-        .collect();
-    let by_phase = (0..total).map(|place| place % tiles_per_phase * phases + place / tiles_per_phase);
-    by_phase.filter_map(|place| results.get_mut(place)?.take()).collect()
+    tiles.into_par_iter().with_max_len(1).for_each_init(
+        || scratch::<L>(plan),
+        |scratch, (tile, data)| {
+            work(tile, data, scratch);
+            progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
+        },
+    );
+}
+
+/// Scratch memory with room for rows that begin with a line of the cache.
+fn scratch<L: Pipeline>(plan: &Plan) -> Vec<i32> {
+    let [slice_width, _, _] = plan.dims();
+    vec![0; blocks_scratch_len::<L>(slice_width.max(1024) + 32)]
 }
 
 /// Folds all planes into the rows of a tile by the scalar definitions, under a tap.
-///
-/// # Errors
-/// [`ScratchError`] if `scratch` holds fewer words than [`scratch_len`](slicecast::plane::scratch_len).
-pub fn fold_tile<L: Pipeline>(
+pub(crate) fn fold_tile<L: Pipeline>(
+    plan: &Plan,
+    pipeline: &L,
+    slices: &[Slice<'_>],
+    tile: Tile,
+    data: &mut [L::Element],
+    tap: &mut dyn Tap,
+) {
+    let mut scratch = scratch::<L>(plan);
+    enough(fold_scalar(plan, pipeline, slices, tile, data, &mut scratch, tap));
+}
+
+fn fold_scalar<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
     slices: &[Slice<'_>],

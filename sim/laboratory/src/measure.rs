@@ -1,15 +1,12 @@
 //! Errors and speed of one configuration, by the pipeline itself.
 
-use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use rayon::prelude::*;
-use slicecast::composite::{Channel, FrontToBack, Recurrence as _};
 use slicecast::locate::plane;
 use slicecast::plan::Plan;
-use slicecast::plane::{ChannelOf, Composite, Pipeline, clear, scratch_len};
-use slicecast::precision::{Compact, Paper, Precision, Wide};
-use slicecast::shade::{Shader, Unlit};
+use slicecast::plane::Composite;
+use slicecast::precision::Precision;
+use slicecast::shade::Unlit;
 use slicecast::slice::Slice;
 
 use super::codes::Coded;
@@ -22,10 +19,13 @@ use slicecast_engine::camera::CameraError;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::image::{BaseImage, new_image};
+use slicecast_engine::image::BaseImage;
+use slicecast_engine::pipelines::early;
+use slicecast_engine::rendering::{Rendering, Under, in_memory_order, tapped};
 use slicecast_engine::table::{Correction, Filled, fill};
-use slicecast_engine::tiles::{TILE_ROWS, Tile, fold_tile, fold_tiles};
-use slicecast_model::{Model, Pixel};
+use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::with_precision;
+use slicecast_model::Model;
 use slicecast_scene::{LookupName, PrecisionName};
 
 /// A scene that configurations are run on.
@@ -61,92 +61,20 @@ pub struct Timed {
     pub bits: u64,
 }
 
-/// A tile of a configuration's image beside the model's.
-struct Compared {
-    tile: Tile,
-    /// The tile as it lies in the image.
-    bits: Vec<u32>,
-    errors: StageErrors,
-    model: Vec<Pixel>,
+/// FNV-1a over the channels of an image in the order of memory, a word each.
+fn checksum(image: &BaseImage, rays_per_voxel: usize) -> u64 {
+    let step = |sum: u64, bits: u32| (sum ^ u64::from(bits)).wrapping_mul(0x0000_0100_0000_01b3);
+    in_memory_order(image, rays_per_voxel).fold(0xcbf2_9ce4_8422_2325, step)
 }
 
-/// FNV-1a over whole words.
-#[derive(Clone, Copy)]
-struct Checksum(u64);
-
-impl Checksum {
-    const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
-
-    fn add(self, bits: impl IntoIterator<Item = u32>) -> Self {
-        let step = |sum: u64, bits: u32| (sum ^ u64::from(bits)).wrapping_mul(0x0000_0100_0000_01b3);
-        Self(bits.into_iter().fold(self.0, step))
-    }
-}
-
-/// A pipeline whose type is forgotten.
-trait Bound: Sync {
-    /// Name and 1.0 of a channel.
-    fn format(&self) -> (&'static str, u32);
-    /// Renders a frame with the scene's vectors on rayon's current threads, and looks at nothing.
-    fn time(&self, bench: Bench<'_>) -> Result<Timed, RenderError>;
-    /// Renders a tile beside the model, by the scalar definitions.
-    fn compare(&self, bench: Bench<'_>, tile: Tile) -> Compared;
-    /// The figures of errors that were gathered.
-    fn report(&self, errors: &StageErrors) -> Vec<StageReport>;
-}
-
-impl<L: Pipeline<Element = ChannelOf<<L as Pipeline>::Precision>>> Bound for L {
-    fn format(&self) -> (&'static str, u32) {
-        let pixel = self.precision().pixel();
-        (pixel.format(), pixel.one().bits())
-    }
-
-    fn time(&self, bench: Bench<'_>) -> Result<Timed, RenderError> {
-        let Prepared { setup, simd, .. } = bench.prepared;
-        let mut image = new_image(&setup.plan, self)?;
-        let start = Instant::now();
-        let (plan, rows) = (&setup.plan, TILE_ROWS);
-        fold_tiles(plan, self, bench.slices, &mut image, rows, *simd, &|_, _| ());
-        let time = start.elapsed();
-        let bits = Checksum::EMPTY.add(black_box(image).into_iter().map(Channel::bits));
-        Ok(Timed { time, bits: bits.0 })
-    }
-
-    fn compare(&self, bench: Bench<'_>, tile: Tile) -> Compared {
-        let Prepared { scene, setup, .. } = bench.prepared;
-        let plan = &setup.plan;
-        let mut lockstep = Lockstep::new(self.precision(), bench.model, setup, scene.blend, tile);
-        let ([width, _], [slice_width, _, _]) = (plan.base(), plan.dims());
-        let mut data = vec![L::Element::default(); L::CHANNELS * width as usize * tile.rows as usize];
-        clear(self, plan, &mut data);
-        let mut scratch = vec![0; scratch_len::<L>(slice_width)];
-        fold_tile(plan, self, bench.slices, tile, &mut data, &mut scratch, &mut lockstep)
-            .unwrap_or_else(|error| unreachable!("{error}"));
-        let (tile, errors, model) = lockstep.finish();
-        Compared {
-            tile,
-            bits: data.into_iter().map(Channel::bits).collect(),
-            errors,
-            model,
+/// Evaluates an expression with the precision of a kind.
+macro_rules! with_kind {
+    ($kind:expr, $precision:ident => $with:expr) => {
+        match $kind {
+            Kind::Named(name) => with_precision!(name, $precision => $with),
+            Kind::Study($precision) => $with,
         }
-    }
-
-    fn report(&self, errors: &StageErrors) -> Vec<StageReport> {
-        errors.report(self.precision())
-    }
-}
-
-/// The tiles of a frame, in the order in which they lie in the image.
-fn tiles(plan: &Plan) -> Vec<Tile> {
-    let [_, height] = plan.base();
-    let of_phase = |phase| {
-        (0..height).step_by(TILE_ROWS).map(move |first| Tile {
-            phase,
-            first,
-            rows: (TILE_ROWS as u32).min(height - first),
-        })
     };
-    (0..plan.phases()).flat_map(of_phase).collect()
 }
 
 /// The precision of a configuration: one of the named ones, whose pipeline is compiled for it, or a study.
@@ -182,14 +110,12 @@ impl Runner {
         matches!(self.kind, Kind::Study(_))
     }
 
-    fn with<R>(&self, prepared: &Prepared<'_>, work: impl FnOnce(&dyn Bound) -> R) -> Result<R, RenderError> {
-        let table = &(self.table)(prepared, self.lookup);
-        match self.kind {
-            Kind::Named(PrecisionName::Paper) => with_pipeline(Paper, prepared, table, work),
-            Kind::Named(PrecisionName::Compact) => with_pipeline(Compact, prepared, table, work),
-            Kind::Named(PrecisionName::Wide) => with_pipeline(Wide, prepared, table, work),
-            Kind::Study(study) => with_pipeline(study, prepared, table, work),
-        }
+    /// The configuration's rendering of a scene, its image untouched.
+    fn begun(&self, prepared: &Prepared<'_>) -> Result<Box<dyn Rendering>, RenderError> {
+        let table = (self.table)(prepared, self.lookup);
+        let mut rendering = with_kind!(self.kind, precision => under(precision, prepared, table))?;
+        rendering.begin()?;
+        Ok(rendering)
     }
 
     /// The bits of a channel that make the picture.
@@ -205,45 +131,30 @@ impl Runner {
     /// # Errors
     /// [`RenderError`] if the scene does not fit the pipeline.
     pub fn compare(&self, bench: Bench<'_>) -> Result<Measured, RenderError> {
-        let plan = &bench.prepared.setup.plan;
-        let ((format, one), compared) = self.with(bench.prepared, |bound| {
-            let compared: Vec<_> = tiles(plan)
-                .into_par_iter()
-                .map(|tile| bound.compare(bench, tile))
-                .collect();
-            (bound.format(), compared)
-        })?;
-        let (rays, shown) = (plan.sampling().rays_per_voxel as usize, self.shown());
+        let Prepared { scene, setup, .. } = bench.prepared;
+        let plan = &setup.plan;
+        let mut rendering = self.begun(bench.prepared)?;
+        let tap =
+            |tile| with_kind!(self.kind, precision => Lockstep::new(precision, bench.model, setup, scene.blend, tile));
+        let taps = tapped(&mut *rendering, bench.slices, TILE_ROWS, &|_, _| (), tap);
+        let rays = plan.sampling().rays_per_voxel as usize;
         let [width, _] = plan.base().map(|side| side as usize);
-        let size = bench.model.lattice().size;
         let mut errors = StageErrors::default();
-        let mut checksum = Checksum::EMPTY;
-        let mut model = Tiles::new(size, width, rays);
-        let mut planes = [(); 4].map(|()| vec![0; size[0] * size[1]]);
-        for compared in compared {
-            let Compared { tile, bits, .. } = &compared;
-            errors.merge(&compared.errors);
-            checksum = checksum.add(bits.iter().copied());
-            model.place(plan, *tile, &compared.model);
-            let phase = plan.phase(tile.phase);
-            for (run, bits) in bits.chunks(width).enumerate() {
-                let v = (run / 4 + tile.first as usize) * rays + phase.v as usize;
-                for (column, bits) in bits.iter().enumerate() {
-                    planes[run % 4][v * size[0] + column * rays + phase.u as usize] = bits & shown;
-                }
-            }
+        let mut model = Tiles::new(bench.model.lattice().size, width, rays);
+        for tap in taps {
+            let (tile, tile_errors, pixels) = tap.finish();
+            errors.merge(&tile_errors);
+            model.place(plan, tile, &pixels);
         }
-        let base = BaseImage {
-            size,
-            format,
-            one,
-            planes,
-        };
+        let mut base = rendering.base();
+        let bits = checksum(&base, rays);
+        let shown = self.shown();
+        base.planes.iter_mut().flatten().for_each(|bits| *bits &= shown);
         Ok(Measured {
             image: base_figures(&base, &model.image()),
             errors,
             base,
-            bits: checksum.0,
+            bits,
         })
     }
 
@@ -252,15 +163,19 @@ impl Runner {
     /// # Errors
     /// As [`Runner::compare`].
     pub fn time(&self, bench: Bench<'_>) -> Result<Timed, RenderError> {
-        self.with(bench.prepared, |bound| bound.time(bench))?
+        let Prepared { setup, simd, .. } = bench.prepared;
+        let mut rendering = self.begun(bench.prepared)?;
+        let start = Instant::now();
+        rendering.fold_rows(bench.slices, TILE_ROWS, *simd, &|_, _| ());
+        let time = start.elapsed();
+        let rays = setup.plan.sampling().rays_per_voxel as usize;
+        let bits = checksum(&rendering.base(), rays);
+        Ok(Timed { time, bits })
     }
 
     /// The figures of errors that were gathered.
-    ///
-    /// # Errors
-    /// As [`Runner::compare`].
-    pub fn report(&self, prepared: &Prepared<'_>, errors: &StageErrors) -> Result<Vec<StageReport>, RenderError> {
-        self.with(prepared, |bound| bound.report(errors))
+    pub fn report(&self, errors: &StageErrors) -> Vec<StageReport> {
+        with_kind!(self.kind, precision => errors.report(precision))
     }
 }
 
@@ -272,32 +187,20 @@ fn table<A: Coded>(prepared: &Prepared<'_>, lookup: LookupName) -> Expanded {
     A::expanded(&filled, lookup)
 }
 
-/// Makes the pipeline of a lit scene or of an unlit one.
-fn with_pipeline<P: Precision, R>(
+/// The rendering of a lit scene or of an unlit one.
+fn under<P: Precision>(
     precision: P,
     prepared: &Prepared<'_>,
-    table: &Expanded,
-    work: impl FnOnce(&dyn Bound) -> R,
-) -> Result<R, RenderError> {
-    let early = prepared.scene.early_termination;
+    table: Expanded,
+) -> Result<Box<dyn Rendering>, RenderError> {
+    let (plan, bits) = (prepared.setup.plan, prepared.scene.early_termination);
     Ok(match &prepared.setup.material {
         Some(material) => {
             let phong = material.phong(precision).map_err(CameraError::from)?;
-            work(&front_to_back(Composite::new(precision, table, phong), early))
+            Box::new(Under::new(plan, early(Composite::new(precision, table, phong), bits)))
         }
-        None => work(&front_to_back(Composite::new(precision, table, Unlit), early)),
+        None => Box::new(Under::new(plan, early(Composite::new(precision, table, Unlit), bits))),
     })
-}
-
-/// Ends rays early if the scene asks for it.
-fn front_to_back<'t, P: Precision, S: Shader<P>>(
-    pipeline: Composite<P, &'t Expanded, S, FrontToBack>,
-    early: Option<u32>,
-) -> Composite<P, &'t Expanded, S, FrontToBack> {
-    match early {
-        Some(bits) => pipeline.with_early_termination(bits),
-        None => pipeline,
-    }
 }
 
 /// The samples of a frame: those inside the volume, whether they are skipped or not.

@@ -142,7 +142,7 @@ pub fn run<E: From<SweepError>>(
                 let name = configuration.name.clone();
                 return Err(SweepError::Bits { name }.into());
             }
-            rows.push(row((*index, configuration), first, found, &times, options)?);
+            rows.push(row((*index, configuration), first, found, &times, options));
         }
         finished(&rows)?;
     }
@@ -242,8 +242,8 @@ fn row(
     found: Found,
     times: &Times,
     options: Options,
-) -> Result<Row, SweepError> {
-    let stages = configuration.runner.report(first, &found.errors)?;
+) -> Row {
+    let stages = configuration.runner.report(&found.errors);
     let stages = stages.into_iter().map(|stage| StageRow {
         name: stage.name.to_owned(),
         format: stage.format,
@@ -253,7 +253,7 @@ fn row(
         carried_max_ulp: stage.carried.max_ulp,
         carried_mean_ulp: stage.carried.mean_ulp,
     });
-    Ok(Row {
+    Row {
         key: key(first),
         index,
         name: configuration.name.clone(),
@@ -269,7 +269,7 @@ fn row(
         rounds: options.rounds,
         threads: options.timing_threads,
         lanes: first.simd.name().to_owned(),
-    })
+    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use crate::labels::labels;
 use crate::{legend, presets};
 use serde::Serialize;
 use slicecast_engine::frame::{Layer, Prepared};
-use slicecast_engine::pipelines::Job;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_volume::Volume;
 use slicecast_volume::open::Loaded;
@@ -213,17 +212,6 @@ fn histogram(loaded: &Loaded, statistics: &Statistics) -> String {
     format!("   value from  voxels (length: logarithm)\n{}", lines.join("\n"))
 }
 
-/// What the pipeline keeps of a frame, counted without rendering one.
-struct Count<'a>(&'a slicecast::plan::Plan);
-
-impl Job for Count<'_> {
-    type Output = slicecast::stream::Needs;
-
-    fn run<L: slicecast::plane::Pipeline>(self, _: &L) -> Self::Output {
-        slicecast::stream::Needs::of::<L>(self.0)
-    }
-}
-
 /// Samples of a frame that is rendered to see how long it takes.
 const MEASURED_MAX: u64 = 1 << 31;
 
@@ -235,7 +223,7 @@ fn cost(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<(), Fail
     let scene = framing.scene(&scene, &loaded.volume);
     let prepared = Prepared::new(&scene, &loaded.volume)?;
     let plan = &prepared.setup.plan;
-    let needs = prepared.dispatch(Count(plan))?;
+    let needs = prepared.rendering()?.needs();
     let mib = |bytes: usize| bytes as f64 / (1 << 20) as f64;
     let voxels = 2 * loaded.volume.voxels.len();
     let [w, h] = plan.base();

@@ -1,12 +1,9 @@
 //! `slicecast plan`.
 
 use serde::Serialize;
-use slicecast::plan::Plan;
-use slicecast::plane::Pipeline;
-use slicecast::stream::Needs;
 use slicecast::view::Axis;
 use slicecast_engine::camera::{Material, plan};
-use slicecast_engine::pipelines::{Job, compile, dispatch};
+use slicecast_engine::pipelines::{compile, rendering};
 use slicecast_scene::Blend;
 use slicecast_volume::Mapping;
 
@@ -53,16 +50,6 @@ struct Facts {
     table_bytes: usize,
 }
 
-struct Count<'a>(&'a Plan);
-
-impl Job for Count<'_> {
-    type Output = Needs;
-
-    fn run<L: Pipeline>(self, _: &L) -> Needs {
-        Needs::of::<L>(self.0)
-    }
-}
-
 impl Args {
     /// Does it.
     pub fn run(self) -> Result<(), Failure> {
@@ -78,7 +65,8 @@ impl Args {
             offset: 0.0,
         };
         let table = compile(&scene, &codes, 1.0);
-        let needs = dispatch(&scene, &table, lights.as_ref(), Count(&plan)).map_err(Failure::input)?;
+        let rendering = rendering(&scene, &table, lights.as_ref(), plan).map_err(Failure::input)?;
+        let needs = rendering.needs();
         let [slices, ranges, scratch, image] = needs.bytes();
         let [width, height, depth] = plan.dims();
         let view = plan.view();

@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::lockstep::Scales;
 use crate::stages::Stage;
 use crate::{ModelPositions, model};
-use record::{Record, Recorded, Step};
+use record::{Recorded, Step, record};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::oriented::with_slices;
@@ -142,10 +142,8 @@ pub fn explain(prepared: &Prepared<'_>, ray: [usize; 2]) -> Result<Explanation, 
     if u >= width || v >= height {
         return Err(ExplainError::Ray { u, v, width, height });
     }
-    let record = with_slices(prepared.volume, plan.view(), |slices| {
-        prepared.dispatch(Record { prepared, slices, ray })
-    })
-    .map_err(RenderError::from)??;
+    let record = with_slices(prepared.volume, plan.view(), |slices| record(prepared, slices, ray))
+        .map_err(RenderError::from)??;
     let exact = model(prepared, ModelPositions::Exact);
     let rounded = model(prepared, ModelPositions::Pipeline);
     Ok(assemble(ray, record, &exact, &rounded))

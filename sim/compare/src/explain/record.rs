@@ -1,17 +1,15 @@
 //! What the pipeline had on every plane of one ray, by a tap.
 
-use slicecast::composite::{Channel, Recurrence as _};
 use slicecast::locate::plane;
-use slicecast::plane::{ChannelOf, Pictured, clear, scratch_len};
-use slicecast::precision::Precision as _;
 use slicecast::slice::Slice;
 use slicecast::stage::Stage;
 use slicecast::tap::{Beam, Bits, Tap};
 
 use crate::lockstep::Scales;
+use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::pipelines::Job;
-use slicecast_engine::tiles::{Tile, fold_tile};
+use slicecast_engine::tiles::Tile;
+use slicecast_engine::with_precision;
 use slicecast_model::Pixel;
 
 /// What the pipeline had on one plane.
@@ -78,69 +76,50 @@ pub(super) struct Recorded {
     pub(super) pixel: Pixel,
 }
 
-pub(super) struct Record<'a> {
-    pub(super) prepared: &'a Prepared<'a>,
-    pub(super) slices: &'a [Slice<'a>],
-    pub(super) ray: [usize; 2],
-}
-
-impl Job for Record<'_> {
-    type Output = Recorded;
-
-    fn run<L: Pictured>(self, pipeline: &L) -> Recorded {
-        let plan = &self.prepared.setup.plan;
-        let rays = plan.sampling().rays_per_voxel as usize;
-        let [u, v] = self.ray;
-        let (column, row) = (u / rays, v / rays);
-        let tile = Tile {
-            phase: (u % rays + rays * (v % rays)) as u32,
-            first: row as u32,
-            rows: 1,
-        };
-        let step = |index| {
-            let at = plane(plan, plan.phase(tile.phase), index);
-            let value = |bits: i32, pixel: usize| f64::from(bits) / 65536.0 + pixel as f64;
-            let position = [
-                value(at.x.to_bits(), column),
-                value(at.y.to_bits(), row),
-                value(at.z.to_bits(), 0),
-            ];
-            Step {
-                position,
-                ..Step::default()
-            }
-        };
-        let scales = Scales::of(pipeline.precision());
-        let mut recorder = Recorder {
-            column,
-            scales: scales.clone(),
-            steps: (0..plan.planes()).map(step).collect(),
-            plane: 0,
-        };
-        let ([width, _], [slice_width, _, _]) = (plan.base(), plan.dims());
-        let mut data = vec![L::Element::default(); L::CHANNELS * width as usize];
-        clear(pipeline, plan, &mut data);
-        let mut scratch = vec![0; scratch_len::<L>(slice_width)];
-        fold_tile(
-            plan,
-            pipeline,
-            self.slices,
-            tile,
-            &mut data,
-            &mut scratch,
-            &mut recorder,
-        )
-        .unwrap_or_else(|error| unreachable!("{error}"));
-        let pixel = pipeline.pixel(&data, column);
-        let one = f64::from(pipeline.precision().pixel().one().bits());
-        let value = |c: ChannelOf<L::Precision>| f64::from(c.bits()) / one;
-        Recorded {
-            steps: recorder.steps,
-            scales,
-            pixel: Pixel {
-                colour: pixel.colour.map(value),
-                transparency: value(pixel.transparency),
-            },
+/// Folds the tile around a ray by the scalar definitions and records the ray.
+pub(super) fn record(prepared: &Prepared<'_>, slices: &[Slice<'_>], ray: [usize; 2]) -> Result<Recorded, RenderError> {
+    let plan = &prepared.setup.plan;
+    let rays = plan.sampling().rays_per_voxel as usize;
+    let [u, v] = ray;
+    let (column, row) = (u / rays, v / rays);
+    let tile = Tile {
+        phase: (u % rays + rays * (v % rays)) as u32,
+        first: row as u32,
+        rows: 1,
+    };
+    let step = |index| {
+        let at = plane(plan, plan.phase(tile.phase), index);
+        let value = |bits: i32, pixel: usize| f64::from(bits) / 65536.0 + pixel as f64;
+        let position = [
+            value(at.x.to_bits(), column),
+            value(at.y.to_bits(), row),
+            value(at.z.to_bits(), 0),
+        ];
+        Step {
+            position,
+            ..Step::default()
         }
-    }
+    };
+    let scales = with_precision!(prepared.scene.precision, precision => Scales::of(precision));
+    let mut recorder = Recorder {
+        column,
+        scales: scales.clone(),
+        steps: (0..plan.planes()).map(step).collect(),
+        plane: 0,
+    };
+    let mut rendering = prepared.begun()?;
+    rendering.fold_tile(slices, tile, &mut recorder);
+    let base = rendering.base();
+    let [width, _] = base.size;
+    let [red, green, blue, transparency] = base
+        .planes
+        .map(|plane| f64::from(plane[v * width + u]) / f64::from(base.one));
+    Ok(Recorded {
+        steps: recorder.steps,
+        scales,
+        pixel: Pixel {
+            colour: [red, green, blue],
+            transparency,
+        },
+    })
 }

@@ -1,0 +1,191 @@
+//! A frame under way: a pipeline with its image, whatever their types.
+//!
+//! Pipelines are compiled here and nowhere else in the host program: what compares, times or observes frames calls them
+//! through these two traits, once per frame or per tile.
+
+use std::sync::Mutex;
+
+use slicecast::classify::Support;
+use slicecast::plan::Plan;
+use slicecast::plane::{Pictured, Pipeline};
+use slicecast::slice::Slice;
+use slicecast::stream::{Needs, StreamError};
+use slicecast::tap::Tap;
+
+use crate::error::RenderError;
+use crate::frame::Prepared;
+use crate::image::{BaseImage, Rgb, base_image, new_image};
+use crate::oriented::Oriented;
+use crate::picture::picture;
+use crate::simd::Simd;
+use crate::stream::fold_stream;
+use crate::tiles::{Tile, fold_oriented, fold_tile, fold_tiles, fold_tiles_tapped};
+
+/// What is told how many steps of how many are done.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
+/// Lends a tap of the tile's own to a fold.
+pub type LendTap<'a> = &'a (dyn Fn(Tile, &mut dyn FnMut(&mut dyn Tap)) + Sync);
+
+/// A pipeline with its image.
+pub trait Rendering: Send + Sync {
+    /// Memory that a stream of the pipeline needs.
+    fn needs(&self) -> Needs;
+    /// Which voxel ranges can change the image; `None` where any can.
+    fn support(&self) -> Option<Support>;
+    /// The order of compositing.
+    fn back_to_front(&self) -> bool;
+
+    /// Makes an untouched image. Nothing is folded before.
+    ///
+    /// # Errors
+    /// [`RenderError::Memory`] before anything too large is allocated.
+    fn begin(&mut self) -> Result<(), RenderError>;
+    /// Folds all planes, tile by tile on rayon's current threads: rows as a whole, or the blocks that can be seen where they
+    /// are few.
+    fn fold(&mut self, volume: &Oriented<'_>, tile_rows: usize, simd: Simd, progress: Progress<'_>);
+    /// The same, rows as a whole.
+    fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>);
+    /// The same by the scalar definitions, each tile under a tap. See [`tapped`].
+    fn fold_tapped(&mut self, slices: &[Slice<'_>], tile_rows: usize, progress: Progress<'_>, lend: LendTap<'_>);
+    /// Folds all planes into one tile by the scalar definitions, under a tap.
+    fn fold_tile(&mut self, slices: &[Slice<'_>], tile: Tile, tap: &mut dyn Tap);
+    /// Folds all planes through the stream layer, perhaps under a tap.
+    ///
+    /// # Errors
+    /// [`StreamError`] if a slice is refused.
+    fn stream(
+        &mut self,
+        slices: &[Slice<'_>],
+        progress: Progress<'_>,
+        tap: Option<&mut dyn Tap>,
+    ) -> Result<(), StreamError>;
+
+    /// The base-plane image.
+    fn base(&self) -> BaseImage;
+}
+
+/// A rendering whose image can be warped to a picture.
+pub trait Framing: Rendering {
+    /// The viewer's picture.
+    fn picture(&self, prepared: &Prepared<'_>) -> Rgb;
+}
+
+/// A rendering of a pipeline's type.
+pub struct Under<L: Pipeline> {
+    plan: Plan,
+    pipeline: L,
+    image: Vec<L::Element>,
+}
+
+impl<L: Pipeline> Under<L> {
+    /// A pipeline without an image.
+    pub const fn new(plan: Plan, pipeline: L) -> Self {
+        Self {
+            plan,
+            pipeline,
+            image: Vec::new(),
+        }
+    }
+
+    /// Elements of a row of the image.
+    fn row_len(&self) -> usize {
+        L::CHANNELS * self.plan.base()[0] as usize
+    }
+}
+
+impl<L: Pipeline + Send> Rendering for Under<L> {
+    fn needs(&self) -> Needs {
+        Needs::of::<L>(&self.plan)
+    }
+
+    fn support(&self) -> Option<Support> {
+        self.pipeline.support()
+    }
+
+    fn back_to_front(&self) -> bool {
+        L::BACK_TO_FRONT
+    }
+
+    fn begin(&mut self) -> Result<(), RenderError> {
+        self.image = new_image(&self.plan, &self.pipeline)?;
+        Ok(())
+    }
+
+    fn fold(&mut self, volume: &Oriented<'_>, tile_rows: usize, simd: Simd, progress: Progress<'_>) {
+        let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
+        fold_oriented(plan, pipeline, volume, image, tile_rows, simd, progress);
+    }
+
+    fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>) {
+        let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
+        fold_tiles(plan, pipeline, slices, image, tile_rows, simd, progress);
+    }
+
+    fn fold_tapped(&mut self, slices: &[Slice<'_>], tile_rows: usize, progress: Progress<'_>, lend: LendTap<'_>) {
+        let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
+        fold_tiles_tapped(plan, pipeline, slices, image, tile_rows, progress, lend);
+    }
+
+    fn fold_tile(&mut self, slices: &[Slice<'_>], tile: Tile, tap: &mut dyn Tap) {
+        let row_len = self.row_len();
+        let first = (tile.phase as usize * self.plan.base()[1] as usize + tile.first as usize) * row_len;
+        let data = self.image.get_mut(first..first + tile.rows as usize * row_len);
+        fold_tile(&self.plan, &self.pipeline, slices, tile, data.unwrap_or(&mut []), tap);
+    }
+
+    fn stream(
+        &mut self,
+        slices: &[Slice<'_>],
+        progress: Progress<'_>,
+        tap: Option<&mut dyn Tap>,
+    ) -> Result<(), StreamError> {
+        fold_stream(&self.plan, &self.pipeline, slices, &mut self.image, progress, tap)
+    }
+
+    fn base(&self) -> BaseImage {
+        base_image(&self.plan, &self.pipeline, &self.image)
+    }
+}
+
+impl<L: Pictured + Send> Framing for Under<L> {
+    fn picture(&self, prepared: &Prepared<'_>) -> Rgb {
+        picture(prepared, &self.pipeline, &self.image)
+    }
+}
+
+/// Folds all planes by the scalar definitions, each tile under a tap of its own. The taps in the order of the tiles, phase by
+/// phase, which does not depend on the number of threads.
+pub fn tapped<T: Tap + Send>(
+    rendering: &mut (impl Rendering + ?Sized),
+    slices: &[Slice<'_>],
+    tile_rows: usize,
+    progress: Progress<'_>,
+    tap: impl Fn(Tile) -> T + Sync,
+) -> Vec<T> {
+    let taps = Mutex::new(Vec::new());
+    rendering.fold_tapped(slices, tile_rows, progress, &|tile, fold| {
+        let mut tap = tap(tile);
+        fold(&mut tap);
+        let mut taps = taps.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        taps.push((tile, tap));
+    });
+    let mut taps = taps.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    taps.sort_by_key(|(tile, _)| (tile.phase, tile.first));
+    taps.into_iter().map(|(_, tap)| tap).collect()
+}
+
+/// The channels of a base-plane image in the order of memory: phases, rows, channels, columns.
+pub fn in_memory_order<'i>(image: &'i BaseImage, rays_per_voxel: usize) -> impl Iterator<Item = u32> + 'i {
+    let [width, height] = image.size;
+    (0..rays_per_voxel * rays_per_voxel).flat_map(move |phase| {
+        (phase / rays_per_voxel..height)
+            .step_by(rays_per_voxel)
+            .flat_map(move |v| {
+                image.planes.iter().flat_map(move |plane| {
+                    let row = &plane[v * width..(v + 1) * width];
+                    row.iter().copied().skip(phase % rays_per_voxel).step_by(rays_per_voxel)
+                })
+            })
+    })
+}
