@@ -163,6 +163,14 @@ pub struct At<'a> {
     /// The blocks that can be seen; `None`: rows are made as a whole. The same bits, if they are all that the pipeline's
     /// [`support`](Pipeline::support) meets; slower where they are many. A tap sees whole rows.
     pub seen: Option<Seen<'a>>,
+    /// What is told which rows of voxels are read; not by a small machine, nor of blocks.
+    pub reading: Option<&'a dyn Reading>,
+}
+
+/// What is told that a fold is about to read a row of voxels: a host then asks for those that will be read some slices later.
+pub trait Reading: Debug {
+    /// The row before a row of samples.
+    fn row(&self, row: i32);
 }
 
 /// Consecutive rows of one phase of the base-plane image.

@@ -339,6 +339,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                         plane: plane(&self.plan, self.plan.phase(number), index),
                         window,
                         seen: None,
+                        reading: None,
                     };
                     let rows = Rows {
                         first: self.first,

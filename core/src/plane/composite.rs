@@ -123,6 +123,7 @@ where
             plane,
             window,
             seen,
+            reading,
         } = at;
         // Small machines have no whole volume at hand, and observers see whole rows.
         let seen = seen.filter(|_| !V::SMALL && tap.is_none());
@@ -176,11 +177,11 @@ where
         let mut sheared = Sheared::<P, V, S>::new(precision, &extent, window, spacing, source);
         let (support, met) = (self.classifier.support(), extent.met(first, count));
         if V::SMALL {
-            let mut rows = WholeRows::new(plane, &extent, window, support, &mut sheared, met);
+            let mut rows = WholeRows::new((plane, window), &extent, support, &mut sheared, met, None);
             fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
         } else {
             let source: &mut dyn Source<i32> = &mut sheared;
-            let mut rows = WholeRows::new(plane, &extent, window, support, source, met);
+            let mut rows = WholeRows::new((plane, window), &extent, support, source, met, *reading);
             fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
         }
         Ok(())

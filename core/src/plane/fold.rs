@@ -10,6 +10,7 @@ use super::canvas::Canvas;
 use super::extent::{Extent, meets};
 use super::kernels::{ClassifierRows, ShaderRows};
 use super::scratch::BatchRows;
+use super::Reading;
 use super::source::Source;
 use crate::classify::{Slab, Support};
 use crate::composite::Colours;
@@ -128,19 +129,21 @@ pub(super) struct WholeRows<'s, 'w, S: ?Sized> {
     support: Support,
     source: &'s mut S,
     rows: Range<u32>,
+    reading: Option<&'s dyn Reading>,
     row: u32,
     from: usize,
 }
 
 impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
     /// Some rows of the image.
+    #[inline(always)]
     pub(super) fn new(
-        plane: &'s Plane,
+        (plane, window): (&'s Plane, &'s Window<'w>),
         extent: &'s Extent,
-        window: &'s Window<'w>,
         support: Support,
         source: &'s mut S,
         rows: Range<u32>,
+        reading: Option<&'s dyn Reading>,
     ) -> Self {
         Self {
             plane,
@@ -149,6 +152,7 @@ impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
             support,
             source,
             rows,
+            reading,
             row: 0,
             from: 0,
         }
@@ -172,6 +176,9 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
             }
             let voxel_row = self.voxel_row();
             if meets(self.support, self.window, self.extent.voxel_rows(voxel_row)) {
+                if let Some(reading) = self.reading {
+                    reading.row(voxel_row);
+                }
                 self.source.make(voxel_row);
                 self.from = 0;
                 return Some(self.extent.columns.len());

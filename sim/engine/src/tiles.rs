@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use slicecast::lanes::Lanes;
 use slicecast::locate::{cell, plane};
 use slicecast::plan::Plan;
-use slicecast::plane::{At, Pipeline, Rows, ScratchError, blocks_scratch_len};
+use slicecast::plane::{At, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len};
 use slicecast::slice::{Slice, Window};
 use slicecast::tap::Tap;
 
@@ -214,6 +214,21 @@ impl<L: Pipeline> FoldTile<'_, '_, L> {
     }
 }
 
+/// The slice that will be read some planes later, asked for row by row while the rows before it are folded: a tile's rows
+/// all at once would fill the processor's queue.
+#[derive(Debug)]
+struct Ahead<'s>(Slice<'s>);
+
+impl Reading for Ahead<'_> {
+    fn row(&self, row: i32) {
+        // Gradients look one row beyond the two of a sample.
+        let row = usize::try_from(row + 2).unwrap_or(0);
+        if row < self.0.height() {
+            prefetch(self.0.row(row));
+        }
+    }
+}
+
 impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {
     type Output = Result<(), ScratchError>;
 
@@ -226,11 +241,13 @@ impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {
             let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
             let z = cell(plane.z).index;
             let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
+            let mut fresh = None;
             if ahead != Some(wanted) {
                 ahead = Some(wanted);
-                if let Some(slice) = slice(wanted) {
-                    self.prefetch(&slice, cell(plane.y).index);
-                }
+                fresh = slice(wanted).map(Ahead);
+            }
+            if let (Some(Ahead(slice)), Some(_)) = (&fresh, self.seen) {
+                self.prefetch(slice, cell(plane.y).index);
             }
             if let Some(window) = Window::at(z, slice) {
                 let at = At {
@@ -238,6 +255,7 @@ impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {
                     plane,
                     window,
                     seen: self.seen.map(|sight| sight.at(z as usize)),
+                    reading: fresh.as_ref().map(|ahead| ahead as &dyn Reading),
                 };
                 let rows = Rows {
                     first: self.tile.first,
