@@ -6,11 +6,11 @@
 
 use core::ops::Range;
 
+use super::Reading;
 use super::canvas::Canvas;
 use super::extent::{Extent, meets};
 use super::kernels::{ClassifierRows, ShaderRows};
 use super::scratch::BatchRows;
-use super::Reading;
 use super::source::Source;
 use crate::classify::{Slab, Support};
 use crate::composite::Colours;

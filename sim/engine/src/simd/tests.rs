@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use slicecast::composite::Unorm16;
-use slicecast::lanes::{Lanes, Wide};
+use slicecast::lanes::{Lanes, Small, Wide};
 use slicecast::table::{Coding, Neighboured};
 
 use super::{OverLanes, Simd, with_lanes};
@@ -220,10 +220,10 @@ proptest! {
     #[test]
     fn every_width_does_what_one_lane_does(rows in rows()) {
         let expected = with_lanes(Simd::Scalar, &rows);
-        for simd in Simd::available() {
-            let found = with_lanes(simd, &rows);
+        let vectors = Simd::available().map(|simd| (simd.name(), with_lanes(simd, &rows)));
+        for (name, found) in vectors.chain([("small", (&rows).run::<Small>())]) {
             for (operation, (expected, found)) in expected.iter().zip(&found).enumerate() {
-                prop_assert_eq!(expected, found, "operation {} of {}", operation, simd.name());
+                prop_assert_eq!(expected, found, "operation {} of {}", operation, name);
             }
         }
     }
@@ -254,6 +254,7 @@ fn reciprocal_roots_are_the_definition() {
     for simd in Simd::available() {
         assert!(with_lanes(simd, &roots) == expected, "{}", simd.name());
     }
+    assert!((&roots).run::<Small>() == expected, "small");
 }
 
 /// A row packed by what is chosen, and spread again.

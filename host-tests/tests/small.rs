@@ -1,0 +1,118 @@
+//! The arithmetic of small machines, on the host: whole frames by the lane that Cortex-M and RV32 run, with the point table
+//! that firmware reads, against the scalar definitions.
+
+mod frames;
+
+use frames::frame;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
+use slicecast::composite::{BackToFront, Channel as _, FrontToBack, Order};
+use slicecast::lanes::Small;
+use slicecast::locate::{cell, plane};
+use slicecast::plan::Plan;
+use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, scratch_len};
+use slicecast::precision::Precision;
+use slicecast::project::{Maximum, Minimum};
+use slicecast::shade::{Shader, Unlit};
+use slicecast::slice::{Slice, Window};
+use slicecast::stream::{Needs, base_pixel, phase_len};
+use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::with_precision;
+use slicecast_host_tests::frame::Frame;
+use slicecast_scene::{Blend, PrecisionName};
+
+/// The channels of a base-plane image, pixel after pixel.
+type Bits = Vec<[u32; 4]>;
+
+/// Folds all planes with [`Small`] lanes.
+fn folded<L: Pipeline>(plan: &Plan, slices: &[Slice<'_>], pipeline: &L) -> Bits {
+    let mut image = vec![L::Element::default(); Needs::of::<L>(plan).image];
+    clear(pipeline, plan, &mut image);
+    let mut scratch = vec![0; scratch_len::<L>(plan.dims()[0])];
+    for (number, data) in image.chunks_mut(phase_len::<L>(plan)).enumerate() {
+        for step in 0..plan.planes() {
+            let index = if L::BACK_TO_FRONT {
+                plan.planes() - 1 - step
+            } else {
+                step
+            };
+            let plane = plane(plan, plan.phase(number as u32), index);
+            let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
+            let Some(window) = Window::at(cell(plane.z).index, slice) else {
+                continue;
+            };
+            let at = At {
+                plan,
+                plane,
+                window,
+                seen: None,
+                reading: None,
+            };
+            let rows = Rows { first: 0, data };
+            pipeline.fold::<Small>(&at, rows, &mut scratch, None).unwrap();
+        }
+    }
+    let [width, height] = plan.base().map(|side| i64::from(side * plan.sampling().rays_per_voxel));
+    let places = (0..height).flat_map(|v| (0..width).map(move |u| (u, v)));
+    let bits = |(u, v)| {
+        let pixel = base_pixel(plan, pipeline, &image, u, v);
+        let [red, green, blue] = pixel.colour.map(|c| c.bits());
+        [red, green, blue, pixel.transparency.bits()]
+    };
+    places.map(bits).collect()
+}
+
+fn composited<P: Precision, S: Shader<P>, O: Order>(
+    p: P,
+    prepared: &Prepared<'_>,
+    slices: &[Slice<'_>],
+    shader: S,
+) -> Bits {
+    let mut pipeline = Composite::<P, _, S, O>::new(p, prepared.table.classifier(), shader);
+    if let Some(bits) = prepared.scene.early_termination {
+        pipeline = pipeline.with_early_termination(bits);
+    }
+    folded(&prepared.setup.plan, slices, &pipeline)
+}
+
+fn small<P: Precision>(p: P, prepared: &Prepared<'_>, slices: &[Slice<'_>]) -> Bits {
+    let (plan, table) = (&prepared.setup.plan, prepared.table.classifier());
+    match (prepared.scene.blend, &prepared.setup.material) {
+        (Blend::FrontToBack, Some(material)) => {
+            composited::<_, _, FrontToBack>(p, prepared, slices, material.phong(p).unwrap())
+        }
+        (Blend::FrontToBack, None) => composited::<_, _, FrontToBack>(p, prepared, slices, Unlit),
+        (Blend::BackToFront, Some(material)) => {
+            composited::<_, _, BackToFront>(p, prepared, slices, material.phong(p).unwrap())
+        }
+        (Blend::BackToFront, None) => composited::<_, _, BackToFront>(p, prepared, slices, Unlit),
+        (Blend::Maximum, _) => folded(plan, slices, &Project::<_, _, Maximum>::new(p, table)),
+        (Blend::Minimum, _) => folded(plan, slices, &Project::<_, _, Minimum>::new(p, table)),
+    }
+}
+
+/// The image of the stream layer with one lane.
+fn expected(prepared: &Prepared<'_>) -> Bits {
+    let base = prepared.render(Layer::Stream, &|_, _| ()).unwrap().base;
+    let [red, green, blue, transparency] = &base.planes;
+    let colours = red.iter().zip(green).zip(blue).zip(transparency);
+    colours.map(|(((r, g), b), t)| [*r, *g, *b, *t]).collect()
+}
+
+proptest! {
+    #![proptest_config(Config { cases: 400, rng_seed: RngSeed::Fixed(44), failure_persistence: None, ..Config::default() })]
+
+    #[test]
+    fn small_lanes_make_the_same_frames(frame in frame()) {
+        for precision in PrecisionName::ALL {
+            let frame: Frame = frame.in_precision(precision);
+            let (expected, found) = frame.with_prepared(|prepared, slices| {
+                let found = with_precision!(precision, p => small(p, prepared, slices));
+                (expected(prepared), found)
+            });
+            let first = expected.iter().zip(&found).position(|(a, b)| a != b);
+            prop_assert_eq!(first, None, "{}: {} pixels", precision.name(), expected.len());
+            prop_assert_eq!(expected.len(), found.len());
+        }
+    }
+}
