@@ -249,7 +249,7 @@ pub fn settle<C: Channel>(transparency: C, floor: C) -> C {
     }
 }
 
-/// 1.31 in floor steps; 128 bits a pixel. At most 2^-31 is lost a step.
+/// 1.31 in floor steps; 128 bits per pixel. At most 2^-31 is lost a step.
 ///
 /// Over: `w = floor(T a / 2^31); T -= w; C += floor(c w / 2^31)`.
 /// Under: `C = C - floor(C a / 2^31) + floor(c a / 2^31)`.
@@ -472,7 +472,7 @@ impl Recurrence for Dithered {
     }
 }
 
-/// 1.15, every product truncated: Squeeze, equations 9 and 6. 64 bits a pixel.
+/// 1.15, every product truncated: Squeeze, equations 9 and 6. 64 bits per pixel.
 ///
 /// With `A = a >> 15` (1.16), `t = (2^16 - A) >> 1` and `p = (c (A >> 1)) >> 15`:
 /// over: `C += (p T) >> 15; T = (T t) >> 15`; under: `C = ((C t) >> 15) + p`.

@@ -92,7 +92,7 @@ pub fn z_row<P: Precision, V: Lanes>(p: P, near: &[u16], far: &[u16], weight: We
         return;
     };
     if weight == Weight::ZERO {
-        // A plane that lies in a slice: all of them at one plane a voxel.
+        // A plane that lies in a slice: all of them at one plane per voxel.
         for at in places::<V>(len) {
             (V::load_voxels(near, at) << 16).store(out, at);
         }

@@ -1,6 +1,6 @@
 //! Location: where the samples of a plane lie.
 //!
-//! Source: Squeeze, section 4.6; the sum P0 + k V is formed in 32.32 and rounded once a plane, instead of being
+//! Source: Squeeze, section 4.6; the sum P0 + k V is formed in 32.32 and rounded once per plane, instead of being
 //! accumulated in 16.16 (which drifts by a quarter of a voxel over 32,768 steps).
 //!
 //! | value | format | unit |

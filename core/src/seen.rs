@@ -40,7 +40,7 @@ pub struct Seen<'a> {
 
 impl<'a> Seen<'a> {
     /// `rows[y]`: the blocks of samples between voxel rows y and y + 1 (the last row: itself). Bit b of it stands for
-    /// the samples from the first column of block b up to the first of the next. Whoever leaves a bit out promises
+    /// the samples from the first column of block b up to the first of the next. A bit left out promises
     /// that all those samples are invisible.
     pub const fn new(rows: &'a [u64], grain: Grain) -> Self {
         Self { rows, grain }

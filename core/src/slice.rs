@@ -1,6 +1,6 @@
 //! Voxel slices: borrowed memory whose shape and values have been checked once.
 //!
-//! A [`Slice`] can only be made by measuring its voxels, so whoever holds one may rely on three things: every row has
+//! A [`Slice`] can only be made by measuring its voxels, so every slice guarantees three things: every row has
 //! `width` voxels, every voxel is at most 4095, and every row's range is known (rows that classify to nothing are
 //! never read again).
 

@@ -11,7 +11,7 @@ a highlight. Normalisation includes the copying of its input. Needs gdb and nm; 
 """
 import argparse, collections, re, subprocess, sys
 
-# How often a frame of one colour calls each, one plane a voxel: lit, unlit.
+# How often a frame of one colour calls each, one plane per voxel: lit, unlit.
 KERNELS = {
     "interpolate-yx": (2, 0),  # samples, and derivatives along z
     "interpolate-z": (2, 0),  # likewise

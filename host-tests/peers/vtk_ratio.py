@@ -114,7 +114,7 @@ class Vtk:
         self.mapper.SetInputData(image)
         self.mapper.SetAutoAdjustSampleDistances(0)
         self.mapper.SetImageSampleDistance(1.0)
-        # A sample plane a voxel along y, which the view is nearest to.
+        # A sample plane per voxel along y, which the view is nearest to.
         self.mapper.SetSampleDistance(min(s / abs(f) for s, f in zip(image.GetSpacing(), forward)))
         self.mapper.SetInteractiveSampleDistance(self.mapper.GetSampleDistance())
         self.mapper.IntermixIntersectingGeometryOff()

@@ -376,7 +376,7 @@ fn thin_volumes_from_every_side() {
     assert_eq!(frames, 8 * 11 * 4);
 }
 
-/// A volume so long that a step's last bits matter, 16 planes a voxel, from both ends.
+/// A volume so long that a step's last bits matter, 16 planes per voxel, from both ends.
 #[test]
 fn long_volumes_keep_their_positions() {
     let table = table_of(&[(0, [90, 20, 200], 300), (4095, [255, 255, 255], 3000)]);

@@ -61,7 +61,7 @@ specular = 0.3
 exponent = 8
 "##;
 
-/// Thin fog at 8 planes a voxel.
+/// Thin fog at 8 planes per voxel.
 const FOG: &str = r##"
 [view]
 azimuth = 10.0

@@ -41,7 +41,7 @@ pub fn is_for_hounsfield(name: &str) -> bool {
 /// Labels that a label map may have; more values are a measurement.
 const LABELS_MAX: usize = 64;
 
-/// The most voxels that are sampled by two rays and planes a voxel by default.
+/// The most voxels that are sampled by two rays and planes per voxel by default.
 const SMALL: usize = 1 << 24;
 
 /// The preset that fits a volume, and why.
@@ -141,7 +141,7 @@ fn is_slab(volume: &Volume) -> bool {
     side(2) < 0.6 * side(0).min(side(1))
 }
 
-/// One ray a voxel where a volume is large enough to give a picture of a good size.
+/// One ray per voxel where a volume is large enough to give a picture of a good size.
 fn thrifty(mut scene: Scene, volume: &Volume) -> Scene {
     let voxels: usize = volume.dims.iter().product();
     if voxels > SMALL / 8 {

@@ -118,7 +118,7 @@ typedef struct SlicecastScene {
   uint32_t planes_per_voxel;
   // Rays per voxel along each side of the base plane, 1 to 8.
   uint32_t rays_per_voxel;
-  // The table: 4096 entries, one a voxel value: red in the lowest byte, green, blue, and the square root of the
+  // The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
   // opacity of one step along a ray in the highest (its high byte where there is a plane of low bytes).
   const uint32_t *entries;
   // 4096 low bytes of the square roots; the paper pipelines do not read it, the others need it.
@@ -257,7 +257,7 @@ int32_t slicecast_image(const struct SlicecastStream *stream,
 // Makes a row of the viewer's picture from a finished whole image.
 //
 // `warp`: where picture pixels look at the base plane. `y`: the row. `background`: red, green, blue, 1.15. `rgb`
-// receives `bytes / 3` pixels, 8 bits a channel; `bytes` must be a multiple of 3. Returns SLICECAST_OK or an error code.
+// receives `bytes / 3` pixels, 8 bits per channel; `bytes` must be a multiple of 3. Returns SLICECAST_OK or an error code.
 //
 // # Safety
 // `stream` as for `slicecast_wanted`; `warp` and three values of `background` readable, `rgb` writable for `bytes`.
@@ -269,22 +269,22 @@ int32_t slicecast_picture_row(const struct SlicecastStream *stream,
                               size_t bytes,
                               struct SlicecastError *error);
 
-// The pipeline of the `Paper` precision, without lights: 8 bytes a pixel.
+// The pipeline of the `Paper` precision, without lights: 8 bytes per pixel.
 const struct SlicecastPipeline *slicecast_paper_unlit(void);
 
-// The pipeline of the `Paper` precision, lit: 8 bytes a pixel.
+// The pipeline of the `Paper` precision, lit: 8 bytes per pixel.
 const struct SlicecastPipeline *slicecast_paper_lit(void);
 
-// The pipeline of the `Compact` precision (the default), without lights: 8 bytes a pixel.
+// The pipeline of the `Compact` precision (the default), without lights: 8 bytes per pixel.
 const struct SlicecastPipeline *slicecast_compact_unlit(void);
 
-// The pipeline of the `Compact` precision (the default), lit: 8 bytes a pixel.
+// The pipeline of the `Compact` precision (the default), lit: 8 bytes per pixel.
 const struct SlicecastPipeline *slicecast_compact_lit(void);
 
-// The pipeline of the `Wide` precision, without lights: 16 bytes a pixel.
+// The pipeline of the `Wide` precision, without lights: 16 bytes per pixel.
 const struct SlicecastPipeline *slicecast_wide_unlit(void);
 
-// The pipeline of the `Wide` precision, lit: 16 bytes a pixel.
+// The pipeline of the `Wide` precision, lit: 16 bytes per pixel.
 const struct SlicecastPipeline *slicecast_wide_lit(void);
 
 #ifdef __cplusplus

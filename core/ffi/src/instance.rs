@@ -148,7 +148,7 @@ unsafe fn wanted<L: Instance>(header: *const Header) -> Option<u32> {
 }
 
 /// # Safety
-/// `header` begins a `Held<L>` that nobody else uses.
+/// `header` begins a `Held<L>` that is in no other use.
 unsafe fn push<L: Instance>(header: *mut Header, voxels: &[u16]) -> Result<(), SlicecastError> {
     // SAFETY: the caller's promise.
     let held = unsafe { &mut *header.cast::<Held<L>>() };
@@ -344,37 +344,37 @@ impl<S: Lights<Wide>> Instance for Composite<Wide, Fine16, S, FrontToBack> {
     }
 }
 
-/// The pipeline of the `Paper` precision, without lights: 8 bytes a pixel.
+/// The pipeline of the `Paper` precision, without lights: 8 bytes per pixel.
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_paper_unlit() -> *const SlicecastPipeline {
     const { &<Composite<Paper, Paper8, Unlit, FrontToBack> as Instance>::DESCRIPTION }
 }
 
-/// The pipeline of the `Paper` precision, lit: 8 bytes a pixel.
+/// The pipeline of the `Paper` precision, lit: 8 bytes per pixel.
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_paper_lit() -> *const SlicecastPipeline {
     const { &<Composite<Paper, Paper8, Phong<Paper>, FrontToBack> as Instance>::DESCRIPTION }
 }
 
-/// The pipeline of the `Compact` precision (the default), without lights: 8 bytes a pixel.
+/// The pipeline of the `Compact` precision (the default), without lights: 8 bytes per pixel.
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_compact_unlit() -> *const SlicecastPipeline {
     const { &<Composite<Compact, Fine16, Unlit, FrontToBack> as Instance>::DESCRIPTION }
 }
 
-/// The pipeline of the `Compact` precision (the default), lit: 8 bytes a pixel.
+/// The pipeline of the `Compact` precision (the default), lit: 8 bytes per pixel.
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_compact_lit() -> *const SlicecastPipeline {
     const { &<Composite<Compact, Fine16, Phong<Compact>, FrontToBack> as Instance>::DESCRIPTION }
 }
 
-/// The pipeline of the `Wide` precision, without lights: 16 bytes a pixel.
+/// The pipeline of the `Wide` precision, without lights: 16 bytes per pixel.
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_wide_unlit() -> *const SlicecastPipeline {
     const { &<Composite<Wide, Fine16, Unlit, FrontToBack> as Instance>::DESCRIPTION }
 }
 
-/// The pipeline of the `Wide` precision, lit: 16 bytes a pixel.
+/// The pipeline of the `Wide` precision, lit: 16 bytes per pixel.
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_wide_lit() -> *const SlicecastPipeline {
     const { &<Composite<Wide, Fine16, Phong<Wide>, FrontToBack> as Instance>::DESCRIPTION }

@@ -177,7 +177,7 @@ pub unsafe extern "C" fn slicecast_image(
 /// Makes a row of the viewer's picture from a finished whole image.
 ///
 /// `warp`: where picture pixels look at the base plane. `y`: the row. `background`: red, green, blue, 1.15. `rgb`
-/// receives `bytes / 3` pixels, 8 bits a channel; `bytes` must be a multiple of 3. Returns SLICECAST_OK or an error code.
+/// receives `bytes / 3` pixels, 8 bits per channel; `bytes` must be a multiple of 3. Returns SLICECAST_OK or an error code.
 ///
 /// # Safety
 /// `stream` as for `slicecast_wanted`; `warp` and three values of `background` readable, `rgb` writable for `bytes`.
@@ -212,7 +212,7 @@ pub unsafe extern "C" fn slicecast_picture_row(
 /// A reference from a pointer of the caller's; `argument` is its place in the function's list, from 1.
 ///
 /// # Safety
-/// Null or misaligned it may be; otherwise it points to a `T` that nobody writes.
+/// Null or misaligned it may be; otherwise it points to a `T` that is written by no one meanwhile.
 unsafe fn read<'a, T: Checked>(pointer: *const T, argument: u32) -> Result<&'a T, SlicecastError> {
     check(pointer, argument)?;
     // SAFETY: not null, aligned, and otherwise the caller's promise.
@@ -237,7 +237,7 @@ unsafe fn write<'a, T>(pointer: *mut T, argument: u32) -> Result<&'a mut T, Slic
 /// A slice of the caller's.
 ///
 /// # Safety
-/// Null or misaligned it may be; otherwise it points to `count` elements that nobody writes.
+/// Null or misaligned it may be; otherwise it points to `count` elements that is written by no one meanwhile.
 unsafe fn slice<'a, T>(pointer: *const T, count: usize, argument: u32) -> Result<&'a [T], SlicecastError> {
     check(pointer, argument)?;
     if count > isize::MAX as usize / size_of::<T>().max(1) {

@@ -27,7 +27,7 @@ pub struct SlicecastScene {
     pub planes_per_voxel: u32,
     /// Rays per voxel along each side of the base plane, 1 to 8.
     pub rays_per_voxel: u32,
-    /// The table: 4096 entries, one a voxel value: red in the lowest byte, green, blue, and the square root of the
+    /// The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
     /// opacity of one step along a ray in the highest (its high byte where there is a plane of low bytes).
     pub entries: *const u32,
     /// 4096 low bytes of the square roots; the paper pipelines do not read it, the others need it.

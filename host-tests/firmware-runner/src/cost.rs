@@ -234,7 +234,7 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
         out,
         "# What the firmware costs\n\nWritten by `host-tests/run-firmware --cost`; compiler: {compiler}.\n\n\
          Instructions are counted by QEMU (`-icount shift=0`), not estimated; they are instructions, not cycles. Two \
-         scenes of 64^3 voxels of the built-in CT, one plane and one ray a voxel: *dense* makes every sample a little \
+         scenes of 64^3 voxels of the built-in CT, one plane and one ray per voxel: *dense* makes every sample a little \
          opaque, so that every sample goes through every stage (the worst case); *head* is the built-in scene (skull \
          and skin, two lights). A *sample* is a place of a ray inside the volume, whether the pipeline skips it or not. \
          Every image measured here had the host's checksum.\n\n\
@@ -244,7 +244,7 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
          - stack: high-water mark of the program, printing included\n\
          - f32: the same pipeline written in f32 for the same machine (`host-tests/firmware/src/float.rs`), same scene, same \
          skips, the picture that of `wide` within an 8-bit step, which is checked; and the ratio f32 / fixed. It reads the volume \
-         in place (no ring) and needs a table of 64 KiB and 16 bytes a pixel. A square root or a division of a floating-point \
+         in place (no ring) and needs a table of 64 KiB and 16 bytes per pixel. A square root or a division of a floating-point \
          unit counts as one instruction here and takes about 14 cycles\n"
     );
     let _ = writeln!(
@@ -330,7 +330,7 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
         out,
         "\n## Bands\n\nHead, compact, lit, in at most 65,536 bytes of RAM for statics and stack together, printing included: \
          the image in bands, the slices read again for each, against the image in one piece.\n\n\
-         | core | bands | RAM | instructions a frame | in one piece | ratio |\n|---|---|---|---|---|---|"
+         | core | bands | RAM | instructions per frame | in one piece | ratio |\n|---|---|---|---|---|---|"
     );
     for row in rows {
         let Some(bands) = &row.bands else { continue };

@@ -130,7 +130,7 @@ const FAULTS: [Fault; 13] = [
     },
 ];
 
-/// Puts in each fault and prints who found it; returns the number of faults that nobody found.
+/// Puts in each fault and prints which check found it; returns the number of faults that none found.
 ///
 /// # Errors
 /// If a fault does not fit the sources, or something cannot be built at all.

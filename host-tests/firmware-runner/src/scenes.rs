@@ -84,7 +84,7 @@ exponent = 32
 direction = [-1.0, 1.0, 1.5]
 "##;
 
-/// Two coloured lights, half vectors, four phases, two planes a voxel, a view along another axis.
+/// Two coloured lights, half vectors, four phases, two planes per voxel, a view along another axis.
 const SMALL: &str = r##"
 [view]
 azimuth = -60.0
@@ -118,7 +118,7 @@ direction = [1.0, 0.2, 0.8]
 colour = [0.2, 0.3, 0.5]
 "##;
 
-/// The scene of the program's own picture, at one plane and one ray a voxel.
+/// The scene of the program's own picture, at one plane and one ray per voxel.
 const LARGE: &str = r##"
 [view]
 azimuth = 30.0

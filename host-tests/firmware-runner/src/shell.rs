@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What stopped the command, in words for whoever typed it.
+/// What stopped the command, in words for the terminal.
 #[derive(Debug)]
 pub struct Failure(pub String);
 

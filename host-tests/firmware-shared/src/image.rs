@@ -16,7 +16,7 @@ pub fn add_rows<C: Channel>(sum: &mut Sum, rows: &[C]) {
     }
 }
 
-/// Sum of the viewer's picture of a finished frame, 8 bits a channel.
+/// Sum of the viewer's picture of a finished frame, 8 bits per channel.
 pub fn picture<L: Pictured>(stream: &Stream<'_, L>, size: [u32; 2], warp: &Warp, background: [Intensity; 3]) -> u32 {
     let mut sum = Sum::new();
     let [width, height] = size;

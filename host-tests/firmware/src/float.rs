@@ -217,7 +217,7 @@ fn fold(
         if !support.meets(rows_of(near).union(rows_of(far))) {
             continue;
         }
-        // Sample rows are made once a plane, when they are needed.
+        // Sample rows are made once per plane, when they are needed.
         let mut need = |row: usize, b: &mut Buffers| {
             if !made[row] {
                 make_row(row, height, width, [wx, wy, wz], [near, far], &row_of, b, &mut made_z);

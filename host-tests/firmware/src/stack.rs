@@ -21,7 +21,7 @@ pub fn paint() {
     let mut at = addr_of!(END_OF_STATICS) as usize;
     let end = (addr_of!(here) as usize).saturating_sub(MARGIN);
     while at < end {
-        // SAFETY: the words between the statics and this function's frame belong to nobody yet (the linker script's
+        // SAFETY: the words between the statics and this function's frame are not in use yet (the linker script's
         // symbols bound them), and they are aligned.
         unsafe { write_volatile(at as *mut u32, PAINT) };
         at += 4;

@@ -1,4 +1,4 @@
-//! A timer that interrupts four thousand times a second (of a processor that does 10^9 instructions a second, as
+//! A timer that interrupts four thousand times a second (of a processor that does 10^9 instructions per second, as
 //! `qemu -icount shift=0` has it).
 
 #[cfg(target_arch = "arm")]

@@ -87,7 +87,7 @@ fn a_row_of_voxels_is_continued_linearly() {
     }
 }
 
-/// The study's field `7 x - 5 y + 11 z + 400`, shear (0.25, -0.5), two planes a voxel.
+/// The study's field `7 x - 5 y + 11 z + 400`, shear (0.25, -0.5), two planes per voxel.
 ///
 /// All gradients are 2 (7, -5, 11), borders included, and N = -(7, -5, 11) / sqrt(195). With the light
 /// (0.1, 0.2, -0.9) / sqrt(0.86) the cosine is 10.2 / sqrt(195 * 0.86) = 0.787650659 and with

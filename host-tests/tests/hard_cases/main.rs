@@ -20,7 +20,7 @@ use slicecast::table::ENTRIES;
 #[test]
 fn location() {
     for (start, step, k, bits, index, weight) in [
-        // Three planes a voxel: plane 6141 hits slice 2047 although 1/3 has no end.
+        // Three planes per voxel: plane 6141 hits slice 2047 although 1/3 has no end.
         (0, 1_431_655_765, 6141, 134_152_192, 2047, 0),
         (0, 268_435_456, 32_752, 134_152_192, 2047, 0),
         // A negative shear, -0.3717 / 16, from 600.

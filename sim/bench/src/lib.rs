@@ -28,7 +28,7 @@ use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_scene::{PrecisionName, Scene};
 use slicecast_volume::Volume;
 
-/// Who renders.
+/// An engine that renders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Engine {
     /// The pipeline.
@@ -50,7 +50,7 @@ impl Engine {
     }
 }
 
-/// Who renders, with what.
+/// An engine with its vectors and threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Subject {
     /// Who.
@@ -233,7 +233,7 @@ pub struct Beside {
     pub sight_milliseconds: f64,
     /// Their share, 0 to 1.
     pub seen_share: f64,
-    /// Measuring what the blocks hold, once a volume and axis.
+    /// Measuring what the blocks hold, once per volume and axis.
     pub occupancy_milliseconds: f64,
     /// Bytes that it takes.
     pub occupancy_bytes: usize,

@@ -49,7 +49,7 @@ pub struct Fog {
 }
 
 /// Fog of a tenth of the light from side to side, seen askew: shears of about 0.31 and -0.22 voxels a plane, one plane
-/// and one ray a voxel.
+/// and one ray per voxel.
 pub fn fog(volume: &Volume, fog: Fog) -> Scene {
     Scene {
         view: View {

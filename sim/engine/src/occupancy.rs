@@ -1,7 +1,7 @@
 //! What blocks of a volume hold, so that those which a table makes invisible are never interpolated.
 //!
 //! Samples of a block of columns lie between the smallest and the largest of the voxels around them. These ranges are
-//! measured once a volume and axis ([`Occupancy::of`]). For each table their counts say which share of the blocks can be
+//! measured once per volume and axis ([`Occupancy::of`]). For each table their counts say which share of the blocks can be
 //! seen ([`Occupancy::share`]); where it is small the ranges are turned into a bit a block ([`Occupancy::sight`]), which
 //! core's plane layer asks before it makes anything.
 

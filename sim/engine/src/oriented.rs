@@ -1,8 +1,8 @@
 //! A volume read along the view's major axis: measured slices, nearest to the eye first.
 //!
 //! Slices across y and z are read in place (rows along x are contiguous); slices across x need a transposed copy, as
-//! large as the volume. Copying and measuring take all threads; who renders many frames does it once for those that look
-//! along the same axis ([`Prepared::render_oriented`](crate::frame::Prepared::render_oriented)).
+//! large as the volume. Copying and measuring take all threads; many frames along the same axis need it
+//! once ([`Prepared::render_oriented`](crate::frame::Prepared::render_oriented)).
 
 use rayon::prelude::*;
 use slicecast::classify::Support;

@@ -58,7 +58,7 @@ pub struct Composited<C> {
     pub after: Pixel<C>,
 }
 
-/// Whoever wants to know what happens along the rays.
+/// An observer of what happens along the rays.
 pub trait Witness {
     /// Whether invisible samples are to be computed too.
     const EVERYTHING: bool;
@@ -70,11 +70,11 @@ pub trait Witness {
     fn composited<C: Channel>(&mut self, _at: Visit, _seen: &Composited<C>) {}
 }
 
-/// Nobody looks.
+/// No observer.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Nobody;
+pub struct Unobserved;
 
-impl Witness for Nobody {
+impl Witness for Unobserved {
     const EVERYTHING: bool = false;
 }
 
@@ -165,7 +165,7 @@ impl<'a, P: Precision> Rays<'a, P> {
     fn follow(&self) -> u64 {
         let [width, height] = self.size();
         let row = |v: u32| -> u64 {
-            let bits = |u| u64::from(self.pixel([u, v], &mut Nobody).transparency.bits());
+            let bits = |u| u64::from(self.pixel([u, v], &mut Unobserved).transparency.bits());
             (0..width).map(bits).sum()
         };
         (0..height).into_par_iter().map(row).sum()

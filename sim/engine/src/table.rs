@@ -186,7 +186,7 @@ pub const fn table_bytes(code: AlphaCodeName) -> usize {
     }
 }
 
-/// One of the point tables, chosen at run time, once a row.
+/// One of the point tables, chosen at run time, once per row.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyTable<'a> {
     /// 8-bit root, nearest entry.

@@ -245,7 +245,7 @@ mod tests {
         assert_eq!(samples(&plan(0, 1)), 5 * 4 * 5);
         // A shear of one: the planes at half voxels have one column less.
         assert_eq!(samples(&plan(1 << 50, 1)), 4 * (5 + 4 + 5 + 4 + 5));
-        // Two rays a voxel: columns at 0, 0.5 ... 4 are nine, rows seven.
+        // Two rays per voxel: columns at 0, 0.5 ... 4 are nine, rows seven.
         assert_eq!(samples(&plan(0, 2)), 9 * 7 * 5);
     }
 }

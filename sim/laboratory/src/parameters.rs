@@ -11,7 +11,7 @@ pub type Parameter = (Name, String);
 /// The name of a parameter, STAGE.WIDTH on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Name {
-    /// Fraction bits of a ray's step, summed up; 32 are rounded once a plane.
+    /// Fraction bits of a ray's step, summed up; 32 are rounded once per plane.
     #[serde(rename = "position.bits")]
     PositionBits,
     /// Bits of an interpolation weight.

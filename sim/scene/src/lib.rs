@@ -180,7 +180,7 @@ pub struct Sampling {
 }
 
 impl Default for Sampling {
-    /// One plane and one ray a voxel.
+    /// One plane and one ray per voxel.
     fn default() -> Self {
         Self {
             planes_per_voxel: 1,

@@ -192,7 +192,7 @@ impl Bench {
         })?;
         let millions = samples as f64 / 1e6;
         println!(
-            "== {name}: {millions:.1} M samples a frame ==\n\n{}\n",
+            "== {name}: {millions:.1} M samples per frame ==\n\n{}\n",
             tables::speed(&rows)
         );
         self.sections.push(Section {
@@ -210,7 +210,7 @@ impl Bench {
         let costs = beside(scene, volume, self.frames, &self.threads)?;
         println!(
             "compact, all threads: final warp {:.2} ms, {:.1} % of {:.2} ms; a new table {:.3} ms, decoded {:.3} ms\n\
-             blocks: {:.1} % can be seen, found in {:.3} ms; measured once a volume in {:.2} ms, {:.1} MiB\n",
+             blocks: {:.1} % can be seen, found in {:.3} ms; measured once per volume in {:.2} ms, {:.1} MiB\n",
             costs.warp_milliseconds,
             100.0 * costs.warp_share,
             costs.fold_milliseconds + costs.warp_milliseconds,
@@ -281,7 +281,7 @@ struct Role {
 }
 
 impl Args {
-    /// Does it.
+    /// Times the frames.
     pub fn run(self) -> Result<(), Failure> {
         if let Some(path) = &self.json
             && !self.force

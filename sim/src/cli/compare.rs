@@ -109,7 +109,7 @@ pub fn figured<'a>(prepared: &'a Prepared<'_>, comparison: &'a Comparison, posit
 }
 
 impl Args {
-    /// Does it.
+    /// Compares the scene with the model.
     pub fn run(self) -> Result<(), Failure> {
         check_free(&self.json, self.force)?;
         let loaded = self.volume.load()?;

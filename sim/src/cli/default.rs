@@ -61,7 +61,7 @@ fn difference_scale(figures: &ImageFigures) -> (f64, String) {
 }
 
 impl Args {
-    /// Does it.
+    /// Runs the main job.
     pub fn run(self) -> Result<(), Failure> {
         let mut folder = Folder::open(&self.out, self.force)?;
         folder.check(&names())?;

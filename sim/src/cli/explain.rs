@@ -64,7 +64,7 @@ const ERRORS: &str = "Errors of stages against the f64 model from the beginning,
                       sample's position; T, C: transparency and colour of the pixel so far.";
 
 impl Args {
-    /// Does it.
+    /// Explains the pixel.
     pub fn run(self) -> Result<(), Failure> {
         check_free([&self.csv, &self.json].into_iter().flatten(), self.force)?;
         let loaded = self.volume.load()?;
@@ -159,7 +159,7 @@ fn find(sample: &Sample, stage: Stage) -> Option<&Values> {
     sample.stages.iter().find(|values| values.stage == stage.name())
 }
 
-/// A line a sample, stage and component.
+/// A line per sample, stage and component.
 fn csv(explanation: &Explanation) -> Result<Vec<u8>, Failure> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let head = [

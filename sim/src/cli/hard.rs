@@ -31,7 +31,7 @@ pub struct Args {
 const NAMED: [&str; 3] = ["paper", "compact", "wide"];
 
 impl Args {
-    /// Does it.
+    /// Runs the hard cases.
     pub fn run(self) -> Result<(), Failure> {
         check_free(&self.json, self.force)?;
         let cases = with_bar("hard cases", |progress| run(Size::Full, progress))?;

@@ -57,7 +57,7 @@ struct Facts<'a> {
 }
 
 impl Args {
-    /// Does it.
+    /// Describes the volume.
     pub fn run(self) -> Result<(), Failure> {
         let started = Instant::now();
         let decoded = self.volume.decode()?;

@@ -51,7 +51,7 @@ struct Facts {
 }
 
 impl Args {
-    /// Does it.
+    /// Prints what the scene needs.
     pub fn run(self) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let dims = self.dims.map(|side| usize::try_from(side).unwrap_or(usize::MAX));

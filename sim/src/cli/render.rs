@@ -46,7 +46,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// Does it.
+    /// Renders the picture.
     pub fn run(self) -> Result<(), Failure> {
         let target = Target::checked(&self.output, vec![self.output.clone()], self.force)?;
         let mut loaded = self.volume.load()?;

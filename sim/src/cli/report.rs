@@ -58,7 +58,7 @@ struct Without {
 }
 
 impl Args {
-    /// Does it.
+    /// Writes the report.
     pub fn run(self) -> Result<(), Failure> {
         check_free([&self.output], self.force)?;
         let loaded = self.volume.load()?;

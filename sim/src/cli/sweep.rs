@@ -125,7 +125,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// Does it.
+    /// Runs the sweep.
     pub fn run(self) -> Result<(), Failure> {
         let mut all = catalogue::all();
         let mut chosen = self.chosen(&mut all)?;
@@ -240,7 +240,7 @@ pub struct MergeArgs {
 }
 
 impl MergeArgs {
-    /// Does it.
+    /// Merges the rows.
     pub fn run(self) -> Result<(), Failure> {
         self.tables.check()?;
         let rows = merge_all(read_all(&self.files)?)?;

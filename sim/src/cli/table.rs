@@ -49,7 +49,7 @@ enum Format {
 }
 
 impl Args {
-    /// Does it.
+    /// Prints the table.
     pub fn run(self) -> Result<(), Failure> {
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;

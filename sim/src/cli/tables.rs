@@ -141,7 +141,7 @@ pub fn speed(rows: &[Row]) -> Table {
         "ms a frame",
         "M samples/s",
         "± %",
-        "ns a sample",
+        "ns per sample",
         "to compact",
         "to f32",
     ]);

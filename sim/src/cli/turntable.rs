@@ -49,7 +49,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// Does it.
+    /// Renders the turn.
     pub fn run(self) -> Result<(), Failure> {
         if self.numbered && self.output == Path::new("-") {
             return Err(Failure::input(

@@ -23,7 +23,7 @@ pub(super) fn data_file(header: &Path, name: &str) -> Result<PathBuf, ReadError>
         _ => Path::new("."),
     };
     let path = header.parent().unwrap_or(Path::new("")).join(relative);
-    // A file that is not there is reported by whoever opens it.
+    // A file that is not there is reported where it is opened.
     if let (Ok(folder), Ok(real)) = (folder.canonicalize(), path.canonicalize())
         && !real.starts_with(folder)
     {

@@ -81,7 +81,7 @@ impl Decoded {
     ///
     /// # Errors
     /// [`ShapeError`] if a side or the whole is empty or too large, a spacing is no length, the values
-    /// are not one a voxel, or one of them is not finite.
+    /// are not one per voxel, or one of them is not finite.
     pub fn new(name: String, dims: [usize; 3], spacing: [f64; 3], values: Values) -> Result<Self, ShapeError> {
         let voxels = voxel_count(dims.map(|d| d as u64))?;
         check_spacing(spacing)?;

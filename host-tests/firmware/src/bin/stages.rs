@@ -108,7 +108,7 @@ impl Clock {
         if let Some(sum) = self.stages.get_mut(stage as usize) {
             *sum += u64::from(ticks_between(self.last, now));
         }
-        // Read again: the bookkeeping is nobody's.
+        // Read again: the bookkeeping belongs to no stage.
         self.last = ticks();
     }
 

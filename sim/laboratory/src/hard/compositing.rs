@@ -69,7 +69,7 @@ fn schemes(case: &mut Case, bits: u32, samples: u32, fog: Fog<'_>) {
 /// Half a step of 1/255 in percent: what an 8-bit picture can show.
 const HALF_STEP: f64 = 50.0 / 255.0;
 
-/// White fog of 2^-bits a sample.
+/// White fog of 2^-bits per sample.
 fn thin_fog(bits: u32, samples: u32) -> Case {
     let fog = |_: u32| 1u32 << (31 - bits);
     let theory = format!("1 - (1 - 2^-{bits})^{samples}");

@@ -113,7 +113,7 @@ fn single_voxel() -> Result<Case, RenderError> {
     };
     let mut case = Case::new(
         "single voxel",
-        "4095 among zeros, lit, 4 x 4 x 4 samples a voxel",
+        "4095 among zeros, lit, 4 x 4 x 4 samples per voxel",
         "largest error, steps of 1/255",
         0.0,
         "the same ray in f64",

@@ -1,4 +1,4 @@
-//! Drift: 2048 slices at 16 planes a voxel, 32752 steps along a ray.
+//! Drift: 2048 slices at 16 planes per voxel, 32752 steps along a ray.
 
 use slicecast::format::Direction;
 use slicecast::locate::plane;

@@ -1,4 +1,4 @@
-//! Supersampling: the same fog at 1 to 16 planes a voxel, with opacities corrected for the step.
+//! Supersampling: the same fog at 1 to 16 planes per voxel, with opacities corrected for the step.
 
 use super::scenes::{compared, scene, volume};
 use super::{Case, Size};
@@ -14,7 +14,7 @@ fn homogeneous(depth: usize, opacity: f64, rate: u32) -> Result<Case, RenderErro
     let expected = -255.0 * ((-opacity).ln_1p() * planes / f64::from(rate)).exp_m1();
     let mut case = Case::new(
         "supersampling",
-        format!("{depth} slices of {opacity} a voxel, planes a voxel: {rate}"),
+        format!("{depth} slices of {opacity} a voxel, planes per voxel: {rate}"),
         "colour, steps of 1/255",
         expected,
         "1 - (1 - a)^(planes / rate)",

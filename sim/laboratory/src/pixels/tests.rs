@@ -125,7 +125,7 @@ proptest! {
 }
 
 /// What one step loses is there in the next: white fog keeps C + T = 1, and T stays within a unit of the exact
-/// value after any number of equal steps, where truncation drifts by one a step.
+/// value after any number of equal steps, where truncation drifts by one per step.
 #[test]
 fn residual_carry_does_not_drift() {
     let fog: Samples = vec![([32768; 3], Opacity::from_bits(1 << 19)); 4096];

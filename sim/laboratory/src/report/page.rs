@@ -175,7 +175,7 @@ fn errors(contents: &Contents<'_>) -> Markup {
                 h3 { "Arithmetic and algorithm" }
                 p {
                     "The converged integral has no planes and no steps: what the f64 model differs from it is the error of the "
-                    "algorithm, which more planes a voxel reduce and more bits do not."
+                    "algorithm, which more planes per voxel reduce and more bits do not."
                 }
                 div.scroll tabindex="0" role="region" aria-label="Error split in arithmetic and algorithm" {
                     table {
@@ -270,7 +270,7 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
                 table {
                     thead {
                         tr {
-                            th { "configuration" } th { "bytes a pixel" } th { "table" } th { "equal %" } th { "max step" }
+                            th { "configuration" } th { "bytes per pixel" } th { "table" } th { "equal %" } th { "max step" }
                             th { "mean step" } th { "spread of views" } th { "PSNR dB" } th { "Msamples/s" } th { "speed" } th { "± %" }
                         }
                     }

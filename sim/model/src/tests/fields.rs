@@ -175,7 +175,7 @@ fn a_single_voxel_is_a_tent() {
         ..scene_along([0.375, -0.75, 1.0], &[(0.0, 0.5)])
     };
     let model = Model::natural(&scene, &volume);
-    // 4 * 0.375 = 1.5 and 4 * 0.75 = 3 voxels of shear; 4 pixels a voxel.
+    // 4 * 0.375 = 1.5 and 4 * 0.75 = 3 voxels of shear; 4 pixels per voxel.
     assert_eq!((model.lattice().origin, model.lattice().size), ([-2, 0], [28, 32]));
     let mut inside = 0;
     for ([plane, u, v], s) in samples(&model) {
