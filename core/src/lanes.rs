@@ -34,6 +34,15 @@ pub fn places<V: Lanes>(len: usize) -> impl Iterator<Item = usize> {
     })
 }
 
+/// What [`Lanes::enter`] runs. [`Kernel::run`] and all that it calls are `inline(always)`: vectors stay in registers only
+/// inside the function that is compiled for them. A closure cannot be marked so, and a large one is not inlined.
+pub trait Kernel {
+    /// What comes of it.
+    type Output;
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
 /// Some 32-bit lanes.
 pub trait Lanes:
     Copy
@@ -54,11 +63,10 @@ pub trait Lanes:
     /// pipeline is then compiled as a whole; elsewhere its kernels are compiled one by one and called per row.
     const SMALL: bool = false;
 
-    /// Runs a kernel, compiled for the instructions of these lanes. `kernel` and all that it calls are always inlined:
-    /// vectors stay in registers only inside the function that is compiled for them.
+    /// Runs a kernel, compiled for the instructions of these lanes.
     #[inline(always)]
-    fn enter<R>(kernel: impl FnOnce() -> R) -> R {
-        kernel()
+    fn enter<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run()
     }
 
     /// The same number in all lanes.

@@ -3,6 +3,7 @@
 //! Nothing is asserted: times are for people to read.
 
 use std::hint::black_box;
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 use criterion::measurement::WallTime;
@@ -160,7 +161,18 @@ impl<P: Precision> OverLanes for Call<'_, P> {
     type Output = ();
 
     fn run<V: Lanes>(self) {
-        V::enter(|| self.call::<V>());
+        V::enter(InLanes::<_, V>(self, PhantomData));
+    }
+}
+
+struct InLanes<'a, P: Precision, V>(Call<'a, P>, PhantomData<V>);
+
+impl<P: Precision, V: Lanes> slicecast::lanes::Kernel for InLanes<'_, P, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.call::<V>();
     }
 }
 

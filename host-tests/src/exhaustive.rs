@@ -2,13 +2,14 @@
 //!
 //! `cargo run --release -p slicecast-host-tests --bin exhaustive` checks every input of each; the tests take strides.
 
+use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
 use slicecast::classify::opacity_of_root;
 use slicecast::composite::{Dither, Dithered, Pixel, Recurrence, Unorm16};
 use slicecast::format::{Cosine, Opacity, Weight};
 use slicecast::interpolate::trilinear;
-use slicecast::lanes::{Lanes, places};
+use slicecast::lanes::{Kernel, Lanes, places};
 use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::root::reciprocal_root;
 use slicecast::shade::power;
@@ -132,12 +133,21 @@ impl OverLanes for &Roots {
     #[inline(always)]
     fn run<V: Lanes>(self) -> Vec<i32> {
         let mut out = vec![0; self.0.len()];
-        V::enter(|| {
-            for at in places::<V>(out.len()) {
-                V::load(&self.0, at).reciprocal_root().store(&mut out, at);
-            }
-        });
+        V::enter(EachRoot::<V>(&self.0, &mut out, PhantomData));
         out
+    }
+}
+
+struct EachRoot<'a, V>(&'a [i32], &'a mut [i32], PhantomData<V>);
+
+impl<V: Lanes> Kernel for EachRoot<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for at in places::<V>(self.0.len()) {
+            V::load(self.0, at).reciprocal_root().store(self.1, at);
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use core::ops::Range;
 use super::blocks::Places;
 use super::extent::Extent;
 use crate::composite::{Channel, Colours, Dither, Order, PixelRow, Recurrence, fold_at, fold_row, fold_visible_row};
-use crate::lanes::Lanes;
+use crate::lanes::{Kernel, Lanes};
 use crate::rows::part;
 use crate::tap::Bits;
 
@@ -100,25 +100,17 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
 impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
     #[inline(always)]
     fn finished(&self, row: u32) -> bool {
-        !O::BACK_TO_FRONT && V::enter(|| all_finished::<_, V>(self.run(row, 3)))
+        !O::BACK_TO_FRONT && V::enter((AllFinished, PhantomData::<V>, self.run(row, 3)))
     }
 
     #[inline(always)]
     fn visible(&self, row: u32, opacities: &[i32], from: usize) -> Option<Range<usize>> {
-        V::enter(|| visible_span::<O, _, V>(opacities, self.run(row, 3), from))
+        V::enter((Visible, PhantomData::<(O, V)>, opacities, self.run(row, 3), from))
     }
 
     #[inline(always)]
     fn fold(&mut self, row: u32, span: Range<usize>, colours: &Colours<'_, i32>, opacities: &[i32]) {
-        let (recurrence, dither, floor) = (self.recurrence, self.dither, self.floor);
-        let columns = self.columns.start + span.start..self.columns.start + span.end;
-        V::enter(|| {
-            let mut pixels = self.pixels(self.start(row), columns);
-            match colours.one {
-                Some(colour) => fold_visible_row::<R, O, V>(recurrence, &mut pixels, colour, opacities, dither, floor),
-                None => fold_row::<R, O, V>(recurrence, &mut pixels, colours.rows(), opacities, dither, floor),
-            }
-        });
+        V::enter((Fold, self, row, span, colours, opacities));
     }
 
     fn look(&self, row: u32, span: Range<usize>, see: &mut dyn FnMut(&[&dyn Bits])) {
@@ -131,16 +123,7 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
         if O::BACK_TO_FRONT {
             return fresh.end;
         }
-        V::enter(|| {
-            let mut kept = fresh.start;
-            for number in fresh {
-                let place = places.get(number);
-                // Branch-free, because the outcome is unpredictable.
-                places.set(kept, place);
-                kept += usize::from(!self.left(places, place).all_zero());
-            }
-            kept
-        })
+        V::enter((Unfinished, self, places, fresh))
     }
 
     #[inline(always)]
@@ -151,47 +134,149 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
         samples: &mut [i32],
         opacities: &mut [i32],
     ) -> (usize, usize) {
-        V::enter(|| {
-            let (mut kept, mut packed) = (0, 0);
-            for number in 0..count {
-                let place = places.get(number);
-                let at = number * V::COUNT;
-                let opacity = if O::BACK_TO_FRONT {
-                    // Lanes beyond the block see nothing.
-                    V::load(part(opacities, at..at + places.pixels(place.1).len()), 0)
-                } else {
-                    self.left(places, place).nonzero_then(V::load(opacities, at))
-                };
-                V::load(samples, at).packed(opacity).store(samples, packed);
-                packed += opacity.count();
-                opacity.store(opacities, kept * V::COUNT);
-                places.set(kept, place);
-                kept += usize::from(!opacity.all_zero());
-            }
-            (kept, packed)
-        })
+        V::enter((Pack, self, places, count, [samples, opacities]))
     }
 
     #[inline(always)]
     fn fold_packed(&mut self, places: &Places<'_>, count: usize, colours: &Colours<'_, i32>, opacities: &[i32]) {
-        let (recurrence, dither, floor, width) = (self.recurrence, self.dither, self.floor, self.width);
-        V::enter(|| {
-            let floor = V::splat(floor.bits() as i32);
-            let [red, green, blue] = colours.rows();
-            let mut at = 0;
-            for number in 0..count {
-                let (row, column) = places.get(number);
-                let opacity = V::load(opacities, number * V::COUNT);
-                let colour = [
-                    V::load(red, at).spread(opacity),
-                    V::load(green, at).spread(opacity),
-                    V::load(blue, at).spread(opacity),
-                ];
-                at += opacity.count();
-                let mut pixels = self.pixels(4 * row * width, places.pixels(column));
-                fold_at::<R, O, V>(recurrence, &mut pixels, 0, (colour, opacity), dither, floor);
-            }
-        });
+        V::enter((FoldPacked, self, places, count, colours, opacities));
+    }
+}
+
+/// [`all_finished`].
+pub(super) struct AllFinished;
+
+impl<C: Channel, V: Lanes> Kernel for (AllFinished, PhantomData<V>, &[C]) {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let (_, _, transparencies) = self;
+        all_finished::<_, V>(transparencies)
+    }
+}
+
+struct Visible;
+
+impl<C: Channel, O: Order, V: Lanes> Kernel for (Visible, PhantomData<(O, V)>, &[i32], &[C], usize) {
+    type Output = Option<Range<usize>>;
+
+    #[inline(always)]
+    fn run(self) -> Option<Range<usize>> {
+        let (_, _, opacities, transparencies, from) = self;
+        visible_span::<O, _, V>(opacities, transparencies, from)
+    }
+}
+
+struct Fold;
+
+impl<R: Recurrence, O: Order, V: Lanes> Kernel
+    for (
+        Fold,
+        &mut Image<'_, R, O, V>,
+        u32,
+        Range<usize>,
+        &Colours<'_, i32>,
+        &[i32],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, image, row, span, colours, opacities) = self;
+        let (recurrence, dither, floor) = (image.recurrence, image.dither, image.floor);
+        let columns = image.columns.start + span.start..image.columns.start + span.end;
+        let mut pixels = image.pixels(image.start(row), columns);
+        match colours.one {
+            Some(colour) => fold_visible_row::<R, O, V>(recurrence, &mut pixels, colour, opacities, dither, floor),
+            None => fold_row::<R, O, V>(recurrence, &mut pixels, colours.rows(), opacities, dither, floor),
+        }
+    }
+}
+
+struct Unfinished;
+
+impl<R: Recurrence, O: Order, V: Lanes> Kernel for (Unfinished, &Image<'_, R, O, V>, &mut Places<'_>, Range<usize>) {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run(self) -> usize {
+        let (_, image, places, fresh) = self;
+        let mut kept = fresh.start;
+        for number in fresh {
+            let place = places.get(number);
+            // Branch-free, because the outcome is unpredictable.
+            places.set(kept, place);
+            kept += usize::from(!image.left(places, place).all_zero());
+        }
+        kept
+    }
+}
+
+struct Pack;
+
+impl<R: Recurrence, O: Order, V: Lanes> Kernel
+    for (Pack, &Image<'_, R, O, V>, &mut Places<'_>, usize, [&mut [i32]; 2])
+{
+    type Output = (usize, usize);
+
+    #[inline(always)]
+    fn run(self) -> (usize, usize) {
+        let (_, image, places, count, [samples, opacities]) = self;
+        let (mut kept, mut packed) = (0, 0);
+        for number in 0..count {
+            let place = places.get(number);
+            let at = number * V::COUNT;
+            let opacity = if O::BACK_TO_FRONT {
+                // Lanes beyond the block see nothing.
+                V::load(part(opacities, at..at + places.pixels(place.1).len()), 0)
+            } else {
+                image.left(places, place).nonzero_then(V::load(opacities, at))
+            };
+            V::load(samples, at).packed(opacity).store(samples, packed);
+            packed += opacity.count();
+            opacity.store(opacities, kept * V::COUNT);
+            places.set(kept, place);
+            kept += usize::from(!opacity.all_zero());
+        }
+        (kept, packed)
+    }
+}
+
+struct FoldPacked;
+
+impl<R: Recurrence, O: Order, V: Lanes> Kernel
+    for (
+        FoldPacked,
+        &mut Image<'_, R, O, V>,
+        &Places<'_>,
+        usize,
+        &Colours<'_, i32>,
+        &[i32],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, image, places, count, colours, opacities) = self;
+        let (recurrence, dither, width) = (image.recurrence, image.dither, image.width);
+        let floor = V::splat(image.floor.bits() as i32);
+        let [red, green, blue] = colours.rows();
+        let mut at = 0;
+        for number in 0..count {
+            let (row, column) = places.get(number);
+            let opacity = V::load(opacities, number * V::COUNT);
+            let colour = [
+                V::load(red, at).spread(opacity),
+                V::load(green, at).spread(opacity),
+                V::load(blue, at).spread(opacity),
+            ];
+            at += opacity.count();
+            let mut pixels = image.pixels(4 * row * width, places.pixels(column));
+            fold_at::<R, O, V>(recurrence, &mut pixels, 0, (colour, opacity), dither, floor);
+        }
     }
 }
 
@@ -227,7 +312,7 @@ fn visible_span<O: Order, C: Channel, V: Lanes>(
 
 /// Whether all rays of a row have terminated.
 #[inline(always)]
-pub(super) fn all_finished<C: Channel, V: Lanes>(transparencies: &[C]) -> bool {
+fn all_finished<C: Channel, V: Lanes>(transparencies: &[C]) -> bool {
     for at in (0..transparencies.len()).step_by(V::COUNT) {
         if !V::load_as(transparencies, at, C::bits).all_zero() {
             return false;

@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use super::blocks::{BATCH, BATCH_WIDTH, Blocks};
-use super::canvas::{Canvas, Image, all_finished};
+use super::canvas::{AllFinished, Canvas, Image};
 use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kernels::{ClassifierRows, Kernels, ShaderRows};
@@ -16,7 +16,7 @@ use crate::composite::{Channel, Dither, Order, Pixel, Recurrence};
 use crate::lanes::Lanes;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::part_mut;
+use crate::rows::{part, part_mut};
 use crate::shade::Shader;
 use crate::tap::Tap;
 
@@ -193,14 +193,12 @@ where
             return false;
         }
         let [width, _] = plan.base().map(|side| side as usize);
-        V::enter(|| {
-            for row in data.chunks_exact((4 * width).max(1)) {
-                if !all_finished::<_, V>(row.get(3 * width..).unwrap_or(&[])) {
-                    return false;
-                }
+        for row in data.chunks_exact((4 * width).max(1)) {
+            if !V::enter((AllFinished, PhantomData::<V>, part(row, 3 * width..4 * width))) {
+                return false;
             }
-            true
-        })
+        }
+        true
     }
 
     fn pixel(&self, row: &[ChannelOf<P>], column: usize) -> Pixel<ChannelOf<P>> {

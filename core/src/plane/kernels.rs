@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use crate::classify::{Classifier, Slab};
 use crate::composite::Colours;
-use crate::lanes::Lanes;
+use crate::lanes::{Kernel, Lanes};
 use crate::normalise::normalise_row;
 use crate::precision::Precision;
 use crate::shade::Shader;
@@ -49,12 +49,38 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
 
     #[inline(always)]
     fn opacity_row(&self, slab: Slab<'_>, out: &mut [i32]) {
-        V::enter(|| self.0.opacity_row::<V>(self.1, slab, out));
+        V::enter((OpacityRow, self, slab, out));
     }
 
     #[inline(always)]
     fn colour_row(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
-        V::enter(|| self.0.colour_row::<V>(self.1, slab, out));
+        V::enter((ColourRow, self, slab, out));
+    }
+}
+
+struct OpacityRow;
+
+impl<C: Classifier<P>, P: Precision, V: Lanes> Kernel for (OpacityRow, &Kernels<'_, C, P, V>, Slab<'_>, &mut [i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, kernels, slab, out) = self;
+        kernels.0.opacity_row::<V>(kernels.1, slab, out);
+    }
+}
+
+struct ColourRow;
+
+impl<C: Classifier<P>, P: Precision, V: Lanes> Kernel
+    for (ColourRow, &Kernels<'_, C, P, V>, Slab<'_>, [&mut [i32]; 3])
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, kernels, slab, out) = self;
+        kernels.0.colour_row::<V>(kernels.1, slab, out);
     }
 }
 
@@ -66,20 +92,63 @@ impl<S: Shader<P>, P: Precision, V: Lanes> ShaderRows<i32> for Kernels<'_, S, P,
 
     #[inline(always)]
     fn normalise(&self, g: [&mut [i32]; 3], r: &mut [i32]) {
-        V::enter(|| normalise_row::<V>(g, r));
+        V::enter((Normalise, PhantomData::<V>, g, r));
     }
 
     #[inline(always)]
     fn shade(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>) {
-        V::enter(|| self.0.shade_row::<V>(g, r, colours));
+        V::enter((Shade, self, g, r, colours));
     }
 
     #[inline(always)]
     fn normalise_and_shade(&self, g: [&mut [i32]; 3], r: &mut [i32], colours: &mut Colours<'_, i32>) {
-        V::enter(|| {
-            let [x, y, z] = g;
-            normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
-            self.0.shade_row::<V>([x, y, z], r, colours);
-        });
+        V::enter((NormaliseAndShade, self, g, r, colours));
+    }
+}
+
+struct Normalise;
+
+impl<V: Lanes> Kernel for (Normalise, PhantomData<V>, [&mut [i32]; 3], &mut [i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, g, r) = self;
+        normalise_row::<V>(g, r);
+    }
+}
+
+struct Shade;
+
+impl<S: Shader<P>, P: Precision, V: Lanes> Kernel
+    for (Shade, &Kernels<'_, S, P, V>, [&[i32]; 3], &[i32], &mut Colours<'_, i32>)
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, kernels, g, r, colours) = self;
+        kernels.0.shade_row::<V>(g, r, colours);
+    }
+}
+
+struct NormaliseAndShade;
+
+impl<S: Shader<P>, P: Precision, V: Lanes> Kernel
+    for (
+        NormaliseAndShade,
+        &Kernels<'_, S, P, V>,
+        [&mut [i32]; 3],
+        &mut [i32],
+        &mut Colours<'_, i32>,
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, kernels, [x, y, z], r, colours) = self;
+        normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
+        kernels.0.shade_row::<V>([x, y, z], r, colours);
     }
 }

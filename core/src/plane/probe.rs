@@ -8,7 +8,7 @@ use super::extent::Extent;
 use super::source::{SourceAt, derivatives, spaced};
 use crate::format::Intensity;
 use crate::interpolate::{Difference, cut, kept, lerp_x, lerp_y};
-use crate::lanes::Lanes;
+use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::rows::part_mut;
 use crate::slice::{Slice, Window};
@@ -35,37 +35,65 @@ pub(super) struct Probes<'s, 'w, P, V> {
 impl<P: Precision, V: Lanes> SourceAt<i32> for Probes<'_, '_, P, V> {
     #[inline(always)]
     fn samples_at(&self, places: &Places<'_>, count: usize, out: &mut [i32]) {
-        V::enter(|| {
-            let probe = Probe::<P, V>::new(self.precision, self.extent, self.window);
-            for number in 0..count {
-                let (row, column) = places.get(number);
-                let sample = probe.sample(places.voxel_row(row), column as i32);
-                sample.store(out, number * V::COUNT);
-            }
-        });
+        V::enter((SamplesAt, self, places, count, out));
     }
 
     #[inline(always)]
     fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[i32], out: [&mut [i32]; 3]) {
-        V::enter(|| {
-            let probe = Probe::<P, V>::new(self.precision, self.extent, self.window);
-            let [gx, gy, gz] = out;
-            let mut at = 0;
-            for number in 0..count {
-                let (row, column) = places.get(number);
-                let chosen = V::load(chosen, number * V::COUNT);
-                let [x, y, z] = probe.gradient(places.voxel_row(row), column as i32);
-                x.packed(chosen).store(gx, at);
-                y.packed(chosen).store(gy, at);
-                z.packed(chosen).store(gz, at);
-                at += chosen.count();
-            }
-            spaced::<P, V>(
-                self.precision,
-                [part_mut(gx, 0..at), part_mut(gy, 0..at), part_mut(gz, 0..at)],
-                self.spacing,
-            );
-        });
+        V::enter((GradientsAt, self, places, count, chosen, out));
+    }
+}
+
+struct SamplesAt;
+
+impl<P: Precision, V: Lanes> Kernel for (SamplesAt, &Probes<'_, '_, P, V>, &Places<'_>, usize, &mut [i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, probes, places, count, out) = self;
+        let probe = Probe::<P, V>::new(probes.precision, probes.extent, probes.window);
+        for number in 0..count {
+            let (row, column) = places.get(number);
+            let sample = probe.sample(places.voxel_row(row), column as i32);
+            sample.store(out, number * V::COUNT);
+        }
+    }
+}
+
+struct GradientsAt;
+
+impl<P: Precision, V: Lanes> Kernel
+    for (
+        GradientsAt,
+        &Probes<'_, '_, P, V>,
+        &Places<'_>,
+        usize,
+        &[i32],
+        [&mut [i32]; 3],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, probes, places, count, chosen, [gx, gy, gz]) = self;
+        let probe = Probe::<P, V>::new(probes.precision, probes.extent, probes.window);
+        let mut at = 0;
+        for number in 0..count {
+            let (row, column) = places.get(number);
+            let chosen = V::load(chosen, number * V::COUNT);
+            let [x, y, z] = probe.gradient(places.voxel_row(row), column as i32);
+            x.packed(chosen).store(gx, at);
+            y.packed(chosen).store(gy, at);
+            z.packed(chosen).store(gz, at);
+            at += chosen.count();
+        }
+        spaced::<P, V>(
+            probes.precision,
+            [part_mut(gx, 0..at), part_mut(gy, 0..at), part_mut(gz, 0..at)],
+            probes.spacing,
+        );
     }
 }
 
@@ -121,7 +149,7 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     #[inline(always)]
     fn sample(&self, row: i32, from: i32) -> V {
         if !self.has([from, from + 1], [row, row + 1]) {
-            V::enter(|| self.sample_of::<false, false>(row, from))
+            V::enter((SampleAtFace, self, row, from))
         } else if self.in_slice {
             self.sample_of::<true, true>(row, from)
         } else {
@@ -143,7 +171,7 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     fn gradient(&self, row: i32, from: i32) -> [V; 3] {
         if !self.has([from - 1, from + 2], [row - 1, row + 2]) {
             // Much code and seldom run: out of line.
-            V::enter(|| self.gradient_of::<false, false>(row, from))
+            V::enter((GradientAtFace, self, row, from))
         } else if self.in_slice {
             self.gradient_of::<true, true>(row, from)
         } else {
@@ -260,5 +288,29 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
         } else {
             near.scaled::<V>(from).between16(far.scaled(from), self.wz)
         }
+    }
+}
+
+struct SampleAtFace;
+
+impl<P: Precision, V: Lanes> Kernel for (SampleAtFace, &Probe<'_, P, V>, i32, i32) {
+    type Output = V;
+
+    #[inline(always)]
+    fn run(self) -> V {
+        let (_, probe, row, from) = self;
+        probe.sample_of::<false, false>(row, from)
+    }
+}
+
+struct GradientAtFace;
+
+impl<P: Precision, V: Lanes> Kernel for (GradientAtFace, &Probe<'_, P, V>, i32, i32) {
+    type Output = [V; 3];
+
+    #[inline(always)]
+    fn run(self) -> [V; 3] {
+        let (_, probe, row, from) = self;
+        probe.gradient_of::<false, false>(row, from)
     }
 }

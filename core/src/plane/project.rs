@@ -8,7 +8,7 @@ use super::source::{Sheared, Source};
 use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::Classifier;
 use crate::composite::Pixel;
-use crate::lanes::Lanes;
+use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::project::{Extreme, keep_row, resolve};
 use crate::rows::part_mut;
@@ -84,7 +84,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             }
             let start = (row - rows.first) as usize * base_width;
             let columns = start + extent.columns.start..start + extent.columns.end;
-            V::enter(|| keep_row::<X, V>(part_mut(rows.data, columns), samples));
+            V::enter((Keep, PhantomData::<(X, V)>, part_mut(rows.data, columns), samples));
         }
         Ok(())
     }
@@ -92,5 +92,17 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
     fn pixel(&self, row: &[i32], column: usize) -> Pixel<ChannelOf<P>> {
         let kept = row.get(column).copied().unwrap_or(X::EMPTY);
         resolve::<P, X>(self.precision, kept, &self.classifier)
+    }
+}
+
+struct Keep;
+
+impl<X: Extreme, V: Lanes> Kernel for (Keep, PhantomData<(X, V)>, &mut [i32], &[i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, row, samples) = self;
+        keep_row::<X, V>(row, samples);
     }
 }

@@ -13,7 +13,7 @@ use super::scratch::SourceRows;
 use crate::format::Intensity;
 use crate::gradient::{coarsen_row, difference_row, space_row};
 use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, yx_row_in_slice, z_difference_row, z_row};
-use crate::lanes::Lanes;
+use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
 use crate::shade::Shader;
@@ -265,7 +265,7 @@ pub(super) fn spaced<P: Precision, V: Lanes>(p: P, [gx, gy, gz]: [&mut [i32]; 3]
 impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sheared<'_, '_, P, V, S> {
     #[inline(always)]
     fn make(&mut self, row: i32) {
-        V::enter(|| self.make_row(row));
+        V::enter((MakeRow, self, row));
     }
 
     #[inline(always)]
@@ -277,8 +277,40 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sheared<'_, '_, P, V,
     fn gradients(&mut self, row: i32, span: Range<usize>, out: [&mut [i32]; 3]) {
         // Unlit pipelines have no such code.
         if S::LIT {
-            V::enter(|| self.make_gradients(row, span, out));
+            V::enter((MakeGradients, self, row, span, out));
         }
+    }
+}
+
+struct MakeRow;
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Kernel for (MakeRow, &mut Sheared<'_, '_, P, V, S>, i32) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, source, row) = self;
+        source.make_row(row);
+    }
+}
+
+struct MakeGradients;
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Kernel
+    for (
+        MakeGradients,
+        &mut Sheared<'_, '_, P, V, S>,
+        i32,
+        Range<usize>,
+        [&mut [i32]; 3],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, source, row, span, out) = self;
+        source.make_gradients(row, span, out);
     }
 }
 

@@ -7,12 +7,13 @@
 //! Tiles are as large as the copy allows: where the picture is much smaller than the base plane, a tile is one pixel and
 //! its copy the four that it mixes. No memory grows with the base plane.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use rayon::prelude::*;
 use slicecast::composite::{Channel as _, ChannelFormat, Pixel};
 use slicecast::format::Intensity;
-use slicecast::lanes::Lanes;
+use slicecast::lanes::{Kernel, Lanes};
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Pictured, Pipeline};
 use slicecast::stream::phase_len;
@@ -311,6 +312,18 @@ struct Band<'a, C> {
     memory: &'a mut Memory<C>,
 }
 
+/// Mixes what a row of picture pixels has collected.
+struct Show<'a, C, V>(&'a mut Row<C>, &'a mut [[u8; 3]], PhantomData<V>);
+
+impl<C: ChannelFormat, V: Lanes> Kernel for Show<'_, C, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.show::<V>(self.1);
+    }
+}
+
 impl<C: ChannelFormat> OverLanes for Band<'_, C> {
     type Output = ();
 
@@ -338,7 +351,7 @@ impl<C: ChannelFormat> OverLanes for Band<'_, C> {
                     let exact = self.warp.exact(x as u32, y);
                     let at = [0, 1].map(|axis| exact[axis].wrapping_sub(first[axis] << 32));
                     row.collect(copy, width, at, step, out.len());
-                    V::enter(|| row.show::<V>(out));
+                    V::enter(Show(row, out, PhantomData::<V>));
                 } else {
                     out.fill(self.clear);
                 }

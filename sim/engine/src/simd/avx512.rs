@@ -6,7 +6,7 @@ use std::arch::x86_64::*;
 use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
-use slicecast::lanes::{Lanes, Wide};
+use slicecast::lanes::{Kernel, Lanes, Wide};
 use slicecast::table::{Coding, Neighboured};
 
 use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
@@ -155,7 +155,7 @@ impl Lanes for Avx512 {
     const COUNT: usize = 16;
 
     #[inline(always)]
-    fn enter<R>(kernel: impl FnOnce() -> R) -> R {
+    fn enter<K: Kernel>(kernel: K) -> K::Output {
         super::entry::avx512(kernel)
     }
 

@@ -3,13 +3,15 @@
 
 #![expect(unsafe_code, reason = "the entries to code for vectors")]
 
+use slicecast::lanes::Kernel;
+
 /// Runs a kernel compiled for AVX-512; all that it calls is inlined.
 #[inline(always)]
-pub fn avx512<R>(kernel: impl FnOnce() -> R) -> R {
+pub fn avx512<K: Kernel>(kernel: K) -> K::Output {
     #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi1,bmi2,fma")]
     #[inline(never)]
-    fn entry<R>(kernel: impl FnOnce() -> R) -> R {
-        kernel()
+    fn entry<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run()
     }
     // SAFETY: an `Avx512Token` has been made, so the processor has these instructions.
     unsafe { entry(kernel) }
@@ -17,11 +19,11 @@ pub fn avx512<R>(kernel: impl FnOnce() -> R) -> R {
 
 /// Runs a kernel compiled for AVX2; all that it calls is inlined.
 #[inline(always)]
-pub fn avx2<R>(kernel: impl FnOnce() -> R) -> R {
+pub fn avx2<K: Kernel>(kernel: K) -> K::Output {
     #[target_feature(enable = "avx2,bmi1,bmi2,fma")]
     #[inline(never)]
-    fn entry<R>(kernel: impl FnOnce() -> R) -> R {
-        kernel()
+    fn entry<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run()
     }
     // SAFETY: an `Avx2Token` has been made, so the processor has these instructions.
     unsafe { entry(kernel) }

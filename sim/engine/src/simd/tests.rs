@@ -1,9 +1,11 @@
 //! Every operation of every width against one lane, which is the definition.
 
+use std::marker::PhantomData;
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use slicecast::composite::Unorm16;
-use slicecast::lanes::{Lanes, Small, Wide};
+use slicecast::lanes::{Kernel, Lanes, Small, Wide};
 use slicecast::table::{Coding, Neighboured};
 
 use super::{OverLanes, Simd, with_lanes};
@@ -29,7 +31,18 @@ impl OverLanes for &Rows {
     type Output = Vec<Vec<i32>>;
 
     fn run<V: Lanes>(self) -> Vec<Vec<i32>> {
-        V::enter(|| self.results::<V>())
+        V::enter(Results::<V>(self, PhantomData))
+    }
+}
+
+struct Results<'a, V>(&'a Rows, PhantomData<V>);
+
+impl<V: Lanes> Kernel for Results<'_, V> {
+    type Output = Vec<Vec<i32>>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Vec<i32>> {
+        self.0.results::<V>()
     }
 }
 
@@ -237,12 +250,18 @@ fn reciprocal_roots_are_the_definition() {
         type Output = Vec<i32>;
         fn run<V: Lanes>(self) -> Vec<i32> {
             let mut out = vec![0; self.0.len()];
-            V::enter(|| {
-                for at in (0..out.len()).step_by(V::COUNT) {
-                    V::load(&self.0, at).reciprocal_root().store(&mut out, at);
-                }
-            });
+            V::enter(Each::<V>(&self.0, &mut out, PhantomData));
             out
+        }
+    }
+    struct Each<'a, V>(&'a [i32], &'a mut [i32], PhantomData<V>);
+    impl<V: Lanes> Kernel for Each<'_, V> {
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            for at in (0..self.0.len()).step_by(V::COUNT) {
+                V::load(self.0, at).reciprocal_root().store(self.1, at);
+            }
         }
     }
     let (first, last) = (1u32 << 28, 3_221_028_867u32);
@@ -267,7 +286,18 @@ impl OverLanes for Packing<'_> {
     type Output = [Vec<i32>; 2];
 
     fn run<V: Lanes>(self) -> [Vec<i32>; 2] {
-        V::enter(|| self.packed_and_spread::<V>())
+        V::enter(PackedAndSpread::<V>(self, PhantomData))
+    }
+}
+
+struct PackedAndSpread<'a, V>(Packing<'a>, PhantomData<V>);
+
+impl<V: Lanes> Kernel for PackedAndSpread<'_, V> {
+    type Output = [Vec<i32>; 2];
+
+    #[inline(always)]
+    fn run(self) -> [Vec<i32>; 2] {
+        self.0.packed_and_spread::<V>()
     }
 }
 

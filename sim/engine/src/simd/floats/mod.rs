@@ -5,6 +5,8 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 
+#[cfg(target_arch = "x86_64")]
+use std::marker::PhantomData;
 use std::ops::{Add, Mul, Sub};
 
 use slicecast::lanes::Lanes;
@@ -145,14 +147,28 @@ pub trait OverFloats {
     fn run<F: Floats>(self) -> Self::Output;
 }
 
+/// Work with vectors of a width.
+#[cfg(target_arch = "x86_64")]
+struct Run<W, F>(W, PhantomData<F>);
+
+#[cfg(target_arch = "x86_64")]
+impl<W: OverFloats, F: Floats> slicecast::lanes::Kernel for Run<W, F> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn run(self) -> W::Output {
+        self.0.run::<F>()
+    }
+}
+
 /// Does some work with vectors of this width.
 pub fn with_floats<W: OverFloats>(simd: Simd, work: W) -> W::Output {
     match simd {
         Simd::Scalar => work.run::<f32>(),
         #[cfg(target_arch = "x86_64")]
-        Simd::Avx2(_) => super::entry::avx2(|| work.run::<avx2::Avx2>()),
+        Simd::Avx2(_) => super::entry::avx2(Run::<_, avx2::Avx2>(work, PhantomData)),
         #[cfg(target_arch = "x86_64")]
-        Simd::Avx512(_) => super::entry::avx512(|| work.run::<avx512::Avx512>()),
+        Simd::Avx512(_) => super::entry::avx512(Run::<_, avx512::Avx512>(work, PhantomData)),
         #[cfg(not(target_arch = "x86_64"))]
         Simd::Avx2(never) => never.absurd(),
         #[cfg(not(target_arch = "x86_64"))]
