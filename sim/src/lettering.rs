@@ -32,8 +32,13 @@ impl Sheet {
     /// Writes white text with its upper left corner at a place. What lies outside is cut off; letters that ASCII does
     /// not have become question marks.
     pub fn write(&mut self, text: &str, at: [u32; 2]) {
+        // Beyond the picture the font's own sums overflow.
+        let outside = at.iter().zip(self.0.size).any(|(place, side)| *place >= side);
+        let [Ok(x), Ok(y)] = at.map(i32::try_from) else { return };
+        if outside {
+            return;
+        }
         let style = MonoTextStyle::new(&FONT_7X13, Rgb888::WHITE);
-        let [x, y] = at.map(|place| i32::try_from(place).unwrap_or(i32::MAX));
         let written: Result<_, Infallible> =
             Text::with_baseline(text, Point::new(x, y), style, Baseline::Top).draw(self);
         let Ok(_) = written;

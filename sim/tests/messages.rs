@@ -90,7 +90,7 @@ fn extremes_are_refused_by_name_or_rendered() {
     place.nrrd("beyond.nrrd", "double", [2, 2, 1], &doubles(1e200));
     let text = place.refuses("render beyond.nrrd -o a.png");
     assert!(
-        text.contains("beyond.nrrd: the scene `mr`: `transfer.points["),
+        text.contains("beyond.nrrd: values from 0 to 1e200 cannot be divided into 4096 codes"),
         "{text}"
     );
     // All of 64 bits can be rendered.
