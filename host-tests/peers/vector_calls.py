@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Finds vector code that was not inlined into a vector width's: usage, vector_calls.py PROGRAM
 
-All that the code of a width calls is to be inlined into it (`slicecast_engine::simd::with_lanes`). The compiler inlines a function
+All that the code of a width calls is to be inlined into it (`slicecast_engine::simd::entry`). The compiler inlines a function
 because it is told to, but a closure, or what is given to an array's `map` or an iterator's `all`, only when it likes to; and
 what it likes changes with the program around. What is left outside is compiled without the processor's vectors, hands them
 over through memory and calls a function for each instruction: a frame took three times as long. This reads a release build
@@ -13,7 +13,7 @@ import re
 import subprocess
 import sys
 
-ENTRY = "with_lanes"
+ENTRY = "simd::entry::"
 INSTRUCTION = re.compile(r"core::core_arch::x86::(avx|bmi|fma)\w*::(\w+)")
 
 

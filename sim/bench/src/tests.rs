@@ -65,3 +65,39 @@ fn every_subject_is_measured_and_compared_with_its_own_kind() {
     let ratio = rows[2].against_compact.unwrap();
     assert!((ratio / (rows[0].milliseconds / rows[2].milliseconds) - 1.0).abs() < 1e-9);
 }
+
+/// Vectors whose operations were not inlined into the code for the processor take thirty times as long: `vector_calls.py`
+/// finds where. An unoptimised build inlines nothing.
+#[cfg(not(debug_assertions))]
+#[test]
+fn vectors_are_faster_than_one_lane() {
+    let volume = cube(48);
+    for lights in [0, 1] {
+        let scene = fog(
+            &volume,
+            Fog {
+                lights,
+                colourful: true,
+            },
+        );
+        for engine in [Engine::Fixed(PrecisionName::Compact), Engine::Float] {
+            let subject = |simd| Subject {
+                engine,
+                simd,
+                all_threads: false,
+            };
+            let subjects: Vec<_> = Simd::available().map(subject).collect();
+            let threads = Threads::start(Some(1)).unwrap();
+            let (_, rows) = measure(&scene, &volume, &subjects, 5, &threads, &|_, _| ()).unwrap();
+            let [scalar, vectors @ ..] = &rows[..] else {
+                panic!("no row of one lane")
+            };
+            for row in vectors {
+                assert!(
+                    row.milliseconds < scalar.milliseconds,
+                    "{lights} lights: {row:?}, {scalar:?}"
+                );
+            }
+        }
+    }
+}
