@@ -60,17 +60,30 @@ pub fn rendering(
     material: Option<&Material>,
     plan: Plan,
 ) -> Result<Box<dyn Framing>, PhongError> {
-    with_precision!(scene.precision, precision => of_precision(precision, scene, table, material, plan))
+    rendering_over(scene.precision, scene, table.expanded(), material, plan)
+}
+
+/// The rendering of a scene in a precision, over a table.
+///
+/// # Errors
+/// As [`rendering`].
+pub fn rendering_over(
+    precision: PrecisionName,
+    scene: &Scene,
+    table: Expanded,
+    material: Option<&Material>,
+    plan: Plan,
+) -> Result<Box<dyn Framing>, PhongError> {
+    with_precision!(precision, precision => of_precision(precision, scene, table, material, plan))
 }
 
 fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     precision: P,
     scene: &Scene,
-    table: &Table,
+    table: Expanded,
     material: Option<&Material>,
     plan: Plan,
 ) -> Result<Box<dyn Framing>, PhongError> {
-    let table = table.expanded();
     Ok(match (scene.blend, material) {
         (Blend::FrontToBack, Some(material)) => {
             let phong = material.phong(precision)?;

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 use slicecast::locate::plane;
 use slicecast::plan::Plan;
 use slicecast::plane::Composite;
-use slicecast::precision::Precision;
 use slicecast::shade::Unlit;
 use slicecast::slice::Slice;
 
@@ -15,12 +14,12 @@ use slicecast_compare::Tiles;
 use slicecast_compare::image::{ImageFigures, base_figures};
 use slicecast_compare::lockstep::Lockstep;
 use slicecast_compare::stages::{StageErrors, StageReport};
-use slicecast_engine::camera::CameraError;
+use slicecast_engine::camera::{CameraError, Setup};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::BaseImage;
-use slicecast_engine::pipelines::early;
+use slicecast_engine::pipelines::{early, rendering_over};
 use slicecast_engine::rendering::{Rendering, Under, in_memory_order, tapped};
 use slicecast_engine::table::{Correction, Filled, fill};
 use slicecast_engine::tiles::TILE_ROWS;
@@ -113,7 +112,14 @@ impl Runner {
     /// The configuration's rendering of a scene, its image untouched.
     fn begun(&self, prepared: &Prepared<'_>) -> Result<Box<dyn Rendering>, RenderError> {
         let table = (self.table)(prepared, self.lookup);
-        let mut rendering = with_kind!(self.kind, precision => under(precision, prepared, table))?;
+        let Setup { material, plan, .. } = &prepared.setup;
+        let mut rendering: Box<dyn Rendering> = match self.kind {
+            Kind::Named(name) => {
+                let rendering = rendering_over(name, prepared.scene, table, material.as_ref(), *plan);
+                rendering.map_err(CameraError::from)?
+            }
+            Kind::Study(study) => under(study, prepared, table)?,
+        };
         rendering.begin()?;
         Ok(rendering)
     }
@@ -187,12 +193,8 @@ fn table<A: Coded>(prepared: &Prepared<'_>, lookup: LookupName) -> Expanded {
     A::expanded(&filled, lookup)
 }
 
-/// The rendering of a lit scene or of an unlit one.
-fn under<P: Precision>(
-    precision: P,
-    prepared: &Prepared<'_>,
-    table: Expanded,
-) -> Result<Box<dyn Rendering>, RenderError> {
+/// The rendering of a study, of a lit scene or of an unlit one.
+fn under(precision: Study, prepared: &Prepared<'_>, table: Expanded) -> Result<Box<dyn Rendering>, RenderError> {
     let (plan, bits) = (prepared.setup.plan, prepared.scene.early_termination);
     Ok(match &prepared.setup.material {
         Some(material) => {
