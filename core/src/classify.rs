@@ -8,8 +8,8 @@
 //! |---|---|---|
 //! | sample s | 12.F | 0 to 4095 |
 //! | square root q | 0.16; of an 8-bit code 257 q8 | 0 to 65535 |
-//! | opacity a | 1.31, `(q^2 + 1) >> 1` | 0 to 2147418113 |
-//! | colour c | 1.15, `(257 O8 + 1) >> 1`; 1.31 in `Wide`, `8421504 O8 + ((257 O8 + 256) >> 9)` | 0 to 1 |
+//! | opacity a | 1.31, `(q * q + 1) >> 1` | 0 to 2147418113 |
+//! | colour c | 1.15, `(257 * O8 + 1) >> 1`; 1.31 in `Wide`, `8421504 * O8 + ((257 * O8 + 256) >> 9)` | 0 to 1 |
 //!
 //! Index: the nearest entry, `(s + 2^(F-1)) >> F`, taken from the stored sample only ([`Nearest`]); or linear between
 //! the two neighbours, opacity and colour alike, rounded to nearest ([`Linear`]). Neither can leave the table.

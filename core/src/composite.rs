@@ -1,7 +1,7 @@
 //! Compositing: fold the samples of a ray into its pixel.
 //!
 //! Source: Squeeze, equations 4, 6 and 9. The accurate precisions use the telescoping form
-//! `w = T a; T -= w; C += c w`: what a sample takes from the light is exactly what it may give, so that white fog keeps
+//! `w = (T * a) >> 31; T -= w; C += (c * w) >> 31` (1.31; 16 bits: `docs/contract/compositing.md`): what a sample takes from the light is exactly what it may give, so that white fog keeps
 //! C + T = 1 and no clamp can fire.
 //!
 //! | value | format | range |

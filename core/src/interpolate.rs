@@ -10,10 +10,10 @@
 //! | after z, after y | s15.16 | as the voxels |
 //! | sample | 12.12 or 12.15 | between its eight voxels |
 //!
-//! z: `(v0 << 16) + (v1 - v0) w`, exact. y: `a + (b - a) w`, rounded to `lerp_bits`. x: the same, rounded to the
-//! sample's format. Products of 28 by 16 bits are exact before they are rounded (`product`).
+//! z: `(v0 << 16) + (v1 - v0) * wz`, exact. y: `((a1 - a0) * wy + 2^15) >> 16` beside a0, rounded to `lerp_bits`. x:
+//! `b0 + ((b1 - b0) * wx >> 16)`, rounded to the sample's format. All forms: `docs/contract/interpolation.md`.
 //! Error of a sample against the same weights: 0.75 ulp of 12.15, 0.54 of 12.12 (both nearest), below 2 truncated.
-//! Overflow: none; |b - a| <= 16380 * 2^16 < 2^30. State: none.
+//! Overflow: none; |b1 - b0| <= 16380 * 2^16 < 2^30. State: none.
 
 use core::ops::Range;
 

@@ -7,17 +7,17 @@
 //! |---|---|---|
 //! | g, r | `normalise` | normal N = -g r / 2^35 (towards lower values) |
 //! | light L, half vector H, viewer V | s1.30; s1.15 where a precision keeps less ([`keep_vector`]) | -1 to 1 |
-//! | dot x | 1.31, `min(1, (d r + 2^18) >> 19)` with d = max(0, -(g . L)); with 30 bits of L `(d + 2^8) >> 9` and `(d r + 2^24) >> 25` | 0 to 1 |
-//! | power x^(2^n) | 1.31, n times `x = (x x + 2^30) >> 31` | 0 to 1, 1 stays 1 |
+//! | dot x | 1.31, `min(2^31, (d * r + 2^18) >> 19)` with `d = max(0, -(g . L))`; with 30 bits of L `(max(0, -(g . L)) + 2^8) >> 9` and `(d * r + 2^24) >> 25` | 0 to 1 |
+//! | power x^(2^n) | 1.31, n times `x = (x * x + 2^30) >> 31` | 0 to 1, 1 stays 1 |
 //! | coefficients ka, kd_i, ks_i | 1.31, a channel each (material times light); 1.15 where a precision keeps less | 0 to 1 |
 //! | classified colour O, shaded colour c | 1.15; 1.31 in `Wide` | 0 to 1 |
 //!
-//! `c = min(1, O min(1, ka + sum kd_i x_i) + sum ks_i y_i)`, in the precision's arithmetic ([`Shading`](crate::precision::Shading)):
+//! `c = min(1, O min(1, ka + sum kd_i (N.L_i)+) + sum ks_i y_i)`, in the precision's arithmetic ([`Shading`](crate::precision::Shading)):
 //!
 //! - `Rounded31` (`Wide`): products truncated to 1.31. A highlight raises the cosine's last bit to its exponent: error
 //!   below 2^-31 (2 + 2 lights + 4.25 ks 2^n), which is 2^-20.9 at exponent 256.
-//! - `Rounded16` (`Compact`): x and y rounded to 1.16, coefficients 1.15, so that every product is 1.31 in 32 bits;
-//!   `m = (2^16 ka + sum kd_i x_i + 2^14) >> 15`, `c = (O m + sum ks_i y_i + 2^15) >> 16`. Error at most 1.0 ulp while
+//! - `Rounded16` (`Compact`): x and y rounded to 1.16 (x16, y16), coefficients 1.15, so that every product is 1.31 in 32 bits;
+//!   `m = min(2^16, (2^16 ka + sum kd_i x16_i + 2^14) >> 15)`, `c = min(2^15, (O * m + sum ks_i y16_i + 2^15) >> 16)`. Error at most 1.0 ulp while
 //!   ka + kd + ks <= 1, whatever the exponent and the number of lights.
 //! - `Truncated16` (`Paper`): N truncated to 1.12, every product and power to 16.16.
 //!

@@ -10,7 +10,7 @@
 //! | coordinate | 16 fraction bits, to nearest | base-plane pixels |
 //! | pixel | the channel's | |
 //!
-//! A mixture is two roundings to nearest, along u and then along v: `a + ((b - a) w + 2^15) >> 16`, in 64 bits. It lies
+//! A mixture is two roundings to nearest, along u and then along v: `a + (((b - a) * w + 2^15) >> 16)`, in 64 bits. It lies
 //! between its corners. Error: 1 ulp of the channel. State: none.
 //!
 //! Row kernels mix many pixels whose corners lie side by side, and put them in front of a background. As
