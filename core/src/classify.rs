@@ -501,7 +501,6 @@ mod tests {
             let [r, g, b] = &mut c;
             Classifier::colour_row::<i32>(&t, Compact, Slab::of(&samples), [r, g, b]);
             for (i, &s) in samples.iter().enumerate() {
-                let s = s;
                 prop_assert_eq!(a[i] as u32, Classifier::opacity(&t, Compact, s).to_bits());
                 let colour = Classifier::colour(&t, Compact, s).map(|c| c as i32);
                 prop_assert_eq!([c[0][i], c[1][i], c[2][i]], colour);
