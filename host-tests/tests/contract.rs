@@ -27,7 +27,11 @@ fn without_spaces(text: &str) -> String {
 /// What a module's head says in code and computes something.
 fn formulas(head: &str) -> Vec<String> {
     let in_code = head.split('`').skip(1).step_by(2);
-    let computes = |code: &&str| [">>", "<<", "^", " * ", " = ", "min("].iter().any(|sign| code.contains(sign));
+    let computes = |code: &&str| {
+        [">>", "<<", "^", " * ", " = ", "min("]
+            .iter()
+            .any(|sign| code.contains(sign))
+    };
     in_code.filter(computes).map(str::to_owned).collect()
 }
 

@@ -1,7 +1,7 @@
 //! The picture without its background: what pictures of more than 8 bits, or with an opacity, are made from.
 //!
 //! It is the final warp of core by its definition, pixel by pixel. In front of the scene's background and rounded to
-//! 8 bits it is [`picture`](crate::picture::picture), to the last bit (tests).
+//! 8 bits it is [`Framing::picture`](crate::rendering::Framing::picture), to the last bit (tests).
 
 use rayon::prelude::*;
 use slicecast::composite::Pixel;
