@@ -193,6 +193,10 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
 
     #[inline(always)]
     fn visible(&mut self, canvas: &mut X, opacities: &mut [i32]) -> Option<Range<usize>> {
+        // Most rows are one span, and a call per row counts.
+        if self.from >= opacities.len() {
+            return None;
+        }
         let span = canvas.visible(self.row, opacities, self.from)?;
         self.from = span.end;
         Some(span)
