@@ -61,8 +61,9 @@ def item(data):
     return struct.pack("<2HI", 0xFFFE, 0xE000, len(data)) + data
 
 
-# The header of lossless JPEG, 4 x 4 pixels of 12 bits, and a table of one code.
+# The header of lossless JPEG, 4 x 4 pixels of 12 bits with a table of one code, and the beginning of its scan.
 JPEG = b"\xff\xd8\xff\xc3\0\x0b\x0c\0\x04\0\x04\x01\x01\x11\0\xff\xc4\0\x14\0\x01" + bytes(16)
+SCAN = b"\xff\xda\0\x08\x01\x01\0\x01\0\0\x12"
 
 
 def packed(syntax, frame):
@@ -138,8 +139,8 @@ def cases(root):
     yield "DICOM endless nesting", "a.dcm", dicom(nested)
     yield "DICOM JPEG XL", "a.dcm", slice_of(0, syntax=b"1.2.840.10008.1.2.4.110")
     yield "DICOM cut JPEG 2000", "a.dcm", packed(b"1.2.840.10008.1.2.4.90", b"\xff\x4f\xff\x51\0\x29" + struct.pack(">H8IH3B", 0, 4, 4, 0, 0, 4, 4, 0, 0, 1, 15, 1, 1))
-    yield "DICOM cut JPEG", "a.dcm", packed(b"1.2.840.10008.1.2.4.70", JPEG + b"\xff\xda\0\x08\x01\x01\0\x01\0\0\x12")
-    yield "DICOM JPEG of another size", "a.dcm", packed(b"1.2.840.10008.1.2.4.70", JPEG.replace(b"\0\x04\0\x04", b"\xff\xff\xff\xff"))
+    yield "DICOM cut JPEG", "a.dcm", packed(b"1.2.840.10008.1.2.4.70", JPEG + SCAN)
+    yield "DICOM JPEG of another size", "a.dcm", packed(b"1.2.840.10008.1.2.4.70", JPEG.replace(b"\0\x04\0\x04", b"\xff\xff\xff\xff") + SCAN)
     yield "DICOM cut JPEG-LS", "a.dcm", packed(b"1.2.840.10008.1.2.4.80", b"\xff\xd8\xff\xf7\0\x0b\x0c\0\x04\0\x04\x01\x01\x11\0\xff\xda\0\x08\x01\x01\0\0\0\0\x12")
     yield "DICOM cut RLE", "a.dcm", packed(b"1.2.840.10008.1.2.5", struct.pack("<16I", 2, 64, 66, *[0] * 13) + b"\xf1\0\x0f\x01")
     yield "DICOM packed frame missing", "a.dcm", packed(b"1.2.840.10008.1.2.5", None)
