@@ -309,7 +309,8 @@ fn inspect_and_render_say_the_same() {
     // All that the window leaves is air, of which the scene shows nothing.
     let warning = told("a.nrrd --window -1024,-900")["warnings"][0].to_string();
     assert!(
-        warning.contains("the picture shows nothing: no value between -1000 and -900 is visible"),
+        warning.contains("the picture shows nothing: no value between -999.99 and -900 is visible")
+            && warning.contains("`--scene fog` shows everything above the background"),
         "{warning}"
     );
 }

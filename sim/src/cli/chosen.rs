@@ -28,7 +28,7 @@ impl Chosen {
             statistics: &self.statistics,
             without_hounsfield: stock.is_some_and(presets::is_for_hounsfield)
                 && !presets::is_for_hounsfield(self.fitting),
-            fitting: self.fitting,
+            fitting: (stock != Some(self.fitting)).then_some(self.fitting),
         }
     }
 
