@@ -332,7 +332,8 @@ def main(binary, folder):
             faults = list(faults_of(program, path, lines[path], CHECKS[path]))
         bad += bool(faults)
         told = next((check.told for check in CHECKS.get(path, []) if hasattr(check, "told")), "")
-        print(f"{path:36} {'; '.join(faults) or f'ok {told}'.strip()}", flush=True)
+        line = "; ".join(faults) or f"ok {told}"
+        print(f"{path:36} {' '.join(line.split())}", flush=True)
     print(f"\n{len(lines)} lines, {'all as expected' if not bad else f'{bad} not as expected'}")
     return 1 if bad else 0
 
