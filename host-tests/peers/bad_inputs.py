@@ -28,9 +28,8 @@ def nifti(dim=(3, 4, 4, 4, 1, 1, 1, 1), kind=2, offset=352.0, size=348, data=byt
     return bytes(h) + data
 
 
-def dicom(*elements, syntax=b"1.2.840.10008.1.2.1"):
-    head = struct.pack("<2H2sH", 2, 16, b"UI", len(syntax)) + syntax
-    return bytes(128) + b"DICM" + head + b"".join(elements)
+def dicom(*elements, syntax=b"1.2.840.10008.1.2.1", medium=b""):
+    return bytes(128) + b"DICM" + medium + element(2, 16, b"UI", syntax) + b"".join(elements)
 
 
 def element(group, number, kind, value):
@@ -45,11 +44,32 @@ def slice_of(z, pixels=bytes(32), y=0, more=(), syntax=b"1.2.840.10008.1.2.1"):
                  us(0x10, 4), us(0x11, 4), us(0x100, 16), us(0x101, 12), us(0x102, 11), us(0x103, 0), element(0x7FE0, 0x10, b"OW", pixels), syntax=syntax)
 
 
+def frames_of(stated, described, pixels):
+    """A file that states so many frames, describes others and has so many bytes of pixels."""
+    place = lambda z: element(0x20, 0x9113, b"SQ", item(element(0x20, 0x32, b"DS", b"0\\0\\%d " % z)))
+    groups = element(0x5200, 0x9230, b"SQ", b"".join(item(place(z)) for z in range(described)))
+    return slice_of(0, bytes(pixels), more=[element(0x28, 8, b"IS", stated), groups])
+
+
+def directory(*names):
+    """A DICOMDIR that names these files."""
+    records = b"".join(item(element(4, 0x1500, b"CS", name)) for name in names)
+    return dicom(element(4, 0x1220, b"SQ", records), medium=element(2, 2, b"UI", b"1.2.840.10008.1.3.10"))
+
+
+def item(data):
+    return struct.pack("<2HI", 0xFFFE, 0xE000, len(data)) + data
+
+
+# The header of lossless JPEG, 4 x 4 pixels of 12 bits with a table of one code, and the beginning of its scan.
+JPEG = b"\xff\xd8\xff\xc3\0\x0b\x0c\0\x04\0\x04\x01\x01\x11\0\xff\xc4\0\x14\0\x01" + bytes(16)
+SCAN = b"\xff\xda\0\x08\x01\x01\0\x01\0\0\x12"
+
+
 def packed(syntax, frame):
-    """The same slice with one packed frame."""
-    item = lambda data: struct.pack("<2HI", 0xFFFE, 0xE000, len(data)) + data
+    """The same slice with one packed frame, or none."""
     plain = slice_of(0, b"", syntax=syntax)[:-12]
-    return plain + struct.pack("<2H2sHI", 0x7FE0, 0x10, b"OB", 0, 0xFFFFFFFF) + item(b"") + item(frame) + struct.pack("<2HI", 0xFFFE, 0xE0DD, 0)
+    return plain + struct.pack("<2H2sHI", 0x7FE0, 0x10, b"OB", 0, 0xFFFFFFFF) + item(b"") + (b"" if frame is None else item(frame)) + struct.pack("<2HI", 0xFFFE, 0xE0DD, 0)
 
 
 def tiff(description, pages):
@@ -119,6 +139,19 @@ def cases(root):
     yield "DICOM endless nesting", "a.dcm", dicom(nested)
     yield "DICOM JPEG XL", "a.dcm", slice_of(0, syntax=b"1.2.840.10008.1.2.4.110")
     yield "DICOM cut JPEG 2000", "a.dcm", packed(b"1.2.840.10008.1.2.4.90", b"\xff\x4f\xff\x51\0\x29" + struct.pack(">H8IH3B", 0, 4, 4, 0, 0, 4, 4, 0, 0, 1, 15, 1, 1))
+    yield "DICOM cut JPEG", "a.dcm", packed(b"1.2.840.10008.1.2.4.70", JPEG + SCAN)
+    yield "DICOM JPEG of another size", "a.dcm", packed(b"1.2.840.10008.1.2.4.70", JPEG.replace(b"\0\x04\0\x04", b"\xff\xff\xff\xff") + SCAN)
+    yield "DICOM cut JPEG-LS", "a.dcm", packed(b"1.2.840.10008.1.2.4.80", b"\xff\xd8\xff\xf7\0\x0b\x0c\0\x04\0\x04\x01\x01\x11\0\xff\xda\0\x08\x01\x01\0\0\0\0\x12")
+    yield "DICOM cut RLE", "a.dcm", packed(b"1.2.840.10008.1.2.5", struct.pack("<16I", 2, 64, 66, *[0] * 13) + b"\xf1\0\x0f\x01")
+    yield "DICOM packed frame missing", "a.dcm", packed(b"1.2.840.10008.1.2.5", None)
+    yield "DICOM frames truncated", "a.dcm", frames_of(b"3 ", 3, 80)
+    yield "DICOM frames not described", "a.dcm", frames_of(b"4 ", 3, 128)
+    yield "DICOM negative frame count", "a.dcm", frames_of(b"-3", 3, 96)
+    yield "DICOM frame count 0", "a.dcm", frames_of(b"0 ", 0, 32)
+    yield "DICOM huge frame count", "a.dcm", frames_of(b"2147483647", 3, 96)
+    yield "DICOM endless frame count", "a.dcm", frames_of(b"9" * 40, 3, 96)
+    yield "DICOMDIR of files elsewhere", "DICOMDIR", directory(b"..\\..\\ETC\\PASSWD", b"/etc/passwd ")
+    yield "folder of such a DICOMDIR", "d", lambda p: folder(p, {"DICOMDIR": directory(b"..\\A.DCM"), "../a.dcm": slice_of(0)})
     yield "DICOM tilted gantry", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(2.0 * i, y=0.5 * i) for i in range(4)})
     yield "DICOM two phases", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(i // 2, more=[element(0x20, 0x12, b"IS", b"%d " % (i % 2 + 1))]) for i in range(4)})
     yield "DICOM missing slice", "d", lambda p: folder(p, {f"{i}.dcm": slice_of(2.0 * i) for i in (0, 1, 2, 4, 5)})

@@ -7,6 +7,7 @@ use std::collections::HashSet;
 
 use slicecast_scene::TransferFunction;
 use slicecast_volume::Volume;
+use slicecast_volume::open::Loaded;
 use slicecast_volume::statistics::Statistics;
 
 /// A label.
@@ -32,30 +33,30 @@ const TRIES: u64 = 256;
 const CODES: usize = 4096;
 
 /// The labels of a volume, from the least code up, without the background, which is the least.
-pub fn labels(volume: &Volume, statistics: &Statistics) -> Vec<Label> {
-    let mut labels = listed(volume, statistics, |_| [0; 3]);
-    let touching = touching(volume, &labels);
+pub fn labels(loaded: &Loaded, statistics: &Statistics) -> Vec<Label> {
+    let mut labels = listed(loaded, statistics, |_| [0; 3]);
+    let touching = touching(&loaded.volume, &labels);
     colour(&mut labels, &touching);
     labels
 }
 
 /// The same labels in the colours that a transfer function has for them.
-pub fn shown(volume: &Volume, statistics: &Statistics, transfer: &TransferFunction) -> Vec<Label> {
-    listed(volume, statistics, |value| {
-        let (colour, _) = transfer.evaluate(value);
+pub fn shown(loaded: &Loaded, statistics: &Statistics, transfer: &TransferFunction) -> Vec<Label> {
+    listed(loaded, statistics, |code| {
+        let (colour, _) = transfer.evaluate(loaded.volume.mapping.value(f64::from(code)));
         colour.map(|channel| (channel * 255.0).round() as u8)
     })
 }
 
-/// The labels of a volume, coloured by their data values.
-fn listed(volume: &Volume, statistics: &Statistics, colour: impl Fn(f64) -> [u8; 3]) -> Vec<Label> {
+/// The labels of a volume, coloured by their codes.
+fn listed(loaded: &Loaded, statistics: &Statistics, colour: impl Fn(u16) -> [u8; 3]) -> Vec<Label> {
     let occurring = statistics.counts().iter().enumerate().filter(|(_, count)| **count > 0);
     let label = |(code, &voxels): (usize, &u64)| {
-        let value = volume.mapping.value(code as f64);
+        let code = code as u16;
         Label {
-            code: code as u16,
-            label: value,
-            colour: colour(value),
+            code,
+            label: loaded.value(code),
+            colour: colour(code),
             voxels,
         }
     };
@@ -207,19 +208,17 @@ fn from_oklab(lab: [f64; 3]) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slicecast_volume::Mapping;
+    use slicecast_volume::mapping::Window;
+    use slicecast_volume::open::prepare;
+    use slicecast_volume::values::{Decoded, Values};
 
-    fn volume(dims: [usize; 3], voxels: Vec<u16>) -> Volume {
-        Volume {
-            name: "t".into(),
-            dims,
-            spacing: [1.0; 3],
-            voxels,
-            mapping: Mapping {
-                scale: 0.5,
-                offset: 0.0,
-            },
-        }
+    fn loaded(dims: [usize; 3], values: Vec<u16>) -> Loaded {
+        let decoded = Decoded::new("t".into(), dims, [1.0; 3], Values::U16(values)).unwrap();
+        prepare(&decoded, Window::Auto).unwrap()
+    }
+
+    fn labelled(loaded: &Loaded) -> Vec<Label> {
+        labels(loaded, &Statistics::of(&loaded.volume))
     }
 
     #[test]
@@ -234,13 +233,13 @@ mod tests {
     /// Every code of 12 bits as a label in a cube where all touch others; the background is the least.
     #[test]
     fn four_thousand_labels_are_told_from_those_they_touch() {
-        let volume = volume([16; 3], (0..4096).map(|i| (i * 1721 % 4096) as u16).collect());
-        let labels = labels(&volume, &Statistics::of(&volume));
-        assert_eq!((labels.len(), labels[0].code, labels[0].label), (4095, 1, 0.5));
+        let loaded = loaded([16; 3], (0..4096).map(|i| (i * 1721 % 4096) as u16).collect());
+        let labels = labelled(&loaded);
+        assert_eq!((labels.len(), labels[0].code, labels[0].label), (4095, 1, 1.0));
         let colours: HashSet<[u8; 3]> = labels.iter().map(|label| label.colour).collect();
         assert_eq!(colours.len(), 4095);
         let mut least = f64::INFINITY;
-        for (label, touched) in labels.iter().zip(touching(&volume, &labels)) {
+        for (label, touched) in labels.iter().zip(touching(&loaded.volume, &labels)) {
             for place in touched {
                 least = least.min(distance(oklab(label.colour), oklab(labels[place].colour)));
             }
@@ -250,22 +249,35 @@ mod tests {
 
     #[test]
     fn a_label_has_the_same_colour_in_other_volumes() {
-        let alone = volume([3, 1, 1], vec![0, 8, 0]);
-        let among = volume([7, 1, 1], vec![0, 2, 4, 0, 8, 0, 10]);
-        let found = |volume: &Volume| {
-            let labels = labels(volume, &Statistics::of(volume));
+        let alone = loaded([3, 1, 1], vec![0, 4, 0]);
+        let among = loaded([7, 1, 1], vec![0, 1, 2, 0, 4, 0, 5]);
+        let renumbered = loaded([7, 1, 1], vec![0, 1, 2, 0, 4, 0, 50_000]);
+        let found = |loaded: &Loaded| {
+            let labels = labelled(loaded);
             labels.iter().find(|label| label.label == 4.0).map(|label| label.colour)
         };
-        assert_eq!(found(&alone), found(&among));
         assert!(found(&alone).is_some());
+        assert_eq!(found(&alone), found(&among));
+        assert_eq!(found(&alone), found(&renumbered));
+    }
+
+    #[test]
+    fn labels_that_codes_count_keep_their_numbers_and_show_their_colours() {
+        let loaded = loaded([6, 1, 1], vec![0, 0, 0, 7, 5000, 60_000]);
+        let statistics = Statistics::of(&loaded.volume);
+        let labels = labels(&loaded, &statistics);
+        let named: Vec<(u16, f64)> = labels.iter().map(|label| (label.code, label.label)).collect();
+        assert_eq!(named, [(1, 7.0), (2, 5000.0), (3, 60_000.0)]);
+        let scene = crate::presets::scene("labels", &loaded, &statistics).unwrap();
+        assert_eq!(shown(&loaded, &statistics, &scene.transfer), labels);
     }
 
     #[test]
     fn voxels_touch_along_all_three_axes() {
-        let volume = volume([2, 2, 2], vec![1, 2, 3, 0, 5, 0, 0, 0]);
-        let labels = labels(&volume, &Statistics::of(&volume));
-        assert_eq!(touching(&volume, &labels), [vec![], vec![0], vec![0], vec![0]]);
-        assert!(touching(&volume, &[]).is_empty());
+        let loaded = loaded([2, 2, 2], vec![1, 2, 3, 0, 5, 0, 0, 0]);
+        let touched = touching(&loaded.volume, &labelled(&loaded));
+        assert_eq!(touched, [vec![], vec![0], vec![0], vec![0]]);
+        assert!(touching(&loaded.volume, &[]).is_empty());
     }
 
     #[test]

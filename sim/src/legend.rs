@@ -40,7 +40,7 @@ pub fn text(labels: &[Label]) -> String {
 
 /// A line of the legend in JSON.
 #[derive(Serialize)]
-struct Line {
+pub struct Line {
     /// The code of the label's voxels.
     code: u16,
     /// The label as the file has it.
@@ -58,17 +58,22 @@ struct Lines<'a> {
     labels: Vec<Line>,
 }
 
-/// The legend of a volume as JSON.
-pub fn json(volume: &str, labels: &[Label]) -> serde_json::Result<Vec<u8>> {
+/// The lines of a legend in JSON.
+pub fn lines(labels: &[Label]) -> Vec<Line> {
     let line = |label: &Label| Line {
         code: label.code,
         label: label.label,
         colour: hexadecimal(label.colour),
         voxels: label.voxels,
     };
+    labels.iter().map(line).collect()
+}
+
+/// The legend of a volume as JSON.
+pub fn json(volume: &str, labels: &[Label]) -> serde_json::Result<Vec<u8>> {
     serde_json::to_vec_pretty(&Lines {
         volume,
-        labels: labels.iter().map(line).collect(),
+        labels: lines(labels),
     })
 }
 

@@ -38,37 +38,36 @@ pub fn is_for_hounsfield(name: &str) -> bool {
     file::BUILT_IN.iter().any(|(known, _)| *known == name)
 }
 
-/// Labels that a label map may have; more values are a measurement.
-const LABELS_MAX: usize = 64;
-
 /// The most voxels that are sampled by two rays and planes per voxel by default.
 const SMALL: usize = 1 << 24;
 
 /// The preset that fits a volume, and why.
-pub fn suggest(loaded: &Loaded, statistics: &Statistics) -> (&'static str, String) {
+pub fn suggest(loaded: &Loaded) -> (&'static str, String) {
     let [low, high] = loaded.report.range;
     match loaded.modality {
         Some(Modality::Ct) => ("headsq", "the file says CT".into()),
         Some(Modality::Mr) => ("mr", "the file says MR".into()),
         _ if looks_hounsfield(loaded) => ("headsq", format!("values {low} to {high} look like Hounsfield units")),
-        _ if looks_labelled(loaded, statistics) => (
-            "labels",
-            format!("{} whole values look like labels", statistics.distinct()),
-        ),
-        _ => (
-            "mr",
-            "values have no known unit: surfaces where the histogram splits".into(),
-        ),
+        _ => match &loaded.labels {
+            Some(labels) => (
+                "labels",
+                format!("{} whole values look like labels", labels.entries().len()),
+            ),
+            None => (
+                "mr",
+                "values have no known unit: surfaces where the histogram splits".into(),
+            ),
+        },
     }
 }
 
 /// Presets that can be used on a volume, the fitting one first.
-pub fn fitting(loaded: &Loaded, statistics: &Statistics) -> Vec<&'static str> {
-    let (first, _) = suggest(loaded, statistics);
+pub fn fitting(loaded: &Loaded) -> Vec<&'static str> {
+    let (first, _) = suggest(loaded);
     let hounsfield = first == "headsq";
     let fits = |name: &&str| match *name {
         "mr" | "fog" | "mip" => true,
-        "labels" => looks_labelled(loaded, statistics),
+        "labels" => loaded.labels.is_some(),
         _ => hounsfield,
     };
     let others = NAMES.into_iter().filter(|name| *name != first).filter(fits);
@@ -81,25 +80,15 @@ fn looks_hounsfield(loaded: &Loaded) -> bool {
     loaded.integers && (-4096.0..=-500.0).contains(&low) && (300.0..=40000.0).contains(&high)
 }
 
-/// Few whole values, most of the volume in one of them.
-fn looks_labelled(loaded: &Loaded, statistics: &Statistics) -> bool {
-    let [first, _] = statistics.range();
-    loaded.integers
-        && loaded.report.lossless
-        && loaded.volume.mapping.value(first as f64) == 0.0
-        && (2..=LABELS_MAX).contains(&statistics.distinct())
-        && loaded.report.range[1] <= 4095.0
-        && statistics.share(first) > 0.3
-}
-
 /// A preset, or another built-in scene, for a volume.
 ///
 /// # Errors
 /// [`SceneError`] if there is none of that name, or the volume's values are beyond what scenes may state.
-pub fn scene(name: &str, volume: &Volume, statistics: &Statistics) -> Result<Scene, SceneError> {
+pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Scene, SceneError> {
+    let volume = &loaded.volume;
     let transfer = match name {
         "mr" => two_surfaces(volume, statistics),
-        "labels" => coloured(volume, statistics),
+        "labels" => coloured(loaded, statistics),
         "fog" => fog(volume, statistics),
         "mip" => projection::ramp(volume, Blend::Maximum),
         _ => return Ok(thrifty(file::built_in(name)?, volume)),
@@ -207,14 +196,14 @@ fn two_surfaces(volume: &Volume, statistics: &Statistics) -> TransferFunction {
 }
 
 /// A colour for every label, on an invisible background.
-fn coloured(volume: &Volume, statistics: &Statistics) -> TransferFunction {
-    let labels = labels(volume, statistics);
+fn coloured(loaded: &Loaded, statistics: &Statistics) -> TransferFunction {
+    let labels = labels(loaded, statistics);
     let [background, _] = statistics.range().map(|code| code as f64);
     // The background fades in the colour of the label next to it.
     let ground = labels.first().map_or([0; 3], |label| label.colour);
     let mut listed = vec![(background, ground, 0.0)];
     listed.extend(labels.iter().map(|label| (f64::from(label.code), label.colour, 0.5)));
-    points(volume, &listed)
+    points(&loaded.volume, &listed)
 }
 
 /// Everything above the background, thin enough that about half of the light passes.
@@ -246,8 +235,7 @@ mod tests {
     }
 
     fn suggested(values: Values, modality: Option<Modality>) -> &'static str {
-        let loaded = loaded(values, modality);
-        suggest(&loaded, &Statistics::of(&loaded.volume)).0
+        suggest(&loaded(values, modality)).0
     }
 
     #[test]
@@ -257,6 +245,24 @@ mod tests {
         assert_eq!(suggested(Values::I16(vec![-1000, 40, 1200]), Some(Modality::Mr)), "mr");
         assert_eq!(suggested(Values::U8(vec![0, 0, 0, 0, 3, 7]), None), "labels");
         assert_eq!(suggested(Values::F32(vec![0.0, 0.5, 0.25]), None), "mr");
+    }
+
+    /// 98 labels up to 2035 and 98 up to 98,000, in runs of three: each has an opacity of its own.
+    #[test]
+    fn every_label_of_a_map_of_many_is_visible() {
+        for step in [21_u32, 1000] {
+            let values = (0..297).map(|index| index / 3 * step).collect();
+            let loaded = loaded(Values::U32(values), None);
+            assert_eq!(suggest(&loaded).0, "labels", "{step}");
+            assert_eq!(fitting(&loaded), ["labels", "mr", "fog", "mip"]);
+            let statistics = Statistics::of(&loaded.volume);
+            let scene = scene("labels", &loaded, &statistics).unwrap();
+            let codes = loaded.labels.as_ref().unwrap().entries().iter().map(|label| label.code);
+            let opacity = |code| scene.transfer.evaluate(loaded.volume.mapping.value(f64::from(code))).1;
+            let opacities: Vec<f64> = codes.map(opacity).collect();
+            assert_eq!((opacities.len(), opacities[0]), (99, 0.0));
+            assert!(opacities[1..].iter().all(|opacity| *opacity == 0.5), "{opacities:?}");
+        }
     }
 
     #[test]
@@ -271,7 +277,7 @@ mod tests {
             let loaded = loaded(values, None);
             let statistics = Statistics::of(&loaded.volume);
             for name in NAMES {
-                scene(name, &loaded.volume, &statistics).unwrap_or_else(|error| panic!("{name}: {error}"));
+                scene(name, &loaded, &statistics).unwrap_or_else(|error| panic!("{name}: {error}"));
             }
         }
     }
@@ -280,7 +286,7 @@ mod tests {
     fn values_beyond_scenes_are_refused_by_name() {
         let mut loaded = loaded(Values::F64(vec![0.0, 0.5]), None);
         loaded.volume.mapping.scale = 1e200;
-        let error = scene("mr", &loaded.volume, &Statistics::of(&loaded.volume)).unwrap_err();
+        let error = scene("mr", &loaded, &Statistics::of(&loaded.volume)).unwrap_err();
         assert!(
             error.to_string().starts_with("t: the scene `mr`: `transfer.points"),
             "{error}"

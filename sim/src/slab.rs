@@ -4,8 +4,8 @@
 
 use slicecast_volume::Volume;
 
-/// The volume with every slice that stands alone drawn twice, one spacing apart; and what is to be said about it.
-pub fn thickened(mut volume: Volume) -> (Volume, Option<String>) {
+/// Doubles every slice that stands alone, one spacing apart; gives what is to be said about it.
+pub fn thicken(volume: &mut Volume) -> Option<String> {
     let single: Vec<usize> = (0..3).filter(|&axis| volume.dims[axis] == 1).collect();
     for &axis in &single {
         let [nx, ny, _] = volume.dims;
@@ -20,13 +20,12 @@ pub fn thickened(mut volume: Volume) -> (Volume, Option<String>) {
         volume.dims[axis] = 2;
     }
     let names: Vec<&str> = single.iter().map(|&axis| ["x", "y", "z"][axis]).collect();
-    let note = (!names.is_empty()).then(|| {
+    (!names.is_empty()).then(|| {
         format!(
             "one slice along {} has no thickness: it is drawn twice, one spacing apart",
             names.join(" and ")
         )
-    });
-    (volume, note)
+    })
 }
 
 #[cfg(test)]
@@ -35,7 +34,7 @@ mod tests {
     use slicecast_volume::Mapping;
 
     fn thick(dims: [usize; 3]) -> (Vec<u16>, [usize; 3], Option<String>) {
-        let volume = Volume {
+        let mut volume = Volume {
             name: "t".into(),
             dims,
             spacing: [1.0; 3],
@@ -45,7 +44,7 @@ mod tests {
                 offset: 0.0,
             },
         };
-        let (volume, note) = thickened(volume);
+        let note = thicken(&mut volume);
         (volume.voxels, volume.dims, note)
     }
 

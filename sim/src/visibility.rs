@@ -18,8 +18,8 @@ pub struct Circumstances<'a> {
     pub statistics: &'a Statistics,
     /// Whether the scene speaks of Hounsfield units and the volume's values are not known to be such.
     pub without_hounsfield: bool,
-    /// The stock scene that fits the volume.
-    pub fitting: &'a str,
+    /// The stock scene that fits the volume, unless it is the scene of the picture.
+    pub fitting: Option<&'a str>,
 }
 
 /// Why nothing, or nearly nothing, of a picture is seen, and what to do; `None` if something is.
@@ -61,7 +61,10 @@ fn reason(prepared: &Prepared<'_>, base: &BaseImage, known: &Circumstances<'_>) 
     let statistics = known.statistics;
     let value = |code: usize| rounded(volume.mapping.value(code as f64), 5);
     let visible = |code: &usize| prepared.table.opacity(*code) > Opacity::ZERO;
-    let fitting = format!("`--scene {}` fits the values", known.fitting);
+    let fitting = known.fitting.map_or_else(
+        || "`--scene fog` shows everything above the background".into(),
+        |name| format!("`--scene {name}` fits the values"),
+    );
     let codes = statistics.counts().len();
     let seen: u64 = (0..codes).filter(visible).map(|code| statistics.counts()[code]).sum();
     let all: u64 = statistics.counts().iter().sum();
@@ -211,13 +214,17 @@ mod tests {
     }
 
     fn said(scene: &Scene, volume: &Volume) -> Option<String> {
+        said_where(scene, volume, Some("mr"))
+    }
+
+    fn said_where(scene: &Scene, volume: &Volume, fitting: Option<&str>) -> Option<String> {
         let statistics = Statistics::of(volume);
         let prepared = Prepared::new(scene, volume).unwrap();
         let frame = prepared.render(Layer::Tiles(8), &|_, _| {}).unwrap();
         let known = Circumstances {
             statistics: &statistics,
             without_hounsfield: false,
-            fitting: "mr",
+            fitting,
         };
         warning(&prepared, &frame, &known)
     }
@@ -249,8 +256,14 @@ mod tests {
             &volume,
             &[
                 "shows nothing: no value between -1000 and 76 is visible",
-                "`--scene mr`",
+                "`--scene mr` fits the values",
             ],
+        );
+        // The scene that fits is no advice to its own picture.
+        let text = said_where(&bone, &volume, None).unwrap();
+        assert!(
+            text.ends_with("; `--scene fog` shows everything above the background"),
+            "{text}"
         );
     }
 

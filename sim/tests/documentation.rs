@@ -270,6 +270,7 @@ fn keys_of_inspect_and_plan_are_those_of_the_tables() {
     assert_eq!(facts["scene"], "headsq");
     assert_eq!(facts["presets"][0], facts["scene"]);
     assert_eq!(facts["warnings"], serde_json::json!([]));
+    assert_eq!(facts["labels"], serde_json::json!(null));
     let [json, _] = place.succeeds("plan --dims 64x64x64 --scene ct-fog --precision compact --json");
     assert_eq!(first_cells("What plan tells as JSON"), keys(&json));
     let facts: serde_json::Value = serde_json::from_str(&json).unwrap();
@@ -279,28 +280,55 @@ fn keys_of_inspect_and_plan_are_those_of_the_tables() {
     assert_eq!(number("table_bytes"), 20_480);
 }
 
-/// What inspect warns of.
+/// What inspect notes and warns of is what render says.
 #[test]
-fn warnings_name_their_reason() {
+fn inspect_and_render_say_the_same() {
     let place = Place::new();
-    let warned = |words: &str| {
+    let told = |words: &str| {
         let [json, _] = place.succeeds(&format!("inspect {words} --json"));
         let facts: serde_json::Value = serde_json::from_str(&json).unwrap();
-        facts["warnings"].to_string()
+        let [_, said] = place.succeeds(&format!("render {words} -o out.png --force"));
+        for kind in ["note", "warning"] {
+            let said: Vec<&str> = said
+                .lines()
+                .filter_map(|line| line.strip_prefix(&format!("{kind}: ")))
+                .collect();
+            assert_eq!(facts[format!("{kind}s")], serde_json::json!(said), "{words}");
+        }
+        facts
     };
     place.nrrd("flat.nrrd", "uint8", [3, 3, 1], &[1, 2, 3, 4, 5, 6, 7, 8, 9]);
-    let text = warned("flat.nrrd");
-    assert!(text.contains("one voxel along z"), "{text}");
+    let note = told("flat.nrrd")["notes"][0].to_string();
+    assert!(
+        note.contains("one slice along z has no thickness: it is drawn twice"),
+        "{note}"
+    );
     place.block("a.nrrd");
-    let text = warned("a.nrrd --window 0,100");
-    assert!(
-        text.contains("128 voxels below 0 are clipped") && text.contains("above 100 are clipped"),
-        "{text}"
-    );
+    let facts = told("a.nrrd --window 0,100");
+    assert_eq!(facts["clipped"][0], 128);
     // All that the window leaves is air, of which the scene shows nothing.
-    let text = warned("a.nrrd --window -1024,-900");
+    let warning = told("a.nrrd --window -1024,-900")["warnings"][0].to_string();
     assert!(
-        text.contains("no value from -1000 to 1533 is visible in the scene `headsq`"),
-        "{text}"
+        warning.contains("the picture shows nothing: no value between -999.99 and -900 is visible")
+            && warning.contains("`--scene fog` shows everything above the background"),
+        "{warning}"
     );
+}
+
+/// A label map is told label by label, with the numbers of the file.
+#[test]
+fn inspect_lists_labels() {
+    let place = Place::new();
+    let voxels = [0, 0, 0, 0, 7, 7, 0, 60_000].map(u16::to_le_bytes).concat();
+    place.nrrd("labels.nrrd", "uint16", [2, 2, 2], &voxels);
+    let [json, _] = place.succeeds("inspect labels.nrrd --json");
+    let facts: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(facts["scene"], "labels");
+    let column = |key: &str| [0, 1, 2].map(|line| facts["labels"][line][key].clone());
+    assert_eq!(column("code"), [1.into(), 2.into(), serde_json::Value::Null]);
+    assert_eq!(column("label"), [7.0.into(), 60_000.0.into(), serde_json::Value::Null]);
+    assert_eq!(column("voxels"), [2.into(), 1.into(), serde_json::Value::Null]);
+    place.succeeds("render labels.nrrd -o l.png");
+    let legend: serde_json::Value = serde_json::from_slice(&fs::read(place.path("l.legend.json")).unwrap()).unwrap();
+    assert_eq!(legend["labels"], facts["labels"]);
 }

@@ -282,8 +282,22 @@ fn angles_turn_from_the_side_that_is_named() {
         render("--azimuth 180 --elevation 0 --roll 5")
     );
     assert_ne!(render("--view left --azimuth 20"), render("--view left"));
-    let refused = folder.run("render ball.nrrd --view superior --elevation 10 --force");
-    assert_eq!(refused.status.code(), Some(2));
+    for (options, said) in [
+        (
+            "--view superior --elevation 10",
+            "--elevation 10: --view superior stands at 90 degrees already, expected a number from -90 to 0",
+        ),
+        (
+            "--view inferior --elevation -0.5",
+            "--elevation -0.5: --view inferior stands at -90 degrees already, expected a number from 0 to 90",
+        ),
+    ] {
+        let refused = folder.run(&format!("render ball.nrrd {options} --force"));
+        assert_eq!(refused.status.code(), Some(2));
+        let text = String::from_utf8(refused.stderr).unwrap();
+        assert!(text.contains(said), "{text}");
+    }
+    folder.says("render ball.nrrd --view superior --elevation -10 --size 9x9 --force");
     let refused = folder.run("turntable ball.nrrd --view left --azimuth 1000 --force");
     assert_eq!(refused.status.code(), Some(2));
 }

@@ -19,11 +19,19 @@ fuzz_target!(|bytes: &[u8]| {
             break;
         }
     }
-    match dicom::read_bytes(&files, "fuzz", &Choice::default()) {
-        Ok(decoded) => {
-            assert_eq!(decoded.values().len(), decoded.dims().iter().product::<usize>());
-            let _ = open::prepare(&decoded, Window::Stated);
+    // A series of several phases is refused without a number.
+    for phase in [None, Some(1)] {
+        let choice = Choice {
+            phase,
+            ..Choice::default()
+        };
+        match dicom::read_bytes(&files, "fuzz", &choice) {
+            Ok(decoded) => {
+                assert_eq!(decoded.values().len(), decoded.dims().iter().product::<usize>());
+                let _ = open::prepare(&decoded, Window::Stated);
+                break;
+            }
+            Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
         }
-        Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
     }
 });

@@ -2,8 +2,8 @@
 //! Scene files; what passes is compiled to a table.
 
 use libfuzzer_sys::fuzz_target;
-use slicecast_scene::{AlphaCodeName, LookupName, file};
 use slicecast_engine::table::{Correction, Table};
+use slicecast_scene::{AlphaCodeName, LookupName, file};
 use slicecast_volume::Mapping;
 
 fuzz_target!(|text: &str| {

@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use slicecast_volume::choice::Choice;
 use slicecast_volume::mapping::Window;
-use slicecast_volume::{tiff, open};
+use slicecast_volume::{open, tiff};
 
 fuzz_target!(|bytes: &[u8]| {
     match tiff::read_bytes(bytes, "fuzz", &Choice::default()) {

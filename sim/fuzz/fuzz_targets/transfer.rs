@@ -2,9 +2,9 @@
 //! Transfer functions of other programs; what passes is compiled to a table.
 
 use libfuzzer_sys::fuzz_target;
+use slicecast_engine::table::{Correction, Table};
 use slicecast_scene::import::{self, Kind};
 use slicecast_scene::{AlphaCodeName, LookupName};
-use slicecast_engine::table::{Correction, Table};
 use slicecast_volume::Mapping;
 
 fuzz_target!(|text: &str| {

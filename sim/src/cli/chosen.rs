@@ -1,7 +1,7 @@
 //! The scene that a command line has chosen for a volume.
 
 use slicecast_scene::Scene;
-use slicecast_volume::Volume;
+use slicecast_volume::open::Loaded;
 use slicecast_volume::statistics::Statistics;
 
 use crate::labels::{self, Label};
@@ -28,12 +28,12 @@ impl Chosen {
             statistics: &self.statistics,
             without_hounsfield: stock.is_some_and(presets::is_for_hounsfield)
                 && !presets::is_for_hounsfield(self.fitting),
-            fitting: self.fitting,
+            fitting: (stock != Some(self.fitting)).then_some(self.fitting),
         }
     }
 
     /// The labels of the volume, if the scene shows labels.
-    pub fn labels(&self, volume: &Volume) -> Option<Vec<Label>> {
-        (self.stock.as_deref() == Some("labels")).then(|| labels::shown(volume, &self.statistics, &self.scene.transfer))
+    pub fn labels(&self, loaded: &Loaded) -> Option<Vec<Label>> {
+        (self.stock.as_deref() == Some("labels")).then(|| labels::shown(loaded, &self.statistics, &self.scene.transfer))
     }
 }

@@ -320,7 +320,7 @@ impl SceneArgs {
 
     fn choose_or(&self, default: &'static str, volume: &VolumeArgs, loaded: &Loaded) -> Result<Chosen, Failure> {
         let statistics = Statistics::of(&loaded.volume);
-        let (fitting, reason) = presets::suggest(loaded, &statistics);
+        let (fitting, reason) = presets::suggest(loaded);
         let default = if volume.is_named() && fitting != slicecast_scene::file::DEFAULT {
             fitting
         } else {
@@ -367,7 +367,7 @@ impl SceneArgs {
         };
         let read = match fitted {
             Some((loaded, statistics)) if self.scene.is_none() || is_fitted(name) => {
-                presets::scene(name, &loaded.volume, statistics)
+                presets::scene(name, loaded, statistics)
             }
             _ => slicecast_scene::file::built_in(name),
         };
@@ -435,12 +435,25 @@ impl SceneArgs {
         self.look.apply(&mut scene)?;
         scene.check().map_err(Failure::input)?;
         if let Some(side) = side {
+            let View {
+                azimuth,
+                elevation,
+                roll,
+            } = scene.view;
+            let height = side.elevation + elevation;
+            if !check::ELEVATION.contains(&height) {
+                let [low, high] = if side.elevation > 0.0 { [-90, 0] } else { [0, 90] };
+                return Err(Failure::input(format!(
+                    "--elevation {elevation}: --view {} stands at {} degrees already, expected a number from {low} to {high}",
+                    self.view.as_deref().unwrap_or_default(),
+                    side.elevation
+                )));
+            }
             scene.view = View {
-                elevation: side.elevation + scene.view.elevation,
-                roll: scene.view.roll,
-                ..side.turned(scene.view.azimuth)
+                elevation: height,
+                roll,
+                ..side.turned(azimuth)
             };
-            scene.check().map_err(Failure::input)?;
         }
         Ok(scene)
     }

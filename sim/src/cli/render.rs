@@ -14,7 +14,7 @@ use super::output::{check_free, write_file};
 use super::picture::{PictureArgs, Target};
 use super::progress::with_bar;
 use crate::raster::{png, rgb_png};
-use crate::slab::thickened;
+use crate::slab::thicken;
 use crate::{legend, visibility};
 
 /// Render a volume to a PNG picture.
@@ -53,9 +53,7 @@ impl Args {
         let mut chosen = self.scene.choose(&self.volume, &loaded)?;
         self.picture.apply(&mut chosen.scene);
         let legend = self.legend(&target, &chosen, &loaded)?;
-        let (volume, note) = thickened(loaded.volume);
-        loaded.volume = volume;
-        if let Some(note) = note {
+        if let Some(note) = thicken(&mut loaded.volume) {
             eprintln!("note: {note}");
         }
         let scenes = std::slice::from_ref(&chosen.scene);
@@ -86,7 +84,7 @@ impl Args {
 
     /// The legend of a label map, as files beside the picture; found fit to be written.
     fn legend(&self, target: &Target, chosen: &Chosen, loaded: &Loaded) -> Result<Vec<(PathBuf, Vec<u8>)>, Failure> {
-        let Some(labels) = chosen.labels(&loaded.volume) else {
+        let Some(labels) = chosen.labels(loaded) else {
             return Ok(Vec::new());
         };
         if let Target::Standard = target {

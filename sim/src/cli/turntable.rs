@@ -14,7 +14,7 @@ use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::picture::{PictureArgs, Target};
 use super::progress::with_bar;
 use crate::raster::{animated, png};
-use crate::slab::thickened;
+use crate::slab::thicken;
 use crate::visibility;
 
 /// Render a volume from all sides, at one scale: an animated PNG, or numbered pictures.
@@ -60,9 +60,7 @@ impl Args {
         let mut loaded = self.volume.load()?;
         let mut chosen = self.scene.choose(&self.volume, &loaded)?;
         self.picture.apply(&mut chosen.scene);
-        let (volume, note) = thickened(loaded.volume);
-        loaded.volume = volume;
-        if let Some(note) = note {
+        if let Some(note) = thicken(&mut loaded.volume) {
             eprintln!("note: {note}");
         }
         let turned: Vec<Scene> = (0..self.frames)

@@ -46,7 +46,10 @@ pub fn read_with_file(path: &Path, choice: &Choice) -> Result<Decoded, ReadError
     let bytes = folder::load(path)?.ok_or_else(|| fail(Problem::format(NAME, "has no `DICM` after its preamble")))?;
     let (folder, own) = in_folder(path);
     match Object::parse(&bytes).map_err(|refusal| fail(refusal.problem))? {
-        Object::Directory => read_tree(&folder, choice),
+        Object::Directory => read_tree(&folder, choice).map_err(|error| match error.problem {
+            Problem::NoImages => fail(Problem::NoImages),
+            _ => error,
+        }),
         Object::NoImage => Err(fail(Problem::format(NAME, "is no image, expected a slice of a series"))),
         Object::Slices(_) => {
             let mut gathered = Gathered::of_folder(&folder)?;

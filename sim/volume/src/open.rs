@@ -174,6 +174,14 @@ pub struct Loaded {
     pub labels: Option<Labels>,
 }
 
+impl Loaded {
+    /// What a code stands for in the file: a value in the data's unit, or the label where codes count labels.
+    pub fn value(&self, code: u16) -> f64 {
+        let label = self.labels.as_ref().and_then(|labels| labels.of(code));
+        label.unwrap_or_else(|| self.volume.mapping.value(f64::from(code)))
+    }
+}
+
 /// Reads a volume file, or the built-in CT head if there is no path, and maps it to 12 bits.
 ///
 /// # Errors
@@ -245,6 +253,7 @@ pub(super) fn open_regular(path: &Path) -> Result<(BufReader<File>, u64), ReadEr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::values::Values;
 
     #[test]
     fn the_built_in_volume_is_the_documented_one() {
@@ -276,6 +285,17 @@ mod tests {
             message.contains("begins with \"\\x1f\\x8b\\x08\\x00abcd\", expected NRRD, NIfTI"),
             "{message}"
         );
+    }
+
+    #[test]
+    fn codes_stand_for_values_or_for_labels() {
+        let of = |values| {
+            let decoded = Decoded::new("t".into(), [4, 1, 1], [1.0; 3], Values::U16(values)).unwrap();
+            let loaded = prepare(&decoded, Window::Auto).unwrap();
+            [0, 1, 2].map(|code| loaded.value(code))
+        };
+        assert_eq!(of(vec![0, 0, 7, 900]), [0.0, 1.0, 2.0]);
+        assert_eq!(of(vec![0, 0, 7, 9000]), [0.0, 7.0, 9000.0]);
     }
 
     #[cfg(unix)]

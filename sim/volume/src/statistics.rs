@@ -32,21 +32,11 @@ impl Statistics {
         &self.counts
     }
 
-    /// How many codes occur.
-    pub fn distinct(&self) -> usize {
-        self.counts.iter().filter(|&&count| count > 0).count()
-    }
-
     /// The least and the greatest code that occur; 0, 0 of no voxels.
     pub fn range(&self) -> [usize; 2] {
         let first = self.counts.iter().position(|&count| count > 0);
         let last = self.counts.iter().rposition(|&count| count > 0);
         [first.unwrap_or(0), last.unwrap_or(0)]
-    }
-
-    /// The share of voxels of a code, 0 to 1.
-    pub fn share(&self, code: usize) -> f64 {
-        self.counts.get(code).copied().unwrap_or(0) as f64 / self.total.max(1) as f64
     }
 
     /// The least code that is not below `fraction` (0 to 1) of the voxels.
@@ -111,7 +101,7 @@ mod tests {
     fn two_peaks_are_split_in_the_valley() {
         let s = statistics(&[10, 10, 11, 12, 90, 91, 91]);
         assert_eq!(s.split(0), usize::midpoint(13, 90));
-        assert_eq!((s.range(), s.distinct()), ([10, 91], 5));
+        assert_eq!(s.range(), [10, 91]);
         assert_eq!(s.split(91), 91);
         assert_eq!(statistics(&[7; 4]).split(0), 0);
     }

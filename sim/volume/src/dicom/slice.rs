@@ -132,13 +132,15 @@ fn slices(fields: &Fields<'_>, packing: &Packing) -> Result<Vec<Slice>, Problem>
     check_kind(fields)?;
     packing.check()?;
     let stated = fields.text(tags::FRAMES);
-    let count =
-        match stated.as_str() {
-            "" => 1,
-            text => text.parse().ok().filter(|count| *count > 0).ok_or_else(|| {
-                Problem::format(NAME, format!("states `{}` frames, expected a number", shorten(text)))
-            })?,
-        };
+    let count = match stated.as_str() {
+        "" => 1,
+        text => text.parse().ok().filter(|count| *count > 0).ok_or_else(|| {
+            Problem::format(
+                NAME,
+                format!("states `{}` frames, expected a whole number from 1", shorten(text)),
+            )
+        })?,
+    };
     match fields.of_frames()? {
         Some(frames) if frames.len() == count => {
             let slices = frames.iter().enumerate();

@@ -209,7 +209,7 @@ fn a_medium_is_walked_down() {
     directory.extend(element((0x0002, 0x0010), "UI", EXPLICIT.as_bytes()));
     let below = "PT000000/ST000000/SE000000";
     let folder = folder(&[
-        ("DICOMDIR", directory),
+        ("DICOMDIR", directory.clone()),
         ("README.TXT", b"text".to_vec()),
         (&format!("{below}/IM000000"), slice(0, &[])),
         (&format!("{below}/IM000001"), slice(1, &[])),
@@ -230,6 +230,15 @@ fn a_medium_is_walked_down() {
     let deep = self::folder(&[("1/2/3/4/5/6/7/8/9/0.dcm", slice(0, &[]))]);
     assert!(matches!(read(deep.path()).unwrap_err().problem, Problem::NoImages));
     assert_eq!(read(&deep.path().join("1")).unwrap().dims(), [2, 2, 1]);
+    // The files that a DICOMDIR names are not followed: those below it are the medium.
+    let listed = element((0x0004, 0x1500), "CS", b"..\\OUTSIDE.DCM");
+    let outside = self::folder(&[
+        ("OUTSIDE.DCM", slice(0, &[])),
+        ("medium/DICOMDIR", [directory, listed].concat()),
+    ]);
+    let error = read(&outside.path().join("medium/DICOMDIR")).unwrap_err();
+    assert!(matches!(error.problem, Problem::NoImages));
+    assert!(error.path.ends_with("medium/DICOMDIR"), "{error}");
 }
 
 #[test]

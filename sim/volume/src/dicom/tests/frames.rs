@@ -228,11 +228,11 @@ fn files_whose_frames_are_unknown_are_refused() {
         (with((0x0028, 0x0008), "IS", "4 "), "states 4 frames and describes 3"),
         (
             with((0x0028, 0x0008), "IS", "0 "),
-            "states `0` frames, expected a number",
+            "states `0` frames, expected a whole number from 1",
         ),
         (
             with((0x0028, 0x0008), "IS", "-1"),
-            "states `-1` frames, expected a number",
+            "states `-1` frames, expected a whole number from 1",
         ),
         (
             with((0x5200, 0x9230), "SQ", "no items"),
