@@ -46,6 +46,16 @@ pub const fn position(start: Step, step: Step, k: u32) -> Position {
     Position::from_bits(((exact + (1 << 15)) >> 16) as i32)
 }
 
+/// The position of a plan's samples: as it is, or at the nearest voxel, halves up.
+#[inline]
+pub const fn settled(plan: &Plan, position: Position) -> Position {
+    if plan.is_nearest() {
+        Position::from_bits((position.to_bits() + (1 << 15)) & !0xffff)
+    } else {
+        position
+    }
+}
+
 /// Splits a position.
 #[inline]
 pub const fn cell(position: Position) -> Cell {
@@ -63,9 +73,9 @@ pub fn plane(plan: &Plan, phase: Phase, index: u32) -> Plane {
     Plane {
         index,
         phase,
-        x: position(start_i, step_i, index),
-        y: position(start_j, step_j, index),
-        z: position(Step::ZERO, step_k, index),
+        x: settled(plan, position(start_i, step_i, index)),
+        y: settled(plan, position(start_j, step_j, index)),
+        z: settled(plan, position(Step::ZERO, step_k, index)),
     }
 }
 
@@ -87,6 +97,31 @@ mod tests {
     use crate::plan::{Sampling, Spacing};
     use crate::view::View;
     use proptest::prelude::*;
+
+    /// To the nearest voxel, halves up, along all three axes.
+    #[test]
+    fn nearest_samples_lie_at_voxels() {
+        let direction = [300, -200, 1000].map(|c| Direction::from_bits(c << 40));
+        let sampling = Sampling {
+            planes_per_voxel: 4,
+            rays_per_voxel: 3,
+        };
+        let linear = Plan::new(View::new(direction).unwrap(), [9, 8, 7], Spacing::CUBIC, sampling).unwrap();
+        let nearest = linear.with_nearest();
+        let mut halves = 0;
+        for index in 0..linear.planes() {
+            for number in 0..linear.phases() {
+                let [exact, settled] = [linear, nearest].map(|plan| plane(&plan, plan.phase(number), index));
+                for (exact, settled) in [(exact.x, settled.x), (exact.y, settled.y), (exact.z, settled.z)] {
+                    assert_eq!(cell(settled).weight, Weight::ZERO);
+                    let away = settled.to_bits() - exact.to_bits();
+                    assert!((-0x7fff..=0x8000).contains(&away), "{away}");
+                    halves += usize::from(away == 0x8000);
+                }
+            }
+        }
+        assert!(halves > 5);
+    }
 
     #[test]
     fn inside_covers_the_closed_volume() {

@@ -64,6 +64,7 @@ pub struct Plan {
     base: [u32; 2],
     origin: [i32; 2],
     step: [Step; 3],
+    nearest: bool,
 }
 
 /// Why a scene has no plan.
@@ -170,6 +171,7 @@ impl Plan {
             base: [width + more_i, height + more_j],
             origin: [origin_i, origin_j],
             step: [si, sj, Step::from_bits(ratio(1, 1, rate) as i64)],
+            nearest: false,
         })
     }
 
@@ -183,6 +185,18 @@ impl Plan {
             step: self.step.map(round),
             ..self
         }
+    }
+
+    /// The same plan with every sample at the voxel nearest to it, halves up: for labels, which are names and have nothing
+    /// between them.
+    #[must_use]
+    pub const fn with_nearest(self) -> Self {
+        Self { nearest: true, ..self }
+    }
+
+    /// Whether samples lie at voxels ([`Plan::with_nearest`]).
+    pub const fn is_nearest(&self) -> bool {
+        self.nearest
     }
 
     /// The view.

@@ -38,6 +38,8 @@ pub struct Frame {
     pub blend: Blend,
     /// Number formats.
     pub precision: PrecisionName,
+    /// Whether samples lie at voxels.
+    pub nearest: bool,
     /// Table coding; `None` takes the precision's own.
     pub code: Option<AlphaCodeName>,
     /// Table look-up; `None` takes the precision's own.
@@ -59,6 +61,7 @@ impl Frame {
             material: None,
             blend: Blend::FrontToBack,
             precision: PrecisionName::Compact,
+            nearest: false,
             code: None,
             lookup: None,
             early_termination: None,
@@ -79,6 +82,7 @@ impl Frame {
             view: slicecast_scene::View::default(),
             image: slicecast_scene::Image::default(),
             sampling: slicecast_scene::Sampling::default(),
+            interpolation: slicecast_scene::Interpolation::Linear,
             transfer: slicecast_scene::TransferFunction {
                 unit_distance: 1.0,
                 points: Vec::new(),
@@ -104,7 +108,8 @@ impl Frame {
             planes_per_voxel: self.planes_per_voxel,
             rays_per_voxel: self.rays_per_voxel,
         };
-        Ok(Plan::new(view, dims, spacing, sampling)?)
+        let plan = Plan::new(view, dims, spacing, sampling)?;
+        Ok(if self.nearest { plan.with_nearest() } else { plan })
     }
 
     /// The table as the engine has it.

@@ -15,7 +15,7 @@ use crate::labels::labels;
 use crate::projection;
 use slicecast_scene::file::{self, SceneError};
 use slicecast_scene::{Blend, check};
-use slicecast_scene::{Image, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
+use slicecast_scene::{Image, Interpolation, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
 use slicecast_volume::Volume;
 use slicecast_volume::open::Loaded;
 use slicecast_volume::statistics::Statistics;
@@ -115,6 +115,11 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Sce
         precision: PrecisionName::Compact,
         table: None,
         lookup: None,
+        interpolation: if name == "labels" {
+            Interpolation::Nearest
+        } else {
+            Interpolation::Linear
+        },
         early_termination: None,
     };
     scene.check().map_err(|error| SceneError {

@@ -151,6 +151,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             material,
             blend,
             precision: PrecisionName::Compact,
+            nearest: seed & 7 == 5,
             code,
             lookup,
             early_termination,

@@ -68,6 +68,7 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         precision: PrecisionName::Compact,
         table: None,
         lookup: None,
+        interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
     }
 }

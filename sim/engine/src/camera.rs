@@ -10,7 +10,7 @@ use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
 
 use slicecast_scene::check::shown;
-use slicecast_scene::{CameraAxes, Frame, Highlight, Light, Lighting, Scene, View as SceneView};
+use slicecast_scene::{CameraAxes, Frame, Highlight, Interpolation, Light, Lighting, Scene, View as SceneView};
 use slicecast_volume::Volume;
 
 /// A scene that the pipeline cannot take.
@@ -92,7 +92,11 @@ pub fn plan(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> Result<Plan, 
         rays_per_voxel: scene.sampling.rays_per_voxel,
     };
     let dims = dims.map(|side| u32::try_from(side).unwrap_or(u32::MAX));
-    Ok(Plan::new(view, dims, Spacing(spacing.map(factor)), sampling)?)
+    let plan = Plan::new(view, dims, Spacing(spacing.map(factor)), sampling)?;
+    Ok(match scene.interpolation {
+        Interpolation::Linear => plan,
+        Interpolation::Nearest => plan.with_nearest(),
+    })
 }
 
 /// The length of a ray's step between two sample planes, in the unit of the spacing.

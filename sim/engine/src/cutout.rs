@@ -110,6 +110,7 @@ mod tests {
             precision,
             table: None,
             lookup: None,
+            interpolation: slicecast_scene::Interpolation::Linear,
             early_termination: None,
         };
         let prepared = Prepared::new(&scene, &volume).unwrap();

@@ -14,7 +14,7 @@ use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
 use slicecast::format::{Opacity, Step, Weight};
 use slicecast::gradient::{coarsen, space};
 use slicecast::interpolate::trilinear;
-use slicecast::locate::{Cell, cell, position};
+use slicecast::locate::{Cell, cell, position, settled};
 use slicecast::normalise::{Normal, normalise};
 use slicecast::plan::Plan;
 use slicecast::plane::ChannelOf;
@@ -204,9 +204,9 @@ impl<'a, P: Precision> Rays<'a, P> {
         let index = self.index(step);
         let [si, sj, sk] = self.plan.step();
         let [start_i, start_j] = ray.start;
-        let x = position(start_i, si, index);
-        let y = position(start_j, sj, index);
-        let z = position(Step::ZERO, sk, index);
+        let x = settled(self.plan, position(start_i, si, index));
+        let y = settled(self.plan, position(start_j, sj, index));
+        let z = settled(self.plan, position(Step::ZERO, sk, index));
         let visit = Visit {
             step,
             phase: ray.phase,

@@ -8,7 +8,7 @@ use super::interpolate::value_at;
 use super::rays::{Geometry, Lattice};
 use super::shade::Lights;
 use super::warp::ModelImage;
-use slicecast_scene::{Blend, Scene};
+use slicecast_scene::{Blend, Interpolation, Scene};
 use slicecast_volume::Volume;
 
 /// Where the model takes its samples.
@@ -30,6 +30,8 @@ pub struct Model<'a> {
     classifier: Classifier<'a>,
     lights: Option<Lights>,
     blend: Blend,
+    /// Whether samples lie at voxels.
+    nearest: bool,
 }
 
 /// Everything about one sample, stage by stage.
@@ -69,6 +71,7 @@ impl<'a> Model<'a> {
             classifier: Classifier::new(&scene.transfer, volume.mapping, geometry.step_length()),
             lights: scene.lighting.as_ref().map(|l| Lights::new(l, &camera, &geometry)),
             blend: scene.blend,
+            nearest: scene.interpolation == Interpolation::Nearest,
             geometry,
         }
     }
@@ -117,11 +120,20 @@ impl<'a> Model<'a> {
 
     /// Where the ray of pixel (u, v) is sampled on a plane, voxels along i, j, k; `None` outside the volume.
     pub fn position(&self, plane: usize, u: usize, v: usize) -> Option<[f64; 3]> {
+        // Halves up; what is at a voxel stays there.
+        let settled = |position: [f64; 3]| {
+            if self.nearest {
+                position.map(|c| (c + 0.5).floor())
+            } else {
+                position
+            }
+        };
         match &self.positions {
-            Positions::Exact => self
-                .geometry
-                .inside_tolerant(self.geometry.position(self.lattice, plane, u, v)),
-            Positions::Given(position) => self.geometry.inside(position(plane, u, v)),
+            Positions::Exact => {
+                self.geometry
+                    .inside_tolerant(settled(self.geometry.position(self.lattice, plane, u, v)))
+            }
+            Positions::Given(position) => self.geometry.inside(settled(position(plane, u, v))),
         }
     }
 

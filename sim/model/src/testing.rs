@@ -65,6 +65,7 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         precision: PrecisionName::Wide,
         table: None,
         lookup: None,
+        interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
     }
 }

@@ -23,6 +23,8 @@ pub struct Scene {
     pub image: Image,
     /// How densely rays and planes sample the volume.
     pub sampling: Sampling,
+    /// The value between voxels.
+    pub interpolation: Interpolation,
     /// Colour and opacity of data values.
     pub transfer: TransferFunction,
     /// Lights and material; `None` is an unlit scene.
@@ -366,6 +368,17 @@ pub enum AlphaCodeName {
     Sqrt8,
     /// The square root in 16 bits.
     Sqrt16,
+}
+
+/// The value of a sample between voxels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interpolation {
+    /// Linear between the eight voxels around it.
+    #[default]
+    Linear,
+    /// That of the nearest voxel: for labels, which are names.
+    Nearest,
 }
 
 /// How a sample finds its table entry.

@@ -10,7 +10,7 @@ use slicecast_compare::statistics::Figures;
 use slicecast_compare::{Comparison, ModelPositions, Split, compare, split};
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::threads::on_threads;
-use slicecast_scene::{AlphaCodeName, LookupName};
+use slicecast_scene::{AlphaCodeName, Interpolation, LookupName};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
@@ -140,6 +140,11 @@ impl Args {
         println!("{}", tables::carried(&comparison.stages));
         println!();
         let mut lines = tables::image_lines(scene.precision.name(), &comparison).to_vec();
+        if self.converged && scene.interpolation == Interpolation::Nearest {
+            return Err(Failure::input(
+                "--converged: the integral is of values interpolated between voxels, and the scene samples the nearest one",
+            ));
+        }
         let split = if self.converged {
             let split = with_bar("converging", |progress| {
                 on_threads(self.threads.count(), || split(&prepared, &comparison, progress))

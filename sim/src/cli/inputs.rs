@@ -10,7 +10,7 @@ use slicecast_engine::simd::Simd;
 use slicecast_scene::View;
 use slicecast_scene::check;
 use slicecast_scene::import::Shading;
-use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
+use slicecast_scene::{AlphaCodeName, Blend, Interpolation, LookupName, PrecisionName, Scene};
 use slicecast_volume::choice::{Choice, NanRule, Series};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::{self, Loaded, Options, prepare};
@@ -228,6 +228,12 @@ enum LookupArg {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
+enum InterpolationArg {
+    Linear,
+    Nearest,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
 enum BlendArg {
     FrontToBack,
     BackToFront,
@@ -258,6 +264,9 @@ pub struct SceneArgs {
     /// Table look-up; without it, the scene's or the precision's.
     #[arg(long)]
     lookup: Option<LookupArg>,
+    /// The value between voxels; without it, the scene's. Labels are names, and are sampled nearest.
+    #[arg(long)]
+    interpolation: Option<InterpolationArg>,
     /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum) of a named scene gets a grey
     /// ramp over the values that rays keep.
     #[arg(long)]
@@ -406,6 +415,12 @@ impl SceneArgs {
                 LookupArg::Nearest => LookupName::Nearest,
                 LookupArg::Linear => LookupName::Linear,
             });
+        }
+        if let Some(interpolation) = self.interpolation {
+            scene.interpolation = match interpolation {
+                InterpolationArg::Linear => Interpolation::Linear,
+                InterpolationArg::Nearest => Interpolation::Nearest,
+            };
         }
         if let Some(blend) = self.blend {
             scene.blend = match blend {

@@ -197,17 +197,6 @@ fn histogram(loaded: &Loaded, statistics: &Statistics) -> String {
     format!("   value from  voxels (length: logarithm)\n{}", lines.join("\n"))
 }
 
-/// What the pipeline keeps of a frame, counted without rendering one.
-struct Count<'a>(&'a slicecast::plan::Plan);
-
-impl Job for Count<'_> {
-    type Output = slicecast::stream::Needs;
-
-    fn run<L: slicecast::plane::Pipeline>(self, _: &L) -> Self::Output {
-        slicecast::stream::Needs::of::<L>(self.0)
-    }
-}
-
 /// The picture that `render` makes of a volume by default: what it warns of, and what it takes.
 struct Drawn {
     warning: Option<String>,

@@ -50,6 +50,7 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         precision: PrecisionName::Compact,
         table: None,
         lookup: None,
+        interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
     }
 }

@@ -9,8 +9,8 @@ use crate::check::{
 };
 use crate::colour::Colour;
 use crate::{
-    AlphaCodeName, Blend, Frame, Highlight, Image, Light, Lighting, LookupName, Point, PrecisionName, Sampling, Scene,
-    TransferFunction, View,
+    AlphaCodeName, Blend, Frame, Highlight, Image, Interpolation, Light, Lighting, LookupName, Point, PrecisionName,
+    Sampling, Scene, TransferFunction, View,
 };
 
 /// A whole scene file.
@@ -50,6 +50,7 @@ struct ImagePart {
 struct SamplingPart {
     planes_per_voxel: Option<i64>,
     rays_per_voxel: Option<i64>,
+    interpolation: Option<Interpolation>,
 }
 
 #[derive(Deserialize)]
@@ -106,6 +107,7 @@ impl SceneFile {
         Ok(Scene {
             view: self.view.into_view(),
             image: self.image.into_image()?,
+            interpolation: self.sampling.interpolation.unwrap_or_default(),
             sampling: self.sampling.into_sampling()?,
             transfer: self.transfer.into_transfer()?,
             lighting: self.lighting.map(LightingPart::into_lighting).transpose()?,

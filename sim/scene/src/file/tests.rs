@@ -3,7 +3,9 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::{AlphaCodeName, Blend, Frame, Highlight, Lighting, LookupName, PrecisionName, Sampling, View};
+use crate::{
+    AlphaCodeName, Blend, Frame, Highlight, Interpolation, Lighting, LookupName, PrecisionName, Sampling, View,
+};
 
 const MINIMAL: &str = "[transfer]\npoints = [{ value = 0, colour = \"#ffffff\", opacity = 0.5 }]\n";
 
@@ -74,6 +76,7 @@ fn the_reference_states_every_field() {
         "background",
         "planes_per_voxel",
         "rays_per_voxel",
+        "interpolation",
         "unit_distance",
         "points",
         "ambient",
@@ -108,6 +111,7 @@ fn the_reference_states_every_field() {
 fn what_is_left_out_has_its_default() {
     let scene = with("").unwrap();
     assert_eq!((scene.view, scene.image, scene.sampling), Default::default());
+    assert_eq!(scene.interpolation, Interpolation::Linear);
     assert_eq!((scene.lighting, scene.transfer.unit_distance), (None, 1.0));
     assert_eq!(
         (scene.blend, scene.precision),
@@ -121,12 +125,13 @@ fn what_is_left_out_has_its_default() {
 fn every_field_arrives() {
     let scene = with(
         "[view]\nroll = -5\n[image]\nsize = [3, 4]\nzoom = 2\nbackground = [0, 0.5, 1]\n\
-         [sampling]\nplanes_per_voxel = 16\nrays_per_voxel = 8\n\
+         [sampling]\nplanes_per_voxel = 16\nrays_per_voxel = 8\ninterpolation = \"nearest\"\n\
          [lighting]\nexponent = 256\nhighlight = \"half-vector\"\n\
          [[lighting.lights]]\ndirection = [0, -3e200, 4e200]\nframe = \"volume\"\ncolour = \"#ff0000\"\n\
          [render]\nblend = \"minimum\"\nprecision = \"wide\"\ntable = \"sqrt8\"\nlookup = \"linear\"\nearly_termination = 20",
     )
     .unwrap();
+    assert_eq!(scene.interpolation, Interpolation::Nearest);
     assert_eq!(
         (scene.view.roll, scene.image.size, scene.image.zoom),
         (-5.0, Some([3, 4]), 2.0)
