@@ -93,12 +93,15 @@ fn extremes_are_refused_by_name_or_rendered() {
         text.contains("beyond.nrrd: values from 0 to 1e200 cannot be divided into 4096 codes"),
         "{text}"
     );
-    // All of 64 bits can be rendered.
-    let integers: Vec<u8> = [0, 1 << 40, 1 << 63, u64::MAX]
-        .iter()
-        .flat_map(|v: &u64| v.to_le_bytes())
-        .collect();
-    place.nrrd("large.nrrd", "uint64", [2, 2, 1], &integers);
+    // Of 64 bits, what scenes can state.
+    let integers = |last: u64| [0, 1 << 20, 1 << 39, last].map(u64::to_le_bytes).concat();
+    place.nrrd("beyond.nrrd", "uint64", [2, 2, 1], &integers(u64::MAX));
+    let text = place.refuses("render beyond.nrrd -o b.png");
+    assert!(
+        text.contains("beyond.nrrd: values from 0 to 18446744073709552000"),
+        "{text}"
+    );
+    place.nrrd("large.nrrd", "uint64", [2, 2, 1], &integers(999_999_999_999));
     place.succeeds("render large.nrrd -o b.png");
 }
 
