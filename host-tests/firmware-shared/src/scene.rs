@@ -1,7 +1,7 @@
 //! Scenes as a device holds them: numbers of the pipeline's own formats, in flash.
 
 use slicecast::classify::{AlphaCode, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
-use slicecast::composite::FrontToBack;
+use slicecast::composite::{ChannelFormat, FrontToBack, Recurrence};
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::plane::Composite;
@@ -93,7 +93,7 @@ impl SceneData {
 }
 
 /// A precision with the table that belongs to it.
-pub trait Model: Precision + Default {
+pub trait Model: Precision<Pixel: Recurrence<Channel: ChannelFormat>> + Default {
     /// How its table holds opacities.
     type Alpha: AlphaCode;
     /// How samples find entries.
