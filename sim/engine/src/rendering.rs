@@ -119,7 +119,7 @@ impl<L: Pipeline + Send> Rendering for Under<L> {
 
     fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>) {
         let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
-        fold_tiles(plan, pipeline, slices, image, tile_rows, simd, progress);
+        fold_tiles(plan, pipeline, (slices, None), image, tile_rows, simd, progress);
     }
 
     fn fold_tapped(&mut self, slices: &[Slice<'_>], tile_rows: usize, progress: Progress<'_>, lend: LendTap<'_>) {

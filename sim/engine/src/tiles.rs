@@ -39,26 +39,16 @@ pub(crate) fn fold_oriented<L: Pipeline>(
     progress: Progress<'_>,
 ) {
     let sight = volume.sight(plan, pipeline.support(), L::BACK_TO_FRONT, simd);
-    each_tile::<L>(plan, image, tile_rows, progress, |tile, data, scratch| {
-        let fold = FoldTile {
-            plan,
-            pipeline,
-            slices: volume.slices,
-            seen: sight.as_ref(),
-            tile,
-            data,
-            scratch,
-            tap: None,
-        };
-        enough(with_lanes(simd, fold));
-    });
+    let slices = (volume.slices, sight.as_ref());
+    fold_tiles(plan, pipeline, slices, image, tile_rows, simd, progress);
 }
 
-/// Folds all planes into an image, tile by tile on rayon's current threads, rows as a whole.
+/// Folds all planes into an image, tile by tile on rayon's current threads: the blocks of slices that can be seen, or rows as a
+/// whole where none are named.
 pub(crate) fn fold_tiles<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
-    slices: &[Slice<'_>],
+    (slices, seen): (&[Slice<'_>], Option<&Sight>),
     image: &mut [L::Element],
     tile_rows: usize,
     simd: Simd,
@@ -69,7 +59,7 @@ pub(crate) fn fold_tiles<L: Pipeline>(
             plan,
             pipeline,
             slices,
-            seen: None,
+            seen,
             tile,
             data,
             scratch,
