@@ -88,7 +88,7 @@ const FAULTS: [Fault; 13] = [
     },
     Fault {
         what: "the dither of transparency half a unit off",
-        file: "core/src/composite.rs",
+        file: "core/src/composite/dithered.rs",
         from: "transparency.product16_31(opacity, (2 * dither.transparency + 1) << 15)",
         to: "transparency.product16_31(opacity, (2 * dither.transparency) << 15)",
         finder: Finder::Bits("compositing"),
