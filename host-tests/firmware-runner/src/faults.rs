@@ -61,8 +61,8 @@ const FAULTS: [Fault; 13] = [
     Fault {
         what: "colours between entries truncated",
         file: "core/src/classify.rs",
-        from: "(a * rest + b * f + V::splat(half)) >> P::SAMPLE_BITS",
-        to: "(a * rest + b * f) >> P::SAMPLE_BITS",
+        from: "(a * rest + b * f + V::splat(half)) >> sample_bits",
+        to: "(a * rest + b * f) >> sample_bits",
         finder: Finder::Bits("colour"),
     },
     Fault {
@@ -242,4 +242,20 @@ fn copy_sources(from: &Path, to: &Path) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FAULTS;
+
+    /// What `run-firmware --break` would find only after it has built the first programs.
+    #[test]
+    fn every_fault_has_its_place_in_the_sources() {
+        let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+        for fault in &FAULTS {
+            let source = std::fs::read_to_string(format!("{root}/{}", fault.file)).unwrap();
+            assert_eq!(source.matches(fault.from).count(), 1, "{}: {}", fault.file, fault.what);
+            assert_ne!(fault.from, fault.to);
+        }
+    }
 }
