@@ -23,6 +23,7 @@ use crate::composite::Recurrence as _;
 use crate::format::Opacity;
 use crate::lanes::{Lanes, Small, Wide as _};
 use crate::precision::{Formats, Precision};
+use crate::rows::three;
 use crate::slice::RowRange;
 use crate::table::ENTRIES;
 
@@ -74,7 +75,7 @@ pub trait Classifier<P: Precision>: Sync {
     fn colour_row<V: Lanes>(&self, p: P, slab: Slab<'_>, out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
         for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(slab.back) {
-            [*r, *g, *b] = self.colour(p, s).map(|c| c as i32);
+            [*r, *g, *b] = three(self.colour(p, s), |c| c as i32);
         }
     }
 }
@@ -251,7 +252,7 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
 #[inline(always)]
 fn colours<P: Precision>(p: P, entry: u32) -> [u32; 3] {
     let [r, g, b, _] = entry.to_le_bytes();
-    [r, g, b].map(|byte| colour_of_byte(byte, p.pixel().colour_bits()))
+    three([r, g, b], |byte| colour_of_byte(byte, p.pixel().colour_bits()))
 }
 
 /// Entry and fraction of a sample that lies between two entries.
@@ -327,7 +328,9 @@ impl<A: AlphaCode, L: Lookup> PointTable<'_, A, L> {
             return first;
         }
         let ([r0, g0, b0], [r1, g1, b1]) = (first, colours(p, b));
-        [(r0, r1), (g0, g1), (b0, b1)].map(|(a, b)| mix_colour(p, a as i32, b as i32, f) as u32)
+        three([(r0, r1), (g0, g1), (b0, b1)], |(a, b)| {
+            mix_colour(p, a as i32, b as i32, f) as u32
+        })
     }
 
     /// Opacities of a row on a small machine. With registers of its own it takes fewer instructions where there are few.
@@ -373,7 +376,7 @@ impl<P: Precision, A: AlphaCode, L: Lookup> Classifier<P> for PointTable<'_, A, 
     fn colour_row<V: Lanes>(&self, p: P, slab: Slab<'_>, out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
         for (((r, g), b), &s) in red.iter_mut().zip(green).zip(blue).zip(slab.back) {
-            [*r, *g, *b] = self.colour_by::<P, V>(p, s).map(|c| c as i32);
+            [*r, *g, *b] = three(self.colour_by::<P, V>(p, s), |c| c as i32);
         }
     }
 }

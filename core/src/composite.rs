@@ -32,6 +32,7 @@ pub use self::telescoping::Telescoping31;
 pub use self::truncating::Truncating15;
 use crate::format::Opacity;
 use crate::lanes::Lanes;
+use crate::rows::three;
 
 /// The memory of a channel: 0 to 1, both included, as whole multiples of 1 / [`Recurrence::one`].
 pub trait Channel: Copy + Debug + Default + Ord + Send + Sync + 'static {
@@ -133,7 +134,7 @@ impl<C: Channel> Pixel<C> {
     #[inline(always)]
     fn bits(self) -> Pixel<i32> {
         Pixel {
-            colour: self.colour.map(|c| c.bits() as i32),
+            colour: three(self.colour, |c| c.bits() as i32),
             transparency: self.transparency.bits() as i32,
         }
     }
@@ -141,7 +142,7 @@ impl<C: Channel> Pixel<C> {
     #[inline(always)]
     fn of_bits(bits: Pixel<i32>) -> Self {
         Self {
-            colour: bits.colour.map(|c| C::from_bits(c as u32)),
+            colour: three(bits.colour, |c| C::from_bits(c as u32)),
             transparency: C::from_bits(bits.transparency as u32),
         }
     }
@@ -227,7 +228,7 @@ pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
         opacity: Opacity,
         dither: Dither,
     ) -> Pixel<Self::Channel> {
-        let (colour, opacity) = (colour.map(|c| c as i32), opacity.to_bits() as i32);
+        let (colour, opacity) = (three(colour, |c| c as i32), opacity.to_bits() as i32);
         Pixel::of_bits(self.over_lanes(pixel.bits(), colour, opacity, dither))
     }
 
@@ -240,7 +241,7 @@ pub trait Recurrence: Copy + Debug + Send + Sync + 'static {
         opacity: Opacity,
         dither: Dither,
     ) -> Pixel<Self::Channel> {
-        let (colour, opacity) = (colour.map(|c| c as i32), opacity.to_bits() as i32);
+        let (colour, opacity) = (three(colour, |c| c as i32), opacity.to_bits() as i32);
         Pixel::of_bits(self.under_lanes(pixel.bits(), colour, opacity, dither))
     }
 }

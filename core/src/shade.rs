@@ -36,6 +36,7 @@ use crate::format::{Coefficient, Vector};
 use crate::lanes::{Lanes, Wide as _};
 use crate::normalise::Normal;
 use crate::precision::Precision;
+use crate::rows::three;
 
 use arithmetic::{along, ambient, brighter, for_products, lit, opposite, reflected_lanes, weighted};
 pub use arithmetic::{dot, dot_lanes, formed, formed_nearest, power, power_lanes, reflected};
@@ -331,9 +332,8 @@ impl<P: Precision> Phong<P> {
                     Some([r, g, b]) => [V::splat(r as i32), V::splat(g as i32), V::splat(b as i32)],
                     None => [V::load(red, at), V::load(green, at), V::load(blue, at)],
                 };
-                let unlit = [zero; 2];
-                let [first, middle, last] =
-                    [sums.first(), sums.get(N >> 1), sums.last()].map(|sum| sum.unwrap_or(&unlit));
+                let unlit = &[zero; 2];
+                let [first, middle, last] = three([0, N >> 1, N - 1], |n| sums.get(n).unwrap_or(unlit));
                 lit::<P, V>(p, r, *first).store(red, at);
                 lit::<P, V>(p, g, *middle).store(green, at);
                 lit::<P, V>(p, b, *last).store(blue, at);

@@ -17,6 +17,7 @@ use crate::locate::{cell, plane};
 use crate::plan::{Phase, Plan};
 use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, scratch_len};
 use crate::precision::Precision as _;
+use crate::rows::three;
 use crate::slice::{RowRange, Slice, SliceError, Window};
 use crate::tap::Tap;
 
@@ -263,7 +264,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     #[inline(always)]
     fn take(&mut self, voxels: &[u16], tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
         let number = self.wanted().ok_or(StreamError::Complete)?;
-        let [width, height, _] = self.plan.dims().map(|side| side as usize);
+        let [width, height, _] = three(self.plan.dims(), |side| side as usize);
         let len = width * height;
         if voxels.len() != len {
             return Err(StreamError::Slice(SliceError::Voxels {

@@ -11,7 +11,7 @@ use slicecast::view::View;
 use slicecast::warp::Warp;
 use slicecast_engine::camera::{CameraError, Material, Picture, Setup};
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::oriented::with_slices;
+use slicecast_engine::oriented::Turned;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::table::Table;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
@@ -152,7 +152,8 @@ impl Frame {
             table: self.compiled(),
             simd: Simd::widest(),
         };
-        with_slices(&self.volume, plan.view(), |slices| run(&prepared, slices)).expect("12-bit voxels")
+        let mut turned = Turned::new(&self.volume, plan.view());
+        run(&prepared, &turned.slices().expect("12-bit voxels"))
     }
 }
 

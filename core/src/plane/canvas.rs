@@ -114,8 +114,8 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
     }
 
     fn look(&self, row: u32, span: Range<usize>, see: &mut dyn FnMut(&[&dyn Bits])) {
-        let [r, g, b, t] = [0, 1, 2, 3].map(|channel| self.run(row, channel).get(span.clone()).unwrap_or(&[]));
-        see(&[&r, &g, &b, &t]);
+        let run = |channel| self.run(row, channel).get(span.clone()).unwrap_or(&[]);
+        see(&[&run(0), &run(1), &run(2), &run(3)]);
     }
 
     #[inline(always)]

@@ -16,7 +16,7 @@ use crate::composite::{Channel, Dither, Order, Pixel, Recurrence};
 use crate::lanes::Lanes;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::{part, part_mut};
+use crate::rows::{part, part_mut, three};
 use crate::shade::Shader;
 use crate::tap::Tap;
 
@@ -136,7 +136,7 @@ where
             tap.plane(plane);
         }
         let extent = Extent::of(plan, plane);
-        let [base_width, _] = plan.base().map(|side| side as usize);
+        let base_width = plan.base()[0] as usize;
         let Some(count) = rows.data.len().checked_div(4 * base_width) else {
             return Ok(());
         };
@@ -168,7 +168,7 @@ where
             };
             let [rows, columns] = &mut source.z;
             let [samples, ..] = &mut source.samples;
-            let lists = [rows, columns, samples].map(|row| part_mut(row, 0..BATCH));
+            let lists = three([rows, columns, samples], |row| part_mut(row, 0..BATCH));
             let mut blocks = Blocks::new(seen, &extent, (first, count), V::COUNT, &probes, lists);
             fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
             return Ok(());
@@ -192,7 +192,7 @@ where
         if O::BACK_TO_FRONT {
             return false;
         }
-        let [width, _] = plan.base().map(|side| side as usize);
+        let width = plan.base()[0] as usize;
         for row in data.chunks_exact((4 * width).max(1)) {
             if !V::enter((AllFinished, PhantomData::<V>, part(row, 3 * width..4 * width))) {
                 return false;

@@ -15,7 +15,7 @@ use super::source::Source;
 use crate::classify::{Slab, Support};
 use crate::composite::Colours;
 use crate::locate::Plane;
-use crate::rows::{part, part_mut};
+use crate::rows::{part, part_mut, three};
 use crate::slice::Window;
 use crate::stage::Stage;
 use crate::tap::{Beam, Bits, Tap};
@@ -62,9 +62,11 @@ pub(super) fn fold<B, C, S, X>(
     let one = classifier.one_colour().filter(|_| tap.is_none());
     while let Some(len) = batches.next(canvas) {
         let opacities = part_mut(opacities, 0..len);
-        classifier.opacity_row(Slab::of(part(batches.samples(), 0..len)), opacities);
         if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0)) {
             tap.row(Stage::Interpolation, at, &[&batches.samples()]);
+        }
+        classifier.opacity_row(Slab::of(part(batches.samples(), 0..len)), opacities);
+        if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0)) {
             tap.row(Stage::Opacity, at, &[&&*opacities]);
         }
         // Unlit, it needs no spans either.
@@ -80,7 +82,7 @@ pub(super) fn fold<B, C, S, X>(
             let n = visible.len();
             let mut colours = Colours {
                 one: one.filter(|_| shader.lit()),
-                rows: [&mut *red, &mut *green, &mut *blue].map(|row| part_mut(row, 0..n)),
+                rows: three([&mut *red, &mut *green, &mut *blue], |row| part_mut(row, 0..n)),
             };
             if colours.one.is_none() {
                 let [r, g, b] = &mut colours.rows;
@@ -90,7 +92,7 @@ pub(super) fn fold<B, C, S, X>(
                 see(*tap, Stage::Colour, at, &colours.rows);
             }
             if shader.lit() {
-                let [gx, gy, gz] = [&mut *gx, &mut *gy, &mut *gz].map(|row| part_mut(row, 0..n));
+                let [gx, gy, gz] = three([&mut *gx, &mut *gy, &mut *gz], |row| part_mut(row, 0..n));
                 let r = part_mut(r, 0..n);
                 batches.gradients(visible.clone(), opacities, [&mut *gx, &mut *gy, &mut *gz]);
                 if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {

@@ -10,7 +10,7 @@ use crate::format::Intensity;
 use crate::interpolate::{Difference, cut, kept, lerp_x, lerp_y};
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
-use crate::rows::part_mut;
+use crate::rows::{part_mut, three};
 use crate::slice::{Slice, Window};
 
 /// The most lanes that a probe can have.
@@ -122,7 +122,7 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     #[inline(always)]
     fn new(precision: P, extent: &Extent, window: &'w Window<'w>) -> Self {
         const { assert!(V::COUNT <= LANES_MAX) };
-        let [wx, wy, wz] = [extent.x, extent.y, extent.z].map(|cell| cut(precision, cell.weight));
+        let [wx, wy, wz] = three([extent.x, extent.y, extent.z], |cell| cut(precision, cell.weight));
         Self {
             window,
             near: window.near,
@@ -260,8 +260,8 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
         let start = from.max(0) as usize;
         let mut voxels = V::load_voxels(near, start).between16(V::load_voxels(far, start), self.wz);
         let one = |column: i32| {
-            let [a, b] = [near, far].map(|row| i32::load_voxels(row, column.max(0) as usize));
-            a.between16(b, self.wz_bits)
+            let voxel = |row| i32::load_voxels(row, column.max(0) as usize);
+            voxel(near).between16(voxel(far), self.wz_bits)
         };
         let last = self.width - 1;
         let lane = (last + 1).checked_sub(start as i32).unwrap_or(-1);

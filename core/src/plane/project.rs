@@ -66,7 +66,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             tap.plane(plane);
         }
         let extent = Extent::of(plan, plane);
-        let [base_width, _] = plan.base().map(|side| side as usize);
+        let base_width = plan.base()[0] as usize;
         let Some(count) = rows.data.len().checked_div(base_width) else {
             return Ok(());
         };

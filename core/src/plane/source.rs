@@ -15,7 +15,7 @@ use crate::gradient::{coarsen_row, difference_row, space_row};
 use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, yx_row_in_slice, z_difference_row, z_row};
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
-use crate::rows::{part, part_mut};
+use crate::rows::{part, part_mut, three};
 use crate::shade::Shader;
 use crate::slice::{Slice, Window};
 
@@ -77,14 +77,15 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
             let len = len.min(row.len());
             part_mut(row, 0..len)
         };
+        let [near, far] = rows.z;
         Self {
             extent,
             window,
             spacing,
-            z: rows.z.map(cut),
+            z: [cut(near), cut(far)],
             z_row: [NO_ROW; 2],
             inner: cut(rows.inner),
-            samples: rows.samples.map(cut),
+            samples: three(rows.samples, cut),
             sample_row: [NO_ROW; 3],
             derivatives: rows.derivatives,
             made: [(0, 0..0), (0, 0..0)],

@@ -8,7 +8,7 @@ use slicecast::stage::Stage;
 use slicecast::tap::{Beam, Bits, Tap};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
-use slicecast_engine::oriented::with_slices;
+use slicecast_engine::oriented::Turned;
 use slicecast_engine::rendering::{in_memory_order, tapped};
 use slicecast_firmware_shared::boundary::Boundaries;
 use slicecast_firmware_shared::image::add_rgb;
@@ -56,9 +56,9 @@ pub fn reference(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {
         add_rgb(&mut picture, [pixel[0], pixel[1], pixel[2]]);
     }
     let view = prepared.setup.plan.view();
-    let (planes, image, counts) = with_slices(&named.volume, view, |slices| folded(&prepared, slices))
-        .map_err(|e| words(&e))?
-        .map_err(|e| words(&e))?;
+    let mut turned = Turned::new(&named.volume, view);
+    let slices = turned.slices().map_err(|e| words(&e))?;
+    let (planes, image, counts) = folded(&prepared, &slices).map_err(|e| words(&e))?;
     let sums = Sums {
         planes,
         image,

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use slicecast::format::Direction;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::oriented::{packed, with_slices};
+use slicecast_engine::oriented::{Turned, packed};
 use slicecast_engine::pipelines::compile;
 use slicecast_engine::table::Table;
 use slicecast_scene::file::parse;
@@ -214,10 +214,9 @@ impl Named {
         let longest = direction.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
         let one = Direction::ONE.to_bits() as f64;
         let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-        let voxels = with_slices(&self.volume, setup.plan.view(), |slices| {
-            slices.iter().flat_map(packed).collect()
-        })
-        .map_err(|e| words(&e))?;
+        let mut turned = Turned::new(&self.volume, setup.plan.view());
+        let slices = turned.slices().map_err(|e| words(&e))?;
+        let voxels = slices.iter().flat_map(packed).collect();
         let table = |precision| {
             let scene = Scene {
                 precision,

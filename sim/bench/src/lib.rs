@@ -20,7 +20,7 @@ use crate::spread::spread;
 use slicecast_engine::camera::CameraError;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::oriented::{Oriented, with_slices};
+use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::pipelines::compile;
 use slicecast_engine::rays;
 use slicecast_engine::simd::Simd;
@@ -154,31 +154,30 @@ pub fn measure(
     let opponent = Opponent::of(of(PrecisionName::Compact));
     let mut floats = Vec::new();
     let mut times = vec![Vec::with_capacity(frames); subjects.len()];
-    with_slices(volume, plan.view(), |slices| {
-        let oriented = Oriented::of(slices);
-        for round in 0..frames {
-            for (subject, times) in subjects.iter().zip(&mut times) {
-                let frame = || match subject.engine {
-                    Engine::Fixed(precision) => folded(of(precision), &oriented, subject.simd),
-                    Engine::Float => {
-                        floats.resize(Opponent::image_len(&plan), 0.0);
-                        Opponent::clear(&plan, &mut floats);
-                        let start = Instant::now();
-                        opponent.fold(&plan, slices, &mut floats, TILE_ROWS, subject.simd);
-                        Ok(start.elapsed())
-                    }
-                    Engine::Rays(precision) => {
-                        let start = Instant::now();
-                        black_box(rays::follow(of(precision)).map_err(CameraError::from)?);
-                        Ok(start.elapsed())
-                    }
-                };
-                times.push(threads.pool(subject.all_threads).install(frame)?.as_secs_f64());
-            }
-            progress(round + 1, frames);
+    let mut turned = Turned::new(volume, plan.view());
+    let slices = &turned.slices()?;
+    let oriented = Oriented::of(slices);
+    for round in 0..frames {
+        for (subject, times) in subjects.iter().zip(&mut times) {
+            let frame = || match subject.engine {
+                Engine::Fixed(precision) => folded(of(precision), &oriented, subject.simd),
+                Engine::Float => {
+                    floats.resize(Opponent::image_len(&plan), 0.0);
+                    Opponent::clear(&plan, &mut floats);
+                    let start = Instant::now();
+                    opponent.fold(&plan, slices, &mut floats, TILE_ROWS, subject.simd);
+                    Ok(start.elapsed())
+                }
+                Engine::Rays(precision) => {
+                    let start = Instant::now();
+                    black_box(rays::follow(of(precision)).map_err(CameraError::from)?);
+                    Ok(start.elapsed())
+                }
+            };
+            times.push(threads.pool(subject.all_threads).install(frame)?.as_secs_f64());
         }
-        Ok::<_, RenderError>(())
-    })??;
+        progress(round + 1, frames);
+    }
     let samples = samples(&plan);
     Ok((samples, rows(subjects, &times, samples, threads)))
 }
@@ -248,28 +247,27 @@ pub fn beside(scene: &Scene, volume: &Volume, frames: usize, threads: &Threads) 
     let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
     let mut shortest = [Duration::MAX; 6];
     let (mut share, mut bytes) = (1.0, 0);
-    with_slices(volume, prepared.setup.plan.view(), |slices| {
-        for _ in 0..frames {
-            let start = Instant::now();
-            let oriented = threads.pool(true).install(|| Oriented::of(slices));
-            let measured = start.elapsed();
-            bytes = oriented.occupancy().bytes();
-            let frame = || folded_and_warped(&prepared, &oriented);
-            let ([fold, warp, sight], seen) = threads.pool(true).install(frame)?;
-            share = seen;
-            let start = Instant::now();
-            let table = black_box(compile(scene, &volume.mapping, prepared.setup.step_length));
-            let compiled = start.elapsed();
-            let start = Instant::now();
-            black_box(table.expanded());
-            let decoded = start.elapsed();
-            let times = [fold, warp, compiled, decoded, sight, measured];
-            for (shortest, time) in shortest.iter_mut().zip(times) {
-                *shortest = (*shortest).min(time);
-            }
+    let mut turned = Turned::new(volume, prepared.setup.plan.view());
+    let slices = &turned.slices()?;
+    for _ in 0..frames {
+        let start = Instant::now();
+        let oriented = threads.pool(true).install(|| Oriented::of(slices));
+        let measured = start.elapsed();
+        bytes = oriented.occupancy().bytes();
+        let frame = || folded_and_warped(&prepared, &oriented);
+        let ([fold, warp, sight], seen) = threads.pool(true).install(frame)?;
+        share = seen;
+        let start = Instant::now();
+        let table = black_box(compile(scene, &volume.mapping, prepared.setup.step_length));
+        let compiled = start.elapsed();
+        let start = Instant::now();
+        black_box(table.expanded());
+        let decoded = start.elapsed();
+        let times = [fold, warp, compiled, decoded, sight, measured];
+        for (shortest, time) in shortest.iter_mut().zip(times) {
+            *shortest = (*shortest).min(time);
         }
-        Ok::<_, RenderError>(())
-    })??;
+    }
     let [fold, warp, compiled, decoded, sight, measured] = shortest.map(milliseconds);
     Ok(Beside {
         fold_milliseconds: fold,

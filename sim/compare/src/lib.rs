@@ -19,7 +19,7 @@ use lockstep::Lockstep;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::Frame;
-use slicecast_engine::oriented::with_slices;
+use slicecast_engine::oriented::Turned;
 use slicecast_engine::rendering::tapped;
 use slicecast_engine::tiles::{TILE_ROWS, Tile};
 use slicecast_engine::with_precision;
@@ -108,9 +108,12 @@ pub fn compare(
 ) -> Result<Comparison, RenderError> {
     let plan = &prepared.setup.plan;
     let model = model(prepared, positions);
-    with_slices(prepared.volume, plan.view(), |slices| {
-        beside(prepared, &model, slices, progress)
-    })?
+    beside(
+        prepared,
+        &model,
+        &Turned::new(prepared.volume, plan.view()).slices()?,
+        progress,
+    )
 }
 
 /// The model of a prepared scene: its own geometry from the scene's real numbers, on the pipeline's lattice of rays.

@@ -1,7 +1,7 @@
 //! The picture without its background: what pictures of more than 8 bits, or with an opacity, are made from.
 //!
 //! It is the final warp of core by its definition, pixel by pixel. In front of the scene's background and rounded to
-//! 8 bits it is [`Framing::picture`](crate::rendering::Framing::picture), to the last bit (tests).
+//! 8 bits it is [`Framing::picture`](crate::rendering::Framing::picture), to the last bit (`tests/frames.rs`).
 
 use rayon::prelude::*;
 use slicecast::composite::Pixel;
@@ -59,83 +59,4 @@ fn at(base: &BaseImage, u: i64, v: i64) -> Option<[u32; 4]> {
     let u = usize::try_from(u).ok().filter(|u| *u < width)?;
     let v = usize::try_from(v).ok().filter(|v| *v < height)?;
     Some(base.planes.each_ref().map(|plane| plane[v * width + u]))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::frame::{Layer, Prepared};
-    use crate::image::Frame;
-    use slicecast_scene::{Blend, Image, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
-    use slicecast_volume::{Mapping, Volume};
-
-    /// A ball in a box, seen askew.
-    fn framed(precision: PrecisionName, background: [f64; 3], check: impl Fn(&Frame, &Picture)) {
-        let voxel = |index: usize| {
-            let place = [index % 9, index / 9 % 9, index / 81].map(|c| c as f64 - 4.0);
-            (4000.0 - 60.0 * place.iter().map(|c| c * c).sum::<f64>()).max(0.0) as u16
-        };
-        let volume = Volume {
-            name: "ball".into(),
-            dims: [9; 3],
-            spacing: [1.0, 1.0, 1.5],
-            voxels: (0..729).map(voxel).collect(),
-            mapping: Mapping {
-                scale: 1.0,
-                offset: 0.0,
-            },
-        };
-        let point = |value, colour, opacity| Point { value, colour, opacity };
-        let scene = Scene {
-            view: View {
-                azimuth: 37.0,
-                elevation: 21.0,
-                roll: 5.0,
-            },
-            image: Image {
-                size: Some([61, 47]),
-                background,
-                ..Image::default()
-            },
-            sampling: Sampling {
-                planes_per_voxel: 1,
-                rays_per_voxel: 2,
-            },
-            transfer: TransferFunction {
-                unit_distance: 1.0,
-                points: vec![point(1500.0, [1.0, 0.5, 0.2], 0.0), point(4000.0, [0.3, 0.7, 1.0], 0.4)],
-            },
-            lighting: None,
-            blend: Blend::FrontToBack,
-            precision,
-            table: None,
-            lookup: None,
-            interpolation: slicecast_scene::Interpolation::Linear,
-            early_termination: None,
-        };
-        let prepared = Prepared::new(&scene, &volume).unwrap();
-        let frame = prepared.render(Layer::Tiles(8), &|_, _| {}).unwrap();
-        check(&frame, &prepared.setup.picture);
-    }
-
-    #[test]
-    fn in_front_of_the_background_it_is_the_picture() {
-        let background = [0.25, 1.0, 0.625];
-        for precision in PrecisionName::ALL {
-            framed(precision, background, |frame, picture| {
-                let cutout = Cutout::of(&frame.base, picture);
-                let one = u64::from(cutout.one);
-                let bytes = cutout.pixels.iter().flat_map(|[red, green, blue, transparency]| {
-                    [(red, 0.25), (green, 1.0), (blue, 0.625)].map(|(channel, behind): (_, f64)| {
-                        let behind = (u64::from(*transparency) * (behind * 32768.0) as u64 + (1 << 14)) >> 15;
-                        let sum = (u64::from(*channel) + behind).min(one);
-                        ((sum * 255 + one / 2) / one) as u8
-                    })
-                });
-                assert_eq!(bytes.collect::<Vec<_>>(), frame.picture.bytes, "{}", precision.name());
-                let opaque = cutout.pixels.iter().filter(|pixel| pixel[3] < cutout.one).count();
-                assert!((500..2000).contains(&opaque), "{opaque}");
-            });
-        }
-    }
 }

@@ -6,7 +6,7 @@ use slicecast_volume::Volume;
 use crate::camera::{CameraError, Setup, set_up};
 use crate::error::RenderError;
 use crate::image::Frame;
-use crate::oriented::{Oriented, with_slices};
+use crate::oriented::{Oriented, Turned};
 use crate::pipelines::{compile, rendering};
 use crate::rendering::Framing;
 use crate::simd::Simd;
@@ -82,9 +82,8 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`RenderError`]; nothing is rendered then.
     pub fn render(&self, layer: Layer, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
-        with_slices(self.volume, self.setup.plan.view(), |slices| {
-            self.render_oriented(&Oriented::of(slices), layer, progress)
-        })?
+        let mut turned = Turned::new(self.volume, self.setup.plan.view());
+        self.render_oriented(&Oriented::of(&turned.slices()?), layer, progress)
     }
 
     /// Renders the frame from a volume that has been turned for a view along the same axis and direction.
@@ -106,45 +105,5 @@ impl<'a> Prepared<'a> {
             base: rendering.base(),
             picture: rendering.picture(self),
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use slicecast_scene::file::built_in;
-    use slicecast_scene::{Interpolation, Point};
-    use slicecast_volume::Mapping;
-
-    /// Between the labels 2 and 9 lie all labels from 3 to 8, and none of them is there.
-    #[test]
-    fn nearest_samples_invent_no_label() {
-        let volume = Volume {
-            name: "labels".into(),
-            dims: [12, 11, 10],
-            spacing: [1.0; 3],
-            mapping: Mapping {
-                scale: 1.0,
-                offset: 0.0,
-            },
-            voxels: (0..12 * 11 * 10).map(|n| if n % 7 < 3 { 2 } else { 9 }).collect(),
-        };
-        let mut scene = built_in("ct-fog").unwrap();
-        let point = |value, opacity| Point {
-            value,
-            colour: [1.0; 3],
-            opacity,
-        };
-        scene.transfer.points = vec![point(3.5, 0.0), point(5.0, 1.0), point(7.5, 0.0)];
-        scene.lighting = None;
-        scene.sampling.planes_per_voxel = 3;
-        let mut opaque = |interpolation| {
-            scene.interpolation = interpolation;
-            let prepared = Prepared::new(&scene, &volume).unwrap();
-            let base = prepared.render(Layer::Tiles(8), &|_, _| ()).unwrap().base;
-            base.planes[3].iter().filter(|left| **left < base.one).count()
-        };
-        assert_eq!(opaque(Interpolation::Nearest), 0);
-        assert!(opaque(Interpolation::Linear) > 50);
     }
 }

@@ -1,6 +1,6 @@
 //! Base-plane images and pictures.
 
-use slicecast::composite::{Channel, Recurrence as _};
+use slicecast::composite::{Channel, Pixel, Recurrence as _};
 use slicecast::format::Intensity;
 use slicecast::plan::Plan;
 use slicecast::plane::{Pipeline, clear};
@@ -66,23 +66,32 @@ pub(crate) fn new_image<L: Pipeline>(plan: &Plan, pipeline: &L) -> Result<Vec<L:
 pub(crate) fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) -> BaseImage {
     let n = plan.sampling().rays_per_voxel as usize;
     let size = plan.base().map(|side| side as usize * n);
-    let mut planes = [(); 4].map(|()| Vec::with_capacity(size[0] * size[1]));
-    for v in 0..size[1] {
-        for u in 0..size[0] {
-            let pixel = base_pixel(plan, pipeline, image, u as i64, v as i64);
-            for (plane, c) in planes.iter_mut().zip(pixel.colour) {
-                plane.push(c.bits());
-            }
-            planes[3].push(pixel.transparency.bits());
-        }
-    }
     let pixel = pipeline.precision().pixel();
     BaseImage {
         size,
         format: pixel.format(),
         one: pixel.one().bits(),
-        planes,
+        planes: planes(size, &|[u, v]| {
+            let Pixel {
+                colour: [r, g, b],
+                transparency,
+            } = base_pixel(plan, pipeline, image, u as i64, v as i64);
+            [r.bits(), g.bits(), b.bits(), transparency.bits()]
+        }),
     }
+}
+
+/// The channels of all pixels, compiled once.
+fn planes([width, height]: [usize; 2], pixel: &dyn Fn([usize; 2]) -> [u32; 4]) -> [Vec<u32>; 4] {
+    let mut planes = [(); 4].map(|()| Vec::with_capacity(width * height));
+    for v in 0..height {
+        for u in 0..width {
+            for (plane, bits) in planes.iter_mut().zip(pixel([u, v])) {
+                plane.push(bits);
+            }
+        }
+    }
+    planes
 }
 
 /// The scene's background, 1.15.

@@ -4,6 +4,8 @@
 //! large as the volume. Copying and measuring take all threads; many frames along the same axis need it
 //! once ([`Prepared::render_oriented`](crate::frame::Prepared::render_oriented)).
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 use slicecast::classify::Support;
 use slicecast::plan::Plan;
@@ -14,33 +16,58 @@ use crate::occupancy::{Occupancy, Sight};
 use crate::simd::Simd;
 use slicecast_volume::Volume;
 
-/// Calls `run` with the slices of a volume in the order in which the view meets them.
-///
-/// # Errors
-/// [`SliceError`] if a voxel is above 4095 or the volume has fewer voxels than its shape says.
-pub fn with_slices<R>(volume: &Volume, view: &View, run: impl FnOnce(&[Slice<'_>]) -> R) -> Result<R, SliceError> {
-    let [nx, ny, nz] = volume.dims;
-    let transposed;
-    // Width, height and number of slices; where slice k starts; how far its rows are apart.
-    let (voxels, [width, height, depth], start, stride) = match view.major() {
-        Axis::Z => (&volume.voxels[..], [nx, ny, nz], nx * ny, nx),
-        Axis::Y => (&volume.voxels[..], [nx, nz, ny], nx, nx * ny),
-        Axis::X => {
-            transposed = transpose(&volume.voxels, volume.dims);
-            (&transposed[..], [ny, nz, nx], ny * nz, ny)
+/// The voxels of a volume as a view reads them, with room for what is measured of them.
+#[derive(Clone, Debug)]
+pub struct Turned<'v> {
+    voxels: Cow<'v, [u16]>,
+    /// Width and height of a slice.
+    size: [usize; 2],
+    /// Voxels from one slice to the next, and from one row to the next.
+    strides: [usize; 2],
+    reversed: bool,
+    /// Of each row of each slice.
+    ranges: Vec<RowRange>,
+}
+
+impl<'v> Turned<'v> {
+    /// A volume under a view.
+    pub fn new(volume: &'v Volume, view: &View) -> Self {
+        let [nx, ny, nz] = volume.dims;
+        let in_place = Cow::from(&volume.voxels);
+        let (voxels, [width, height, depth], strides) = match view.major() {
+            Axis::Z => (in_place, [nx, ny, nz], [nx * ny, nx]),
+            Axis::Y => (in_place, [nx, nz, ny], [nx, nx * ny]),
+            Axis::X => {
+                let transposed = transpose(&volume.voxels, volume.dims);
+                (Cow::from(transposed), [ny, nz, nx], [ny * nz, ny])
+            }
+        };
+        Self {
+            voxels,
+            size: [width, height],
+            strides,
+            reversed: view.reversed(),
+            ranges: vec![RowRange::EMPTY; height * depth],
         }
-    };
-    let mut ranges = vec![RowRange::EMPTY; height * depth];
-    let measure = |(k, ranges)| {
-        let voxels = voxels.get(k * start..).unwrap_or(&[]);
-        Slice::measure(voxels, width, height, stride, ranges)
-    };
-    let slices: Result<Vec<_>, _> = ranges.par_chunks_mut(height).enumerate().map(measure).collect();
-    let mut slices = slices?;
-    if view.reversed() {
-        slices.reverse();
     }
-    Ok(run(&slices))
+
+    /// Measures the slices, in the order in which the view meets them.
+    ///
+    /// # Errors
+    /// [`SliceError`] if a voxel is above 4095 or the volume has fewer voxels than its shape says.
+    pub fn slices(&mut self) -> Result<Vec<Slice<'_>>, SliceError> {
+        let ([width, height], [next, row_stride]) = (self.size, self.strides);
+        let measure = |(k, ranges)| {
+            let voxels = self.voxels.get(k * next..).unwrap_or(&[]);
+            Slice::measure(voxels, width, height, row_stride, ranges)
+        };
+        let ranges = self.ranges.par_chunks_mut(height);
+        let mut slices = ranges.enumerate().map(measure).collect::<Result<Vec<_>, _>>()?;
+        if self.reversed {
+            slices.reverse();
+        }
+        Ok(slices)
+    }
 }
 
 /// A volume as views along one axis and direction meet it.
@@ -64,7 +91,7 @@ fn dense(simd: Simd, back_to_front: bool) -> f64 {
 }
 
 impl<'a> Oriented<'a> {
-    /// Measures the blocks of slices that [`with_slices`] has made.
+    /// Measures the blocks of slices that [`Turned::slices`] has made.
     pub fn of(slices: &'a [Slice<'a>]) -> Self {
         Self {
             slices,

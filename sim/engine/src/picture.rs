@@ -35,10 +35,14 @@ const COPY_MAX: i128 = 8192;
 
 /// The picture of a base-plane image, in front of the scene's background.
 pub fn picture<L: Pictured>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
+    picture_of(prepared, &Base::of(&prepared.setup.plan, pipeline, image))
+}
+
+/// The picture of a base plane, compiled once per channel format.
+fn picture_of<C: ChannelFormat>(prepared: &Prepared<'_>, base: &dyn BasePixels<C>) -> Rgb {
     let Picture { size, warp, .. } = prepared.setup.picture;
     let background = background(prepared.scene);
     let shape = Shape::of(&warp);
-    let base = Base::of(&prepared.setup.plan, pipeline, image);
     let [width, height] = size.map(|side| side as usize);
     let [_, down] = shape.tile;
     let mut bytes = vec![0; 3 * width * height];
@@ -49,10 +53,10 @@ pub fn picture<L: Pictured>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::E
             || Memory::new(&shape, background),
             |memory, (band, out)| {
                 let band = Band {
-                    base: &base,
+                    base,
                     warp: &warp,
                     shape: &shape,
-                    clear: in_front_of(Pixel::<ChannelOf<L::Precision>>::clear(), background),
+                    clear: in_front_of(Pixel::<C>::clear(), background),
                     first: (band * down) as u32,
                     width,
                     out,
@@ -104,8 +108,7 @@ impl Shape {
 /// A pixel's red, green, blue and transparency, side by side.
 type Channels<L> = [ChannelOf<<L as Pipeline>::Precision>; 4];
 
-/// Where the pixels of a base plane come from: all that the picture asks of a pipeline, so that it is compiled once per
-/// channel format.
+/// Where the pixels of a base plane come from: all that the picture asks of a pipeline.
 trait BasePixels<C>: Sync {
     /// Copies the pixels from `first` on, in rows of `width`, clear ones where none exist; `phase` is room for a row of one
     /// phase. Whether any of them is not clear; if not, the copy may hold anything.
@@ -133,7 +136,8 @@ struct Base<'a, L: Pictured> {
 impl<'a, L: Pictured> Base<'a, L> {
     fn of(plan: &Plan, pipeline: &'a L, image: &'a [L::Element]) -> Self {
         let n = plan.sampling().rays_per_voxel as usize;
-        let [width, height] = plan.base().map(|side| side as usize);
+        let [width, height] = plan.base();
+        let (width, height) = (width as usize, height as usize);
         Self {
             pipeline,
             image,
@@ -149,10 +153,12 @@ impl<'a, L: Pictured> Base<'a, L> {
     fn pixels(&self, row: &[L::Element], column: usize, out: &mut [Channels<L>]) -> u32 {
         let width = row.len() / L::CHANNELS;
         // A pipeline with fewer channels does not look at the others.
-        let [first, second, third, fourth] = [0, 1, 2, 3].map(|run| {
-            let start = run % L::CHANNELS * width + column;
-            &row[start..start + out.len()]
-        });
+        let len = out.len();
+        let run = |channel| {
+            let start = channel % L::CHANNELS * width + column;
+            &row[start..start + len]
+        };
+        let [first, second, third, fourth] = [run(0), run(1), run(2), run(3)];
         let clear = channels(Pixel::<ChannelOf<L::Precision>>::clear());
         let mut seen = 0;
         for ((((out, a), b), c), d) in out.iter_mut().zip(first).zip(second).zip(third).zip(fourth) {

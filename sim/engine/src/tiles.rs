@@ -1,5 +1,8 @@
 //! Tiles of base-plane rows through all planes, on all cores.
 
+use std::marker::PhantomData;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 use slicecast::lanes::Lanes;
 use slicecast::locate::{cell, plane};
@@ -54,19 +57,32 @@ pub(crate) fn fold_tiles<L: Pipeline>(
     simd: Simd,
     progress: Progress<'_>,
 ) {
-    each_tile::<L>(plan, image, tile_rows, progress, |tile, data, scratch| {
-        let fold = FoldTile {
-            plan,
-            pipeline,
-            slices,
-            seen,
-            tile,
-            data,
-            scratch,
-            tap: None,
-        };
-        enough(with_lanes(simd, fold));
-    });
+    each_tile(
+        plan,
+        image,
+        Sizes::of::<L>(plan),
+        tile_rows,
+        progress,
+        &|tile, data, scratch| {
+            let way = Way {
+                plan,
+                slices,
+                seen,
+                tile,
+                back_to_front: L::BACK_TO_FRONT,
+            };
+            let folding = Folding {
+                pipeline,
+                rows: Rows {
+                    first: tile.first,
+                    data,
+                },
+                scratch,
+                tap: None,
+            };
+            enough(with_lanes(simd, FoldTile { way, folding }));
+        },
+    );
 }
 
 /// Folds all planes into an image like [`fold_tiles`], by the scalar definitions, each tile under a tap that `lend` lends.
@@ -79,11 +95,18 @@ pub(crate) fn fold_tiles_tapped<L: Pipeline>(
     progress: Progress<'_>,
     lend: LendTap<'_>,
 ) {
-    each_tile::<L>(plan, image, tile_rows, progress, |tile, data, scratch| {
-        lend(tile, &mut |tap| {
-            enough(fold_scalar(plan, pipeline, slices, tile, data, scratch, tap))
-        });
-    });
+    each_tile(
+        plan,
+        image,
+        Sizes::of::<L>(plan),
+        tile_rows,
+        progress,
+        &|tile, data, scratch| {
+            lend(tile, &mut |tap| {
+                enough(fold_scalar(plan, pipeline, slices, tile, data, scratch, tap))
+            });
+        },
+    );
 }
 
 /// [`each_tile`] lends as much scratch memory as pipelines ask for.
@@ -110,32 +133,48 @@ pub fn tiles<'i, E>(plan: &Plan, image: &'i mut [E], row_len: usize, tile_rows: 
     tiles
 }
 
-/// Does something with every tile of an image, in parallel.
-fn each_tile<L: Pipeline>(
-    plan: &Plan,
-    image: &mut [L::Element],
-    tile_rows: usize,
-    progress: Progress<'_>,
-    work: impl Fn(Tile, &mut [L::Element], &mut [i32]) + Sync,
-) {
-    let [base_width, _] = plan.base();
-    let tiles = tiles(plan, image, L::CHANNELS * base_width as usize, tile_rows);
-    let total = tiles.len();
-    let done = std::sync::atomic::AtomicUsize::new(0);
-    // Each on its own: how long it takes depends on what it sees.
-    tiles.into_par_iter().with_max_len(1).for_each_init(
-        || scratch::<L>(plan),
-        |scratch, (tile, data)| {
-            work(tile, data, scratch);
-            progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
-        },
-    );
+/// What a pipeline's tiles need, as numbers: the loop over the tiles is compiled once per element of an image.
+struct Sizes {
+    /// Elements of a row of an image.
+    row_len: usize,
+    /// Words of scratch memory.
+    scratch_len: usize,
 }
 
-/// Scratch memory with room for rows that begin with a line of the cache.
-fn scratch<L: Pipeline>(plan: &Plan) -> Vec<i32> {
-    let [slice_width, _, _] = plan.dims();
-    vec![0; blocks_scratch_len::<L>(slice_width.max(1024) + 32)]
+impl Sizes {
+    /// Of a pipeline's tiles, with room for rows that begin with a line of the cache.
+    fn of<L: Pipeline>(plan: &Plan) -> Self {
+        let [slice_width, _, _] = plan.dims();
+        Self {
+            row_len: L::CHANNELS * plan.base()[0] as usize,
+            scratch_len: blocks_scratch_len::<L>(slice_width.max(1024) + 32),
+        }
+    }
+}
+
+/// Work on a tile: where it lies, its rows, scratch memory.
+type Work<'a, E> = &'a (dyn Fn(Tile, &mut [E], &mut [i32]) + Sync);
+
+/// Does something with every tile of an image, in parallel.
+fn each_tile<E: Send>(
+    plan: &Plan,
+    image: &mut [E],
+    sizes: Sizes,
+    tile_rows: usize,
+    progress: Progress<'_>,
+    work: Work<'_, E>,
+) {
+    let tiles = tiles(plan, image, sizes.row_len, tile_rows);
+    let total = tiles.len();
+    let done = AtomicUsize::new(0);
+    // Each on its own: how long it takes depends on what it sees.
+    tiles.into_par_iter().with_max_len(1).for_each_init(
+        || vec![0; sizes.scratch_len],
+        |scratch, (tile, data)| {
+            work(tile, data, scratch);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+        },
+    );
 }
 
 /// Folds all planes into the rows of a tile by the scalar definitions, under a tap.
@@ -147,7 +186,7 @@ pub(crate) fn fold_tile<L: Pipeline>(
     data: &mut [L::Element],
     tap: &mut dyn Tap,
 ) {
-    let mut scratch = scratch::<L>(plan);
+    let mut scratch = vec![0; Sizes::of::<L>(plan).scratch_len];
     enough(fold_scalar(plan, pipeline, slices, tile, data, &mut scratch, tap));
 }
 
@@ -160,17 +199,23 @@ fn fold_scalar<L: Pipeline>(
     scratch: &mut [i32],
     tap: &mut dyn Tap,
 ) -> Result<(), ScratchError> {
-    let fold = FoldTile {
+    let way = Way {
         plan,
-        pipeline,
         slices,
         seen: None,
         tile,
-        data,
+        back_to_front: L::BACK_TO_FRONT,
+    };
+    let folding = Folding {
+        pipeline,
+        rows: Rows {
+            first: tile.first,
+            data,
+        },
         scratch,
         tap: Some(tap),
     };
-    fold.run::<i32>()
+    FoldTile { way, folding }.run::<i32>()
 }
 
 /// How many slices ahead of a plane memory is asked for.
@@ -179,21 +224,52 @@ pub const AHEAD: i32 = 3;
 /// After how many planes a tile is asked whether its rays are all finished.
 const FINISHED_EVERY: u32 = 16;
 
-/// A tile on its way through all planes.
-struct FoldTile<'a, 's, L: Pipeline> {
+/// A tile's way through all planes.
+struct Way<'a, 's> {
     plan: &'a Plan,
-    pipeline: &'a L,
     slices: &'a [Slice<'s>],
     /// The blocks that can be seen; none: rows are made as a whole.
     seen: Option<&'a Sight>,
     tile: Tile,
-    data: &'a mut [L::Element],
-    scratch: &'a mut [i32],
-    /// Sees every plane, those of finished tiles too.
-    tap: Option<&'a mut dyn Tap>,
+    back_to_front: bool,
 }
 
-impl<L: Pipeline> FoldTile<'_, '_, L> {
+impl Way<'_, '_> {
+    /// Goes through the planes, in a pipeline's order, until its rays are finished.
+    fn walk(&self, fold: &mut dyn FoldPlane) -> Result<(), ScratchError> {
+        let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
+        let planes = self.plan.planes();
+        let mut ahead = None;
+        for step in 0..planes {
+            let index = if self.back_to_front { planes - 1 - step } else { step };
+            let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
+            let z = cell(plane.z).index;
+            let wanted = if self.back_to_front { z - AHEAD } else { z + AHEAD };
+            let mut fresh = None;
+            if ahead != Some(wanted) {
+                ahead = Some(wanted);
+                fresh = slice(wanted).map(Ahead);
+            }
+            if let (Some(Ahead(slice)), Some(_)) = (&fresh, self.seen) {
+                self.prefetch(slice, cell(plane.y).index);
+            }
+            if let Some(window) = Window::at(z, slice) {
+                fold.plane(&At {
+                    plan: self.plan,
+                    plane,
+                    window,
+                    seen: self.seen.map(|sight| sight.at(z as usize)),
+                    reading: fresh.as_ref().map(|ahead| ahead as &dyn Reading),
+                })?;
+            }
+            // Rows as a whole are left out one by one.
+            if self.seen.is_some() && step % FINISHED_EVERY == 0 && fold.finished(self.plan) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`, and those that
     /// gradients look at beyond.
     fn prefetch(&self, slice: &Slice<'_>, offset: i32) {
@@ -201,6 +277,61 @@ impl<L: Pipeline> FoldTile<'_, '_, L> {
         for row in first - 1..(first + self.tile.rows as usize + 2).min(slice.height()) {
             prefetch(slice.row(row));
         }
+    }
+}
+
+/// What a way asks of the pipeline that goes it.
+trait FoldPlane {
+    /// Folds a plane into the tile.
+    fn plane(&mut self, at: &At<'_>) -> Result<(), ScratchError>;
+    /// Whether all rays of the tile are finished.
+    fn finished(&self, plan: &Plan) -> bool;
+}
+
+/// A pipeline and the tile that it is folded into.
+struct Folding<'a, L: Pipeline> {
+    pipeline: &'a L,
+    rows: Rows<'a, L::Element>,
+    scratch: &'a mut [i32],
+    /// Sees every plane, those of finished tiles too.
+    tap: Option<&'a mut dyn Tap>,
+}
+
+/// The same with lanes chosen.
+struct OfLanes<'f, 'a, L: Pipeline, V>(&'f mut Folding<'a, L>, PhantomData<V>);
+
+impl<L: Pipeline, V: Lanes> FoldPlane for OfLanes<'_, '_, L, V> {
+    fn plane(&mut self, at: &At<'_>) -> Result<(), ScratchError> {
+        let Folding {
+            pipeline,
+            rows: Rows { first, data },
+            scratch,
+            tap,
+        } = &mut *self.0;
+        let rows = Rows { first: *first, data };
+        let tap: Option<&mut dyn Tap> = match tap {
+            Some(tap) => Some(&mut **tap),
+            None => None,
+        };
+        pipeline.fold::<V>(at, rows, scratch, tap)
+    }
+
+    fn finished(&self, plan: &Plan) -> bool {
+        self.0.pipeline.finished::<V>(plan, self.0.rows.data)
+    }
+}
+
+/// A tile on its way.
+struct FoldTile<'a, 's, L: Pipeline> {
+    way: Way<'a, 's>,
+    folding: Folding<'a, L>,
+}
+
+impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {
+    type Output = Result<(), ScratchError>;
+
+    fn run<V: Lanes>(mut self) -> Self::Output {
+        self.way.walk(&mut OfLanes::<L, V>(&mut self.folding, PhantomData))
     }
 }
 
@@ -216,52 +347,5 @@ impl Reading for Ahead<'_> {
         if row < self.0.height() {
             prefetch(self.0.row(row));
         }
-    }
-}
-
-impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {
-    type Output = Result<(), ScratchError>;
-
-    fn run<V: Lanes>(mut self) -> Self::Output {
-        let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
-        let planes = self.plan.planes();
-        let mut ahead = None;
-        for step in 0..planes {
-            let index = if L::BACK_TO_FRONT { planes - 1 - step } else { step };
-            let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
-            let z = cell(plane.z).index;
-            let wanted = if L::BACK_TO_FRONT { z - AHEAD } else { z + AHEAD };
-            let mut fresh = None;
-            if ahead != Some(wanted) {
-                ahead = Some(wanted);
-                fresh = slice(wanted).map(Ahead);
-            }
-            if let (Some(Ahead(slice)), Some(_)) = (&fresh, self.seen) {
-                self.prefetch(slice, cell(plane.y).index);
-            }
-            if let Some(window) = Window::at(z, slice) {
-                let at = At {
-                    plan: self.plan,
-                    plane,
-                    window,
-                    seen: self.seen.map(|sight| sight.at(z as usize)),
-                    reading: fresh.as_ref().map(|ahead| ahead as &dyn Reading),
-                };
-                let rows = Rows {
-                    first: self.tile.first,
-                    data: &mut *self.data,
-                };
-                let tap: Option<&mut dyn Tap> = match &mut self.tap {
-                    Some(tap) => Some(&mut **tap),
-                    None => None,
-                };
-                self.pipeline.fold::<V>(&at, rows, self.scratch, tap)?;
-            }
-            // Rows as a whole are left out one by one.
-            if self.seen.is_some() && step % FINISHED_EVERY == 0 && self.pipeline.finished::<V>(self.plan, self.data) {
-                break;
-            }
-        }
-        Ok(())
     }
 }

@@ -14,7 +14,7 @@ use slicecast_compare::stages::StageErrors;
 use slicecast_compare::{ModelPositions, model};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::oriented::with_slices;
+use slicecast_engine::oriented::Turned;
 use slicecast_engine::threads::on_threads;
 use slicecast_model::Model;
 use slicecast_scene::{Blend, Scene};
@@ -156,19 +156,18 @@ fn gather(
     found: &mut [Found],
     step: &mut dyn FnMut(),
 ) -> Result<(), SweepError> {
-    with_slices(view.volume, view.setup.plan.view(), |slices| {
-        for ((_, configuration), found) in batch.iter().zip(found) {
-            let bench = Bench {
-                prepared: &stepped(view, configuration),
-                model,
-                slices,
-            };
-            found.add(configuration.runner.compare(bench)?);
-            step();
-        }
-        Ok(())
-    })
-    .map_err(RenderError::from)?
+    let mut turned = Turned::new(view.volume, view.setup.plan.view());
+    let slices = &turned.slices().map_err(RenderError::from)?;
+    for ((_, configuration), found) in batch.iter().zip(found) {
+        let bench = Bench {
+            prepared: &stepped(view, configuration),
+            model,
+            slices,
+        };
+        found.add(configuration.runner.compare(bench)?);
+        step();
+    }
+    Ok(())
 }
 
 /// The scene with a configuration's step.
@@ -209,28 +208,27 @@ fn timed(
 ) -> Result<Vec<Times>, SweepError> {
     let stepped: Vec<_> = batch.iter().map(|(_, c)| (*c, stepped(view, c))).collect();
     let timed = on_threads(Some(options.timing_threads), || {
-        with_slices(view.volume, view.setup.plan.view(), |slices| {
-            let mut all_times = vec![Times::default(); batch.len()];
-            let frame = |configuration: &Configuration, prepared: &Prepared<'_>| {
-                configuration.runner.time(Bench {
-                    prepared,
-                    model,
-                    slices,
-                })
-            };
-            for round in 0..options.rounds {
-                for (times, (configuration, prepared)) in all_times.iter_mut().zip(&stepped) {
-                    let before = frame(&configuration.base(), view)?;
-                    let own = frame(configuration, prepared)?;
-                    times.own.push(own.time.as_secs_f64());
-                    times.base.push(before.time.as_secs_f64());
-                    times.bits = own.bits;
-                }
-                steps(round as usize + 1);
+        let mut turned = Turned::new(view.volume, view.setup.plan.view());
+        let slices = &turned.slices()?;
+        let mut all_times = vec![Times::default(); batch.len()];
+        let frame = |configuration: &Configuration, prepared: &Prepared<'_>| {
+            configuration.runner.time(Bench {
+                prepared,
+                model,
+                slices,
+            })
+        };
+        for round in 0..options.rounds {
+            for (times, (configuration, prepared)) in all_times.iter_mut().zip(&stepped) {
+                let before = frame(&configuration.base(), view)?;
+                let own = frame(configuration, prepared)?;
+                times.own.push(own.time.as_secs_f64());
+                times.base.push(before.time.as_secs_f64());
+                times.bits = own.bits;
             }
-            Ok::<_, RenderError>(all_times)
-        })
-        .map_err(RenderError::from)?
+            steps(round as usize + 1);
+        }
+        Ok::<_, RenderError>(all_times)
     })??;
     Ok(timed)
 }

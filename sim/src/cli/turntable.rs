@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
-use slicecast_engine::oriented::{Oriented, with_slices};
+use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_scene::Scene;
@@ -82,18 +82,16 @@ impl Args {
                 let seen = |p: &Prepared<'_>| (p.setup.plan.view().major(), p.setup.plan.view().reversed());
                 // Slices are made once for all frames in a row that look along the same axis.
                 for run in prepared.chunk_by(|a, b| seen(a) == seen(b)) {
-                    with_slices(&loaded.volume, run[0].setup.plan.view(), |slices| {
-                        let volume = Oriented::of(slices);
-                        for frame in run {
-                            let frame = frame.clone().with_simd(self.threads.simd());
-                            let made = frame.render_oriented(&volume, Layer::Tiles(TILE_ROWS), &|_, _| {})?;
-                            warnings.extend(visibility::warning(&frame, &made, &known));
-                            pictures.push(self.picture.raster(&frame, made));
-                            progress(pictures.len(), total);
-                        }
-                        Ok::<_, RenderError>(())
-                    })
-                    .map_err(RenderError::from)??;
+                    let mut turned = Turned::new(&loaded.volume, run[0].setup.plan.view());
+                    let slices = turned.slices().map_err(RenderError::from)?;
+                    let volume = Oriented::of(&slices);
+                    for frame in run {
+                        let frame = frame.clone().with_simd(self.threads.simd());
+                        let made = frame.render_oriented(&volume, Layer::Tiles(TILE_ROWS), &|_, _| {})?;
+                        warnings.extend(visibility::warning(&frame, &made, &known));
+                        pictures.push(self.picture.raster(&frame, made));
+                        progress(pictures.len(), total);
+                    }
                 }
                 Ok::<_, Failure>((pictures, warnings))
             })

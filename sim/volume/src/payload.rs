@@ -105,9 +105,9 @@ impl Layout {
 
 /// Reads the values that `layout` describes from `source`, which has `source_len` bytes left. Bytes that are left out add
 /// a note.
-pub(super) fn read_values<R: BufRead>(
+pub(super) fn read_values(
     layout: &Layout,
-    source: &mut R,
+    source: &mut dyn BufRead,
     source_len: u64,
     notes: &mut Vec<String>,
 ) -> Result<Values, Problem> {
@@ -153,8 +153,8 @@ pub(super) fn read_values<R: BufRead>(
             }
             Ok(values)
         }
-        Encoding::Zlib => unpack(layout, ZlibDecoder::new(source), voxels, expected, notes),
-        Encoding::Bzip2 => unpack(layout, MultiBzDecoder::new(source), voxels, expected, notes),
+        Encoding::Zlib => unpack(layout, &mut ZlibDecoder::new(source), voxels, expected, notes),
+        Encoding::Bzip2 => unpack(layout, &mut MultiBzDecoder::new(source), voxels, expected, notes),
         Encoding::Text => {
             check_memory(expected)?;
             if let ByteSkip::Bytes(n) = layout.byte_skip {
@@ -179,9 +179,9 @@ fn check_memory(bytes: u64) -> Result<(), Problem> {
 }
 
 /// Reads values from an unpacker, which is asked for one byte more than they need.
-fn unpack<R: Read>(
+fn unpack(
     layout: &Layout,
-    mut unpacked: R,
+    unpacked: &mut dyn Read,
     voxels: u64,
     expected: u64,
     notes: &mut Vec<String>,
@@ -204,12 +204,12 @@ fn unpack<R: Read>(
                 asked: n,
             });
         }
-        skip_bytes(&mut unpacked, n, damaged(0))?;
+        skip_bytes(unpacked, n, damaged(0))?;
     }
-    let (values, read) = decode(layout, &mut unpacked, voxels, 0)?;
+    let (values, read) = decode(layout, unpacked, voxels, 0)?;
     read.map_err(damaged(values.len() as u64 * layout.value_type.byte_len()))?;
     let values = complete(layout, expected, values)?;
-    match read_full(&mut unpacked, &mut [0]) {
+    match read_full(unpacked, &mut [0]) {
         (0, Ok(())) => Ok(values),
         (0, Err(error)) => Err(damaged(expected)(error)),
         _ if layout.tail == Tail::LeftOut => {
@@ -238,7 +238,7 @@ fn complete(layout: &Layout, expected: u64, values: Values) -> Result<Values, Pr
 }
 
 /// Passes over `lines` line ends and returns the bytes passed.
-fn skip_lines<R: BufRead>(source: &mut R, lines: u64) -> Result<u64, Problem> {
+fn skip_lines(source: &mut dyn BufRead, lines: u64) -> Result<u64, Problem> {
     let mut passed = 0;
     for _ in 0..lines {
         match source.skip_until(b'\n').map_err(Problem::io("read the file"))? {
@@ -255,7 +255,7 @@ fn skip_lines<R: BufRead>(source: &mut R, lines: u64) -> Result<u64, Problem> {
 }
 
 /// Passes over `bytes` bytes.
-fn skip_bytes<R: Read>(source: &mut R, bytes: u64, on_error: impl FnOnce(io::Error) -> Problem) -> Result<(), Problem> {
+fn skip_bytes(source: &mut dyn Read, bytes: u64, on_error: impl FnOnce(io::Error) -> Problem) -> Result<(), Problem> {
     let passed = io::copy(&mut source.take(bytes), &mut io::sink()).map_err(on_error)?;
     if passed == bytes {
         Ok(())
@@ -268,9 +268,9 @@ fn skip_bytes<R: Read>(source: &mut R, bytes: u64, on_error: impl FnOnce(io::Err
 }
 
 /// Up to `count` values and whether reading ended well. Room for `reserve` of them is made at once.
-fn decode<R: Read>(
+fn decode(
     layout: &Layout,
-    source: &mut R,
+    source: &mut dyn Read,
     count: u64,
     reserve: u64,
 ) -> Result<(Values, io::Result<()>), Problem> {
@@ -302,7 +302,7 @@ fn decode<R: Read>(
 
 /// Reads up to `count` values of `N` bytes; stops early, with the reason in `end`, when the source does.
 fn collect<const N: usize, T>(
-    source: &mut impl Read,
+    source: &mut dyn Read,
     count: u64,
     reserve: u64,
     end: &mut io::Result<()>,
@@ -364,7 +364,7 @@ fn narrow<T: Copy + TryInto<i32> + TryInto<u32> + Into<i128>>(wide: &[T]) -> Res
 const WORD_MAX: usize = 64;
 
 /// Up to one number more than `count` from text, in the layout's type.
-fn text_values<R: BufRead>(layout: &Layout, source: &mut R, count: u64) -> Result<Values, Problem> {
+fn text_values(layout: &Layout, source: &mut dyn BufRead, count: u64) -> Result<Values, Problem> {
     use ValueType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
     Ok(match layout.value_type {
         I8 => Values::I8(words(layout, source, count)?),
@@ -373,15 +373,15 @@ fn text_values<R: BufRead>(layout: &Layout, source: &mut R, count: u64) -> Resul
         U16 => Values::U16(words(layout, source, count)?),
         I32 => Values::I32(words(layout, source, count)?),
         U32 => Values::U32(words(layout, source, count)?),
-        I64 => narrow(&words::<i64, R>(layout, source, count)?)?,
-        U64 => narrow(&words::<u64, R>(layout, source, count)?)?,
+        I64 => narrow(&words::<i64>(layout, source, count)?)?,
+        U64 => narrow(&words::<u64>(layout, source, count)?)?,
         F32 => Values::F32(words(layout, source, count)?),
         F64 => Values::F64(words(layout, source, count)?),
     })
 }
 
 /// Numbers of a text; more than `count` of them, or a word that is none, are refused.
-fn words<T: FromStr, R: BufRead>(layout: &Layout, source: &mut R, count: u64) -> Result<Vec<T>, Problem> {
+fn words<T: FromStr>(layout: &Layout, source: &mut dyn BufRead, count: u64) -> Result<Vec<T>, Problem> {
     let mut values = Vec::new();
     let mut word = Vec::new();
     let mut take = |word: &mut Vec<u8>| -> Result<(), Problem> {
@@ -426,7 +426,7 @@ fn words<T: FromStr, R: BufRead>(layout: &Layout, source: &mut R, count: u64) ->
 }
 
 /// Fills `buffer` as far as the source goes: the bytes read, and the error that stopped it if one did.
-fn read_full(source: &mut impl Read, buffer: &mut [u8]) -> (usize, io::Result<()>) {
+fn read_full(source: &mut dyn Read, buffer: &mut [u8]) -> (usize, io::Result<()>) {
     let mut filled = 0;
     while filled < buffer.len() {
         match source.read(&mut buffer[filled..]) {

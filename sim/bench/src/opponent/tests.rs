@@ -2,7 +2,7 @@
 
 use super::*;
 use slicecast_engine::frame::Layer;
-use slicecast_engine::oriented::with_slices;
+use slicecast_engine::oriented::Turned;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_scene::{Highlight, Light, PrecisionName, Sampling, Scene, file};
 use slicecast_volume::mapping::Window;
@@ -21,10 +21,8 @@ fn difference(scene: &Scene, volume: &Volume) -> f64 {
     for simd in Simd::available() {
         let mut image = vec![f32::NAN; Opponent::image_len(plan)];
         Opponent::clear(plan, &mut image);
-        with_slices(volume, plan.view(), |slices| {
-            opponent.fold(plan, slices, &mut image, TILE_ROWS, simd);
-        })
-        .unwrap();
+        let mut turned = Turned::new(volume, plan.view());
+        opponent.fold(plan, &turned.slices().unwrap(), &mut image, TILE_ROWS, simd);
         let [width, height] = expected.size;
         for (u, v) in (0..height).flat_map(|v| (0..width).map(move |u| (u, v))) {
             let found = Opponent::pixel(plan, &image, u, v);

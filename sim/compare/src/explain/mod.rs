@@ -11,7 +11,7 @@ use crate::{ModelPositions, model};
 use record::{Recorded, Step, record};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::oriented::with_slices;
+use slicecast_engine::oriented::Turned;
 use slicecast_model::{Model, ModelSample, Pixel};
 use slicecast_scene::Blend;
 
@@ -142,8 +142,9 @@ pub fn explain(prepared: &Prepared<'_>, ray: [usize; 2]) -> Result<Explanation, 
     if u >= width || v >= height {
         return Err(ExplainError::Ray { u, v, width, height });
     }
-    let record = with_slices(prepared.volume, plan.view(), |slices| record(prepared, slices, ray))
-        .map_err(RenderError::from)??;
+    let mut turned = Turned::new(prepared.volume, plan.view());
+    let slices = turned.slices().map_err(RenderError::from)?;
+    let record = record(prepared, &slices, ray)?;
     let exact = model(prepared, ModelPositions::Exact);
     let rounded = model(prepared, ModelPositions::Pipeline);
     Ok(assemble(ray, record, &exact, &rounded))

@@ -7,7 +7,7 @@ use crate::measure::{Bench, Measured};
 use slicecast_compare::{ModelPositions, model};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::oriented::with_slices;
+use slicecast_engine::oriented::Turned;
 use slicecast_scene::Scene;
 use slicecast_volume::Volume;
 
@@ -30,15 +30,14 @@ fn measured(
 ) -> Result<Vec<(String, Measured)>, RenderError> {
     let prepared = Prepared::new(scene, volume)?;
     let model = model(&prepared, ModelPositions::Pipeline);
-    with_slices(volume, prepared.setup.plan.view(), |slices| {
-        let bench = Bench {
-            prepared: &prepared,
-            model: &model,
-            slices,
-        };
-        let chosen = names.iter().filter_map(|name| all.iter().find(|c| c.name == *name));
-        chosen.map(|c| Ok((c.name.clone(), c.runner.compare(bench)?))).collect()
-    })?
+    let mut turned = Turned::new(volume, prepared.setup.plan.view());
+    let bench = Bench {
+        prepared: &prepared,
+        model: &model,
+        slices: &turned.slices()?,
+    };
+    let chosen = names.iter().filter_map(|name| all.iter().find(|c| c.name == *name));
+    chosen.map(|c| Ok((c.name.clone(), c.runner.compare(bench)?))).collect()
 }
 
 /// The brightest pixel, percent of full scale.
