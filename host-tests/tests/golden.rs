@@ -8,7 +8,7 @@
 //! bits changed and why:
 //!
 //! ```text
-//! SLICECAST_BLESS=1 cargo test -p slicecast-host-tests --test golden
+//! SLICECAST_BLESS=1 cargo test -p slicecast-host-tests golden::
 //! ```
 //!
 //! That run still fails, so that it cannot pass for a check; a continuous-integration run (`CI` set) refuses it.
@@ -32,7 +32,7 @@ use slicecast_volume::open::load;
 const HEAD: &str = "\
 # Checksums of the frames in tests/golden.rs: frame/precision/boundary: 64 bits, hexadecimal.
 # Stages: order-free sums over the visible samples (src/checksum.rs); image and picture: FNV-1a.
-# Written by SLICECAST_BLESS=1 cargo test -p slicecast-host-tests --test golden; never by hand.
+# Written by SLICECAST_BLESS=1 cargo test -p slicecast-host-tests golden::; never by hand.
 ";
 
 fn manifest_path() -> PathBuf {

@@ -2,7 +2,7 @@
 //! `golden/laboratory.txt` has them.
 //!
 //! ```text
-//! SLICECAST_BLESS=1 cargo test -p slicecast-host-tests --test laboratory
+//! SLICECAST_BLESS=1 cargo test -p slicecast-host-tests laboratory::
 //! ```
 //!
 //! writes the file anew and fails, as for the golden manifest (`golden.rs`).
@@ -26,7 +26,7 @@ use slicecast_scene::{Point, Scene, TransferFunction};
 const HEAD: &str = "\
 # Checksums of the base-plane image of tests/laboratory.rs, FNV-1a over the channels as they are stored: a configuration,
 # its lit frame, its unlit frame.
-# Written by SLICECAST_BLESS=1 cargo test -p slicecast-host-tests --test laboratory; never by hand.
+# Written by SLICECAST_BLESS=1 cargo test -p slicecast-host-tests laboratory::; never by hand.
 ";
 
 fn path() -> PathBuf {

@@ -4,9 +4,6 @@
 //! Frames are random and small, with everything odd about them that a volume can have. Seeds are fixed. When two runs
 //! differ, the test says where first: stage, plane, phase, row, column and both bit patterns.
 
-mod frames;
-
-use frames::{frame, light};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use slicecast::composite::{ChannelFormat, Pixel, Unorm16};
@@ -26,6 +23,8 @@ use slicecast_host_tests::reference::render;
 use slicecast_scene::{Blend, PrecisionName};
 use std::cell::Cell;
 use std::sync::Arc;
+
+use super::frames::{frame, light};
 
 /// One tile for the whole base plane.
 const WHOLE: usize = 1 << 20;

@@ -1,9 +1,6 @@
 //! The arithmetic of small machines, on the host: whole frames by the lane that Cortex-M and RV32 run, with the point table
 //! that firmware reads, against the scalar definitions.
 
-mod frames;
-
-use frames::frame;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use slicecast::composite::{BackToFront, Channel as _, FrontToBack, Order};
@@ -20,6 +17,8 @@ use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::with_precision;
 use slicecast_host_tests::frame::Frame;
 use slicecast_scene::{Blend, PrecisionName};
+
+use super::frames::frame;
 
 /// The channels of a base-plane image, pixel after pixel.
 type Bits = Vec<[u32; 4]>;
