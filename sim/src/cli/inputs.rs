@@ -219,6 +219,7 @@ enum PrecisionArg {
 enum TableArg {
     Sqrt8,
     Sqrt16,
+    Colour16,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -408,6 +409,7 @@ impl SceneArgs {
             scene.table = Some(match table {
                 TableArg::Sqrt8 => AlphaCodeName::Sqrt8,
                 TableArg::Sqrt16 => AlphaCodeName::Sqrt16,
+                TableArg::Colour16 => AlphaCodeName::Colour16,
             });
         }
         if let Some(lookup) = self.lookup {
