@@ -87,18 +87,6 @@ impl Table {
                 table.set_colour(code, colour.map(|c| (c * 65535.0).round() as u16));
             }
         }
-        if code == AlphaCodeName::Sqrt16 && std::env::var_os("PROTO_DIFFUSE").is_some() {
-            let mut owed = [0.0; 3];
-            for code in 0..ENTRIES {
-                let (colour, _) = transfer.evaluate(mapping.value(code as f64));
-                let bytes = [0, 1, 2].map(|i| {
-                    let wanted = (colour[i] * 255.0 + owed[i]).clamp(0.0, 255.0);
-                    owed[i] = wanted - wanted.round();
-                    wanted.round() as u16
-                });
-                table.set_colour(code, bytes.map(|b| b * 257));
-            }
-        }
         table
     }
 

@@ -259,7 +259,7 @@ pub struct SceneArgs {
     /// Number formats; without it, the scene's.
     #[arg(long)]
     precision: Option<PrecisionArg>,
-    /// Opacity in the table; without it, the scene's or the precision's.
+    /// Opacity and colours in the table; without it, the scene's or what precision and colours ask for.
     #[arg(long)]
     table: Option<TableArg>,
     /// Table look-up; without it, the scene's or the precision's.
