@@ -484,7 +484,10 @@ mod tests {
                 last = Some(c);
             }
         }
-        assert_eq!((colour_of_word(65535, 15), colour_of_word(65535, 31)), (1 << 15, 1 << 31));
+        assert_eq!(
+            (colour_of_word(65535, 15), colour_of_word(65535, 31)),
+            (1 << 15, 1 << 31)
+        );
     }
 
     #[test]
@@ -552,13 +555,20 @@ mod tests {
     #[test]
     fn colours_of_8_bits_are_those_of_16_that_have_the_byte_twice() {
         let (entries, plane) = table(9);
-        let twice: Vec<[u8; 3]> = entries.iter().map(|e| e.to_le_bytes()).map(|[r, g, b, _]| [r, g, b]).collect();
+        let twice: Vec<[u8; 3]> = entries
+            .iter()
+            .map(|e| e.to_le_bytes())
+            .map(|[r, g, b, _]| [r, g, b])
+            .collect();
         let twice: Box<[[u8; 3]; ENTRIES]> = twice.into_boxed_slice().try_into().unwrap();
         let narrow = PointTable::<Sqrt16, Linear>::new(&entries, &plane);
         let wide = PointTable::<Colour16, Linear>::new(&entries, (&plane, &twice));
         for s in (0..=4095 << 15).step_by(97) {
             assert_eq!(Classifier::colour(&narrow, Wide, s), Classifier::colour(&wide, Wide, s));
-            assert_eq!(Classifier::opacity(&narrow, Wide, s), Classifier::opacity(&wide, Wide, s));
+            assert_eq!(
+                Classifier::opacity(&narrow, Wide, s),
+                Classifier::opacity(&wide, Wide, s)
+            );
         }
         let bytes = |code: usize| {
             let [r, g, b, _] = entries[code].to_le_bytes();

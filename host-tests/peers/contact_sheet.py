@@ -16,10 +16,14 @@ from equal_bytes import volumes
 SIDE, ACROSS, LINE = 220, 4, 14
 
 
-def rendered(program, path, folder):
+def rendered(program, path):
     """The picture, or what the program said when it made none."""
+    with tempfile.TemporaryDirectory() as folder:
+        return rendered_in(folder, program, path)
+
+
+def rendered_in(folder, program, path):
     out = pathlib.Path(folder) / "picture.png"
-    out.unlink(missing_ok=True)
     done = subprocess.run([program, "render", str(path), "-o", str(out)], capture_output=True, text=True)
     if done.returncode != 0 or not out.is_file():
         return None, (done.stderr.strip() or "no picture").splitlines()[-1].replace(str(path.parent) + "/", "")
@@ -48,17 +52,16 @@ def cell(name, pair):
 def main():
     before, after, folder, out = sys.argv[1:]
     folder, cells = pathlib.Path(folder), []
-    with tempfile.TemporaryDirectory() as scratch:
-        for path in volumes(folder):
-            name = str(path.relative_to(folder))
-            pair = [rendered(program, path, scratch) for program in (before, after)]
-            sizes = ["x".join(map(str, picture.size)) if picture else "refused" for picture, _ in pair]
-            line = f"{name}: {sizes[0]}, {sizes[1]}"
-            if sizes[0] == sizes[1] != "refused":
-                difference = ImageStat.Stat(ImageChops.difference(pair[0][0], pair[1][0]))
-                line += f", mean difference {sum(difference.mean) / 3:.3f}"
-            print(line, flush=True)
-            cells.append(cell(name, pair))
+    for path in volumes(folder):
+        name = str(path.relative_to(folder))
+        pair = [rendered(program, path) for program in (before, after)]
+        sizes = ["x".join(map(str, picture.size)) if picture else "refused" for picture, _ in pair]
+        line = f"{name}: {sizes[0]}, {sizes[1]}"
+        if sizes[0] == sizes[1] != "refused":
+            difference = ImageStat.Stat(ImageChops.difference(pair[0][0], pair[1][0]))
+            line += f", mean difference {sum(difference.mean) / 3:.3f}"
+        print(line, flush=True)
+        cells.append(cell(name, pair))
     rows = -(-len(cells) // ACROSS)
     width, height = cells[0].size
     sheet = Image.new("RGB", (ACROSS * width, rows * height))

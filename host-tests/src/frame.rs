@@ -125,7 +125,7 @@ impl Frame {
             underflows: 0,
         };
         let slots = table.entries.iter_mut().zip(table.plane.iter_mut());
-        for ((slot, low), (colour, root)) in slots.zip(self.table.iter()) {
+        for ((slot, low), (_, root)) in slots.zip(self.table.iter()) {
             let [low_byte, high] = root.to_le_bytes();
             *slot = entry([0; 3], high);
             if code != AlphaCodeName::Sqrt8 {

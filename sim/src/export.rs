@@ -91,7 +91,11 @@ fn c(out: &mut String, table: &Table, name: &str, what: &str, bits: Bits) -> std
     }
     if bits.colour == 16 {
         writeln!(out, "\n/* Low bytes of the colours. */")?;
-        writeln!(out, "static const uint8_t {name}_colours[{}][3] = {{", table.colours.len())?;
+        writeln!(
+            out,
+            "static const uint8_t {name}_colours[{}][3] = {{",
+            table.colours.len()
+        )?;
         triples(out, &table.colours[..], ['{', '}'])?;
         writeln!(out, "}};")?;
     }

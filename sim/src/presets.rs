@@ -292,7 +292,10 @@ mod tests {
     /// Corners between two codes would be cut off by the table.
     #[test]
     fn corners_of_fitted_scenes_are_codes() {
-        let loaded = loaded(Values::U16((0..4000_u16).map(|i| i % 7 * (i % 83) + i / 9).collect()), None);
+        let loaded = loaded(
+            Values::U16((0..4000_u16).map(|i| i % 7 * (i % 83) + i / 9).collect()),
+            None,
+        );
         let statistics = Statistics::of(&loaded.volume);
         for name in ["mr", "fog", "mip"] {
             let scene = scene(name, &loaded, &statistics).unwrap();

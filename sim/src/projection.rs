@@ -112,7 +112,11 @@ pub fn in_background(volume: &Volume, first: usize) -> Option<f64> {
     for (row, codes) in volume.voxels.chunks_exact(nx.max(1)).enumerate() {
         let (y, z) = (row % ny, row / ny);
         let inside = |at: usize, side: usize| at > 0 && at + 1 < side;
-        let ends = if inside(y, ny) && inside(z, nz) { nx.max(2) - 1 } else { 1 };
+        let ends = if inside(y, ny) && inside(z, nz) {
+            nx.max(2) - 1
+        } else {
+            1
+        };
         for &code in codes.iter().step_by(ends) {
             sides += 1;
             dark += u64::from(below(code));
@@ -225,7 +229,9 @@ mod tests {
         // All six sides are looked at, and nothing else.
         let mut shell = ball(24, 20);
         for (index, code) in shell.voxels.iter_mut().enumerate() {
-            let inside = [index % 20, index / 20 % 20, index / 400].iter().all(|c| (1..19).contains(c));
+            let inside = [index % 20, index / 20 % 20, index / 400]
+                .iter()
+                .all(|c| (1..19).contains(c));
             *code = if inside { 1000 } else { 24 };
         }
         assert_eq!(in_background(&shell, 500), Some(1.0));

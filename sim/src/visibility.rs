@@ -1,7 +1,7 @@
 //! Pictures that show nothing: found, and explained.
 
-use slicecast::format::Opacity;
 use crate::projection;
+use slicecast::format::Opacity;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::{BaseImage, Frame, Rgb};
 use slicecast_scene::Blend;
@@ -338,7 +338,11 @@ mod tests {
         scene.blend = Blend::Minimum;
         scene.transfer = crate::projection::ramp(&ball(), Blend::Minimum);
         scene.lighting = None;
-        says(&scene, &ball(), &["shows the background: 100 % of the rays cross it", "(values below "]);
+        says(
+            &scene,
+            &ball(),
+            &["shows the background: 100 % of the rays cross it", "(values below "],
+        );
         scene.blend = Blend::Maximum;
         scene.transfer = crate::projection::ramp(&ball(), Blend::Maximum);
         assert_eq!(said(&scene, &ball()), None);

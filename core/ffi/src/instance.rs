@@ -351,7 +351,11 @@ impl<S: Lights<Compact>> Instance for Composite<Compact, Colours16, S, FrontToBa
         // SAFETY: the caller's promise.
         Ok(unsafe {
             let planes = (scene.low_roots()?, scene.low_colours()?);
-            Self::new(Compact, Colours16::new(scene.entries()?, planes), S::of(Compact, scene)?)
+            Self::new(
+                Compact,
+                Colours16::new(scene.entries()?, planes),
+                S::of(Compact, scene)?,
+            )
         })
     }
 }

@@ -220,7 +220,11 @@ fn nearest_samples_are_those_of_rust() {
         ..data.scene()
     };
     assert_eq!(render_scene(slicecast_compact_lit(), &data, scene, 0, 0), rust);
-    assert_ne!(rust, from_rust(&data), "interpolation that changes nothing proves nothing");
+    assert_ne!(
+        rust,
+        from_rust(&data),
+        "interpolation that changes nothing proves nothing"
+    );
 }
 
 #[test]

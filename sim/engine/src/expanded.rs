@@ -4,7 +4,9 @@
 //! lanes. A table of one colour is not asked for colours at all. 32 KiB, of which a sample reads 16 bytes; 48 and 24 where
 //! colours have more than 8 bits.
 
-use slicecast::classify::{AlphaCode, Classifier, Linear, PointTable, Slab, Support, colour_of_word, colour_of_words, mix_colour};
+use slicecast::classify::{
+    AlphaCode, Classifier, Linear, PointTable, Slab, Support, colour_of_word, colour_of_words, mix_colour,
+};
 use slicecast::composite::Recurrence as _;
 use slicecast::format::Opacity;
 use slicecast::lanes::{Lanes, places};

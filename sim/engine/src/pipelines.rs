@@ -47,7 +47,11 @@ pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
     };
     let code = scene.table.unwrap_or_else(|| {
         let fine = scene.precision.table() == AlphaCodeName::Sqrt16 && has_fine_colours(&scene.transfer, mapping);
-        if fine { AlphaCodeName::Colour16 } else { scene.precision.table() }
+        if fine {
+            AlphaCodeName::Colour16
+        } else {
+            scene.precision.table()
+        }
     });
     let lookup = scene.lookup.unwrap_or(scene.precision.lookup());
     Table::compile(&scene.transfer, mapping, correction, code, lookup)

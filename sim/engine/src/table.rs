@@ -139,9 +139,7 @@ impl Table {
         match self.code {
             AlphaCodeName::Sqrt8 => Expanded::of::<Sqrt8>(&self.entries, (), self.lookup),
             AlphaCodeName::Sqrt16 => Expanded::of::<Sqrt16>(&self.entries, &self.plane, self.lookup),
-            AlphaCodeName::Colour16 => {
-                Expanded::of::<Colour16>(&self.entries, self.planes(), self.lookup)
-            }
+            AlphaCodeName::Colour16 => Expanded::of::<Colour16>(&self.entries, self.planes(), self.lookup),
         }
     }
 

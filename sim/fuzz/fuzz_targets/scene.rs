@@ -12,7 +12,15 @@ fuzz_target!(|text: &str| {
             scale: 1.0,
             offset: -1024.0,
         };
-        let compile = |code| Table::compile(&scene.transfer, &mapping, Correction::Step(0.5), code, LookupName::Nearest);
+        let compile = |code| {
+            Table::compile(
+                &scene.transfer,
+                &mapping,
+                Correction::Step(0.5),
+                code,
+                LookupName::Nearest,
+            )
+        };
         let (table, fine) = (compile(AlphaCodeName::Sqrt16), compile(AlphaCodeName::Colour16));
         assert!(table.underflows <= table.entries.len());
         // Where 8 bits are said to hold every colour that is seen, 16 say the same.

@@ -206,7 +206,9 @@ fn map_values<T: Copy + Into<f64>>(
     }
     let labels = match window {
         Window::Auto => detected.clone(),
-        _ => detected.as_ref().and_then(|labels| labels.recoded(|label| coding.code(label - shift))),
+        _ => detected
+            .as_ref()
+            .and_then(|labels| labels.recoded(|label| coding.code(label - shift))),
     };
     let note = (detected.is_some() && labels.is_none()).then(|| {
         let [low, high] = window_values;

@@ -306,7 +306,11 @@ fn labels_under_a_window() {
         let note = other.note.unwrap();
         assert!(note.contains(&format!("the window {low} to {high} does not")), "{note}");
     }
-    let image = mapped_by(Values::U16((0..144).collect()), 12, Window::Range { low: 0.0, high: 99.0 });
+    let image = mapped_by(
+        Values::U16((0..144).collect()),
+        12,
+        Window::Range { low: 0.0, high: 99.0 },
+    );
     assert!(image.labels.is_none() && image.note.is_none());
 }
 
