@@ -281,8 +281,8 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
     /// High and low bytes of a code's colours, red in the lowest place.
     #[inline(always)]
     fn colours_at(&self, index: usize) -> [u32; 2] {
-        let entry = self.entry_at(index);
-        [entry, A::low_colours(entry, self.plane, index % ENTRIES)].map(|bytes| bytes & 0x00ff_ffff)
+        let (entry, mask) = (self.entry_at(index), 0x00ff_ffff);
+        [entry & mask, A::low_colours(entry, self.plane, index % ENTRIES) & mask]
     }
 
     /// The opacity of a code.
