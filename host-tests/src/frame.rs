@@ -185,7 +185,7 @@ fn picture(plan: &Plan) -> Picture {
 /// # Panics
 /// Without a point.
 pub fn table_of(points: &[(u16, [u8; 3], u16)]) -> Arc<[([u16; 3], u16); ENTRIES]> {
-    between(points, |byte| i64::from(byte), |byte| 257 * byte as u16)
+    between(points, i64::from, |byte| 257 * byte as u16)
 }
 
 /// [`table_of`] with colours of 16 bits.
@@ -193,7 +193,7 @@ pub fn table_of(points: &[(u16, [u8; 3], u16)]) -> Arc<[([u16; 3], u16); ENTRIES
 /// # Panics
 /// Without a point.
 pub fn fine_table_of(points: &[(u16, [u16; 3], u16)]) -> Arc<[([u16; 3], u16); ENTRIES]> {
-    between(points, |word| i64::from(word), |word| word as u16)
+    between(points, i64::from, |word| word as u16)
 }
 
 fn between<C: Copy>(
