@@ -1,15 +1,17 @@
 //! Classification: colour and opacity of a sample.
 //!
 //! Source: Squeeze, section 4.4: a table of 4096 entries R 0.8, G 0.8, B 0.8, sqrt(opacity) 0.8. The square root
-//! puts the codes where thin material needs them; [`Sqrt16`] adds 8 more bits of it in a plane of 4 KiB. Opacity is
-//! corrected for the length of a ray's step when the table is built.
+//! puts the codes where thin material needs them; [`Sqrt16`] adds 8 more bits of it in a plane of 4 KiB, and [`Colour16`]
+//! 8 more bits of each colour in a plane of 12 KiB, for colours that change with the value. Opacity is corrected for the
+//! length of a ray's step when the table is built.
 //!
 //! | value | format | range |
 //! |---|---|---|
 //! | sample s | 12.F | 0 to 4095 |
 //! | square root q | 0.16; of an 8-bit code 257 q8 | 0 to 65535 |
 //! | opacity a | 1.31, `(q * q + 1) >> 1` | 0 to 2147418113 |
-//! | colour c | 1.15, `(257 * O8 + 1) >> 1`; 1.31 in `Wide`, `8421504 * O8 + ((257 * O8 + 256) >> 9)` | 0 to 1 |
+//! | colour o | 16 bits, 65535 is 1; of an 8-bit colour 257 o8 | 0 to 65535 |
+//! | colour c | 1.15, `(o + 1) >> 1`; 1.31 in `Wide`, `(o << 15) + ((o + 1) >> 1)`: to nearest | 0 to 1 |
 //!
 //! Index: the nearest entry, `(s + 2^(F-1)) >> F`, taken from the stored sample only ([`Nearest`]); or linear between
 //! the two neighbours, opacity and colour alike, rounded to nearest ([`Linear`]). Neither can leave the table.
@@ -116,7 +118,7 @@ impl Support {
     }
 }
 
-/// How an entry holds the square root of its opacity.
+/// How an entry holds the square root of its opacity, and its colour.
 pub trait AlphaCode: Copy + Send + Sync + 'static {
     /// What there is beside the 32-bit entries.
     type Plane<'a>: Copy + Send + Sync;
@@ -124,6 +126,12 @@ pub trait AlphaCode: Copy + Send + Sync + 'static {
     const PLANE_BYTES: usize;
     /// The square root of an entry's opacity, 0.16.
     fn root(entry: u32, plane: Self::Plane<'_>, index: usize) -> u16;
+    /// The low bytes of an entry's colours, in the places of the entry's own. Colours of 8 bits have the entry's own there:
+    /// 257 times a byte is that byte twice.
+    #[inline(always)]
+    fn low_colours(entry: u32, _: Self::Plane<'_>, _: usize) -> u32 {
+        entry
+    }
     /// The opacity that a root stands for. A code that holds no root (for studies) replaces it.
     #[inline(always)]
     fn opacity(root: u16) -> Opacity {
@@ -138,6 +146,11 @@ pub struct Sqrt8;
 /// The square root in 16 bits: the high byte inside the entry, the low byte in a plane of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sqrt16;
+
+/// The square root and the colours in 16 bits each: the high bytes inside the entry, the root's low byte in one plane, the
+/// colours' (red, green, blue) in another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Colour16;
 
 impl AlphaCode for Sqrt8 {
     type Plane<'a> = ();
@@ -155,6 +168,20 @@ impl AlphaCode for Sqrt16 {
     fn root(entry: u32, plane: &[u8; ENTRIES], index: usize) -> u16 {
         let low = plane.get(index).copied().unwrap_or(0);
         (entry >> 16) as u16 & 0xff00 | u16::from(low)
+    }
+}
+
+impl AlphaCode for Colour16 {
+    type Plane<'a> = (&'a [u8; ENTRIES], &'a [[u8; 3]; ENTRIES]);
+    const PLANE_BYTES: usize = 4 * ENTRIES;
+    #[inline(always)]
+    fn root(entry: u32, (roots, _): Self::Plane<'_>, index: usize) -> u16 {
+        Sqrt16::root(entry, roots, index)
+    }
+    #[inline(always)]
+    fn low_colours(_: u32, (_, colours): Self::Plane<'_>, index: usize) -> u32 {
+        let [red, green, blue] = colours.get(index).copied().unwrap_or([0; 3]);
+        u32::from_le_bytes([red, green, blue, 0])
     }
 }
 
@@ -190,10 +217,24 @@ pub const fn opacity_of_root(root: u16) -> Opacity {
 /// output.
 #[inline(always)]
 pub const fn colour_of_byte(byte: u8, bits: u32) -> u32 {
+    colour_of_word(257 * byte as u16, bits)
+}
+
+/// A 16-bit colour with 15 or 31 fraction bits, to nearest: 65535 is exactly 1.
+#[inline(always)]
+pub const fn colour_of_word(word: u16, bits: u32) -> u32 {
+    let half = (word as u32 + 1) >> 1;
+    if bits == 31 { ((word as u32) << 15) + half } else { half }
+}
+
+/// [`colour_of_word`] in lanes.
+#[inline(always)]
+pub fn colour_of_words<V: Lanes>(words: V, bits: u32) -> V {
+    let half = (words + V::splat(1)) >> 1;
     if bits == 31 {
-        byte as u32 * 8_421_504 + ((byte as u32 * 257 + 256) >> 9)
+        (words << 15).wrapping_add(half)
     } else {
-        (257 * byte as u32).div_ceil(2)
+        half
     }
 }
 
@@ -237,22 +278,48 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
         A::root(self.entry_at(index), self.plane, index % ENTRIES)
     }
 
+    /// High and low bytes of a code's colours, red in the lowest place.
+    #[inline(always)]
+    fn colours_at(&self, index: usize) -> [u32; 2] {
+        let (entry, mask) = (self.entry_at(index), 0x00ff_ffff);
+        [entry & mask, A::low_colours(entry, self.plane, index % ENTRIES) & mask]
+    }
+
+    /// The opacity of a code.
+    #[inline]
+    pub fn code_opacity(&self, code: usize) -> Opacity {
+        A::opacity(self.root_at(code))
+    }
+
+    /// The colour of a code: red, green, blue, 65535 is 1.
+    #[inline]
+    pub fn code_colour(&self, code: usize) -> [u16; 3] {
+        words(self.colours_at(code))
+    }
+
     #[cfg(test)]
     fn opacity_at(&self, index: usize) -> u32 {
-        A::opacity(self.root_at(index)).to_bits()
+        self.code_opacity(index).to_bits()
     }
 
     #[cfg(test)]
     fn colour_at<P: Precision>(&self, p: P, index: usize) -> [u32; 3] {
-        colours(p, self.entry_at(index))
+        decoded(p, self.colours_at(index))
     }
 }
 
-/// The colours of an entry.
+/// 16-bit colours of their high and low bytes.
 #[inline(always)]
-fn colours<P: Precision>(p: P, entry: u32) -> [u32; 3] {
-    let [r, g, b, _] = entry.to_le_bytes();
-    three([r, g, b], |byte| colour_of_byte(byte, p.pixel().colour_bits()))
+fn words([high, low]: [u32; 2]) -> [u16; 3] {
+    let ([r, g, b, _], [r_low, g_low, b_low, _]) = (high.to_le_bytes(), low.to_le_bytes());
+    let word = |(high, low)| 256 * u16::from(high) + u16::from(low);
+    three([(r, r_low), (g, g_low), (b, b_low)], word)
+}
+
+/// Colours of their high and low bytes.
+#[inline(always)]
+fn decoded<P: Precision>(p: P, bytes: [u32; 2]) -> [u32; 3] {
+    three(words(bytes), |word| colour_of_word(word, p.pixel().colour_bits()))
 }
 
 /// Entry and fraction of a sample that lies between two entries.
@@ -283,18 +350,6 @@ pub fn mix_colour<P: Precision, V: Lanes>(p: P, a: V, b: V, f: V) -> V {
     }
 }
 
-/// [`colour_of_byte`] of one of the four bytes of entries.
-#[inline(always)]
-pub fn colour_of_entry<V: Lanes>(entry: V, channel: u32, bits: u32) -> V {
-    let byte = entry.shr_unsigned(8 * channel) & V::splat(0xff);
-    if bits == 31 {
-        let low = (byte * V::splat(257) + V::splat(256)) >> 9;
-        byte.wrapping_mul(V::splat(8_421_504)).wrapping_add(low)
-    } else {
-        (byte * V::splat(257) + V::splat(1)) >> 1
-    }
-}
-
 impl<A: AlphaCode, L: Lookup> PointTable<'_, A, L> {
     /// Opacity of a sample, mixed by a lane.
     #[inline(always)]
@@ -319,15 +374,15 @@ impl<A: AlphaCode, L: Lookup> PointTable<'_, A, L> {
     #[inline(always)]
     fn colour_by<P: Precision, V: Lanes>(&self, p: P, bits: i32) -> [u32; 3] {
         if !L::LINEAR {
-            return colours(p, self.entry_at(nearest(p, bits)));
+            return decoded(p, self.colours_at(nearest(p, bits)));
         }
         let (index, f) = split(p, bits);
-        let (a, b) = (self.entry_at(index), self.entry_at(index + 1));
-        let first = colours(p, a);
-        if V::SMALL && (a ^ b) & 0x00ff_ffff == 0 {
+        let (a, b) = (self.colours_at(index), self.colours_at(index + 1));
+        let first = decoded(p, a);
+        if V::SMALL && a == b {
             return first;
         }
-        let ([r0, g0, b0], [r1, g1, b1]) = (first, colours(p, b));
+        let ([r0, g0, b0], [r1, g1, b1]) = (first, decoded(p, b));
         three([(r0, r1), (g0, g1), (b0, b1)], |(a, b)| {
             mix_colour(p, a as i32, b as i32, f) as u32
         })
@@ -416,6 +471,26 @@ mod tests {
     }
 
     #[test]
+    fn every_word_decodes_within_half_a_unit_and_rises() {
+        for bits in [15, 31] {
+            let mut last = None;
+            for word in 0..=u16::MAX {
+                let c = colour_of_word(word, bits);
+                let exact = f64::from(word) / 65535.0 * f64::from(bits).exp2();
+                assert!((f64::from(c) - exact).abs() <= 0.5, "{word} {bits}");
+                assert_eq!(colour_of_words(i32::from(word), bits) as u32, c);
+                // Two words share a colour of 1.15, none one of 1.31.
+                assert!(last <= Some(c) && (bits == 15 || last < Some(c)));
+                last = Some(c);
+            }
+        }
+        assert_eq!(
+            (colour_of_word(65535, 15), colour_of_word(65535, 31)),
+            (1 << 15, 1 << 31)
+        );
+    }
+
+    #[test]
     fn index_comes_from_the_stored_sample() {
         for (bits, index) in [
             (0, 0),
@@ -467,11 +542,51 @@ mod tests {
         )
     }
 
+    /// Low bytes of colours, from some of the entries' own bits.
+    fn low_colours(entries: &[u32; ENTRIES]) -> Box<[[u8; 3]; ENTRIES]> {
+        let low = |entry: &u32| {
+            let [a, b, c, d] = entry.wrapping_mul(2654435761).to_le_bytes();
+            [a ^ d, b, c]
+        };
+        let low: Vec<_> = entries.iter().map(low).collect();
+        low.into_boxed_slice().try_into().unwrap()
+    }
+
+    #[test]
+    fn colours_of_8_bits_are_those_of_16_that_have_the_byte_twice() {
+        let (entries, plane) = table(9);
+        let twice: Vec<[u8; 3]> = entries
+            .iter()
+            .map(|e| e.to_le_bytes())
+            .map(|[r, g, b, _]| [r, g, b])
+            .collect();
+        let twice: Box<[[u8; 3]; ENTRIES]> = twice.into_boxed_slice().try_into().unwrap();
+        let narrow = PointTable::<Sqrt16, Linear>::new(&entries, &plane);
+        let wide = PointTable::<Colour16, Linear>::new(&entries, (&plane, &twice));
+        for s in (0..=4095 << 15).step_by(97) {
+            assert_eq!(Classifier::colour(&narrow, Wide, s), Classifier::colour(&wide, Wide, s));
+            assert_eq!(
+                Classifier::opacity(&narrow, Wide, s),
+                Classifier::opacity(&wide, Wide, s)
+            );
+        }
+        let bytes = |code: usize| {
+            let [r, g, b, _] = entries[code].to_le_bytes();
+            [r, g, b].map(|byte| 257 * u16::from(byte))
+        };
+        assert_eq!(narrow.code_colour(77), bytes(77));
+        let low = low_colours(&entries);
+        let other = PointTable::<Colour16, Linear>::new(&entries, (&plane, &low));
+        let expected = [0, 1, 2].map(|c| (bytes(77)[c] & 0xff00) | u16::from(low[77][c]));
+        assert_eq!(other.code_colour(77), expected);
+    }
+
     proptest! {
         #[test]
         fn linear_is_the_nearest_value_between_two_entries(seed in any::<u64>(), bits in 0i32..=4095 << 15) {
             let (entries, plane) = table(seed);
-            let t = PointTable::<Sqrt16, Linear>::new(&entries, &plane);
+            let low = low_colours(&entries);
+            let t = PointTable::<Colour16, Linear>::new(&entries, (&plane, &low));
             let s = bits;
             let (i, f) = (bits as usize >> 15, f64::from(bits & 32767) / 32768.0);
             let between = |a: u32, b: u32| f64::from(a) * (1.0 - f) + f64::from(b) * f;

@@ -24,7 +24,7 @@ use slicecast_engine::camera::Material;
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::simd::{OverLanes, Simd, with_lanes};
-use slicecast_engine::table::Table;
+use slicecast_engine::table::{Table, own_colours};
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_host_tests::frame::{Frame, table_of};
@@ -121,8 +121,10 @@ impl<P: Precision> Bench<P> {
         let (mut normals, mut lengths) = (gradients.clone(), vec![0; WIDTH]);
         let [x, y, z] = &mut normals;
         normalise_row::<i32>([x, y, z], &mut lengths);
+        let entries = Box::new(std::array::from_fn(|_| random.next_bits() as u32));
         let table = Table {
-            entries: Box::new(std::array::from_fn(|_| random.next_bits() as u32)),
+            colours: own_colours(&entries),
+            entries,
             plane: Box::new(std::array::from_fn(|_| random.next_bits() as u8)),
             code: AlphaCodeName::Sqrt16,
             lookup: LookupName::Linear,

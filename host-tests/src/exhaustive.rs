@@ -5,7 +5,7 @@
 use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
-use slicecast::classify::opacity_of_root;
+use slicecast::classify::{colour_of_byte, colour_of_word, colour_of_words, opacity_of_root};
 use slicecast::composite::{Dither, Dithered, Pixel, Recurrence, Unorm16};
 use slicecast::format::{Cosine, Opacity, Weight};
 use slicecast::interpolate::trilinear;
@@ -30,7 +30,7 @@ pub struct Property {
 }
 
 /// All of them.
-pub const PROPERTIES: [Property; 7] = [
+pub const PROPERTIES: [Property; 8] = [
     Property {
         name: "roots",
         claim: "reciprocal_root(S) is the largest r with r^2 S <= 2^70, S from 2^28 to 3 * 32767^2",
@@ -54,6 +54,13 @@ pub const PROPERTIES: [Property; 7] = [
         name: "opacity",
         claim: "opacity_of_root is q^2 / 2 to the nearest, halves up, for all 65536 roots",
         check: opacity,
+        sample_stride: 1,
+    },
+    Property {
+        name: "colour",
+        claim: "colour_of_word is the nearest 1.15 and 1.31 of all 65536 colours, in lanes too; 65535 is 1, and a byte twice \
+                is that byte",
+        check: colour,
         sample_stride: 1,
     },
     Property {
@@ -236,6 +243,23 @@ fn opacity(stride: u64) -> Result<u64, String> {
         } else {
             Err(format!("root {q}: {a}"))
         }
+    })
+}
+
+fn colour(stride: u64) -> Result<u64, String> {
+    everywhere(0..=65535, stride, |word| {
+        for bits in [15, 31] {
+            let c = colour_of_word(word as u16, bits);
+            // 2 |c - 2^bits word / 65535| is at most 1.
+            let near = (2 * 65535 * u64::from(c)).abs_diff(word << (bits + 1)) <= 65535;
+            let lanes = colour_of_words(word as i32, bits) as u32 == c;
+            let byte = word % 257 != 0 || colour_of_byte((word / 257) as u8, bits) == c;
+            let one = word != 65535 || c == 1 << bits;
+            if !(near && lanes && byte && one) {
+                return Err(format!("colour {word}, {bits} bits: {c}"));
+            }
+        }
+        Ok(1)
     })
 }
 

@@ -30,8 +30,9 @@ pub struct Frame {
     pub planes_per_voxel: u32,
     /// Rays a voxel along a side.
     pub rays_per_voxel: u32,
-    /// Colour and square root of the opacity (0.16) of each code.
-    pub table: Arc<[([u8; 3], u16); ENTRIES]>,
+    /// Colour (65535 is 1; the high byte counts where the table's colours have 8 bits) and square root of the opacity (0.16)
+    /// of each code.
+    pub table: Arc<[([u16; 3], u16); ENTRIES]>,
     /// Lights in the slice frame; `None` is unlit.
     pub material: Option<Material>,
     /// How samples combine.
@@ -50,7 +51,7 @@ pub struct Frame {
 
 impl Frame {
     /// An unlit frame of this volume, straight along +z, one sample a voxel.
-    pub fn new(volume: Arc<Volume>, table: Arc<[([u8; 3], u16); ENTRIES]>) -> Self {
+    pub fn new(volume: Arc<Volume>, table: Arc<[([u16; 3], u16); ENTRIES]>) -> Self {
         Self {
             volume,
             direction: [0, 0, 1],
@@ -118,17 +119,23 @@ impl Frame {
         let mut table = Table {
             entries: Box::new([0; ENTRIES]),
             plane: Box::new([0; ENTRIES]),
+            colours: Box::new([[0; 3]; ENTRIES]),
             code,
             lookup: self.lookup.unwrap_or(self.precision.lookup()),
             underflows: 0,
         };
         let slots = table.entries.iter_mut().zip(table.plane.iter_mut());
-        for ((slot, low), (colour, root)) in slots.zip(self.table.iter()) {
+        for ((slot, low), (_, root)) in slots.zip(self.table.iter()) {
             let [low_byte, high] = root.to_le_bytes();
-            *slot = entry(*colour, high);
-            if code == AlphaCodeName::Sqrt16 {
+            *slot = entry([0; 3], high);
+            if code != AlphaCodeName::Sqrt8 {
                 *low = low_byte;
             }
+        }
+        for (index, (colour, _)) in self.table.iter().enumerate() {
+            let of_byte = |word: u16| 257 * (word >> 8);
+            let fine = code == AlphaCodeName::Colour16;
+            table.set_colour(index, if fine { *colour } else { colour.map(of_byte) });
         }
         table
     }
@@ -173,11 +180,27 @@ fn picture(plan: &Plan) -> Picture {
     }
 }
 
-/// A table from points `(code, colour, root)`, linear in integers between them, constant outside.
+/// A table from points `(code, colour, root)`, linear in integers between them, constant outside; colours of 8 bits.
 ///
 /// # Panics
 /// Without a point.
-pub fn table_of(points: &[(u16, [u8; 3], u16)]) -> Arc<[([u8; 3], u16); ENTRIES]> {
+pub fn table_of(points: &[(u16, [u8; 3], u16)]) -> Arc<[([u16; 3], u16); ENTRIES]> {
+    between(points, i64::from, |byte| 257 * byte as u16)
+}
+
+/// [`table_of`] with colours of 16 bits.
+///
+/// # Panics
+/// Without a point.
+pub fn fine_table_of(points: &[(u16, [u16; 3], u16)]) -> Arc<[([u16; 3], u16); ENTRIES]> {
+    between(points, i64::from, |word| word as u16)
+}
+
+fn between<C: Copy>(
+    points: &[(u16, [C; 3], u16)],
+    number: impl Fn(C) -> i64,
+    colour: impl Fn(i64) -> u16,
+) -> Arc<[([u16; 3], u16); ENTRIES]> {
     let mut table = [([0; 3], 0); ENTRIES];
     for (code, slot) in table.iter_mut().enumerate() {
         let passed = points.iter().take_while(|p| usize::from(p.0) <= code).count();
@@ -191,7 +214,7 @@ pub fn table_of(points: &[(u16, [u8; 3], u16)]) -> Arc<[([u8; 3], u16); ENTRIES]
                 a + (b - a) * (code as i64 - from) / span
             }
         };
-        let channel = |c: usize| mix(i64::from(a.1[c]), i64::from(b.1[c])) as u8;
+        let channel = |c: usize| colour(mix(number(a.1[c]), number(b.1[c])));
         *slot = ([0, 1, 2].map(channel), mix(i64::from(a.2), i64::from(b.2)) as u16);
     }
     Arc::new(table)

@@ -89,14 +89,14 @@ pub const TABLE: [Allowance; 27] = [
     Allowance {
         stage: Stage::Colour,
         precision: PrecisionName::Compact,
-        ulp: 0.51,
-        reason: "half a code of 8 bits, 0.502 units of 2^-8, and half a unit of 1.15: proved for colours linear between entries",
+        ulp: 0.0098,
+        reason: "half a code of 16 bits, 2^-9 units of 2^-8; half a unit of 1.15 for an entry and for the mixture, 2^-8 each: proved",
     },
     Allowance {
         stage: Stage::Colour,
         precision: PrecisionName::Wide,
-        ulp: 0.503,
-        reason: "half a code of 8 bits, 0.502 units of 2^-8, as colours have 31 bits: proved",
+        ulp: 0.00196,
+        reason: "half a code of 16 bits, 2^-9 units of 2^-8, as colours have 31 bits: proved",
     },
     Allowance {
         stage: Stage::Gradient,

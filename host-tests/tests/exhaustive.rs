@@ -30,6 +30,11 @@ fn opacities() {
 }
 
 #[test]
+fn colours() {
+    holds("colour");
+}
+
+#[test]
 fn powers() {
     holds("power");
 }
@@ -51,6 +56,7 @@ fn no_property_is_left_out() {
         "vector-roots",
         "over",
         "opacity",
+        "colour",
         "power",
         "paper-power",
         "interpolate",

@@ -22,7 +22,7 @@ use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
 use slicecast_engine::camera::Material;
 use slicecast_host_tests::checksum::of_frame;
-use slicecast_host_tests::frame::{Frame, table_of};
+use slicecast_host_tests::frame::{Frame, fine_table_of, table_of};
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 use slicecast_volume::Volume;
@@ -187,6 +187,18 @@ fn frames() -> Vec<(&'static str, Frame)> {
             },
         ),
         ("ripples-half-vector", ripples.clone()),
+        (
+            "ripples-fine-colours",
+            Frame {
+                code: Some(AlphaCodeName::Colour16),
+                table: fine_table_of(&[
+                    (1500, [65_535, 20_500, 77], 0),
+                    (1900, [65_001, 61_777, 5_201], 52_000),
+                    (4095, [5_003, 15_432, 65_533], 65_535),
+                ]),
+                ..ripples.clone()
+            },
+        ),
         (
             "ripples-other-table",
             Frame {

@@ -20,31 +20,44 @@ pub enum Language {
 /// The text of a table. `name` becomes the array's name; characters that no identifier has are replaced by `_`.
 ///
 /// Rust and C get 4096 words of 32 bits, `0xAABBGGRR` as [`slicecast::classify::entry`] packs them (AA is the square
-/// root of the opacity or its high byte), and, for 16-bit roots, 4096 low bytes. A line of `$readmemh` is such a word,
-/// for 16-bit roots followed by two digits of the low byte (40 bits).
+/// root of the opacity or its high byte, and so are the colours), for 16-bit roots 4096 low bytes, and for 16-bit colours
+/// 4096 times three low bytes, red first. A line of `$readmemh` is such a word, for 16-bit roots followed by two digits of
+/// the low byte (40 bits), for 16-bit colours by six more, blue first (64 bits).
 pub fn table(table: &Table, name: &str, language: Language) -> String {
     let name = identifier(name);
-    let wide = table.code == AlphaCodeName::Sqrt16;
+    let bits = match table.code {
+        AlphaCodeName::Sqrt8 => Bits { root: 8, colour: 8 },
+        AlphaCodeName::Sqrt16 => Bits { root: 16, colour: 8 },
+        AlphaCodeName::Colour16 => Bits { root: 16, colour: 16 },
+    };
     let what = format!(
-        "{} entries: opacity (square root, {} bits), and colour of 3 x 8 bits.",
+        "{} entries: opacity (square root, {} bits), and colour of 3 x {} bits.",
         table.entries.len(),
-        if wide { 16 } else { 8 }
+        bits.root,
+        bits.colour
     );
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = match language {
-        Language::Rust => rust(&mut out, table, &name.to_ascii_uppercase(), &what, wide),
-        Language::C => c(&mut out, table, &name.to_ascii_lowercase(), &what, wide),
-        Language::Readmemh => readmemh(&mut out, table, &what, wide),
+        Language::Rust => rust(&mut out, table, &name.to_ascii_uppercase(), &what, bits),
+        Language::C => c(&mut out, table, &name.to_ascii_lowercase(), &what, bits),
+        Language::Readmemh => readmemh(&mut out, table, &what, bits),
     };
     out
 }
 
-fn rust(out: &mut String, table: &Table, name: &str, what: &str, wide: bool) -> std::fmt::Result {
+/// How many bits an entry has for what.
+#[derive(Clone, Copy)]
+struct Bits {
+    root: u32,
+    colour: u32,
+}
+
+fn rust(out: &mut String, table: &Table, name: &str, what: &str, bits: Bits) -> std::fmt::Result {
     writeln!(out, "/// {what}\npub static {name}: [u32; {}] = [", table.entries.len())?;
     words(out, &table.entries[..])?;
     writeln!(out, "];")?;
-    if wide {
+    if bits.root == 16 {
         writeln!(
             out,
             "\n/// Low bytes of the square roots.\npub static {name}_LOW: [u8; {}] = [",
@@ -53,31 +66,53 @@ fn rust(out: &mut String, table: &Table, name: &str, what: &str, wide: bool) -> 
         bytes(out, &table.plane[..])?;
         writeln!(out, "];")?;
     }
+    if bits.colour == 16 {
+        writeln!(
+            out,
+            "\n/// Low bytes of the colours.\npub static {name}_COLOURS: [[u8; 3]; {}] = [",
+            table.colours.len()
+        )?;
+        triples(out, &table.colours[..], ['[', ']'])?;
+        writeln!(out, "];")?;
+    }
     Ok(())
 }
 
-fn c(out: &mut String, table: &Table, name: &str, what: &str, wide: bool) -> std::fmt::Result {
+fn c(out: &mut String, table: &Table, name: &str, what: &str, bits: Bits) -> std::fmt::Result {
     writeln!(out, "/* {what} */\n#include <stdint.h>\n")?;
     writeln!(out, "static const uint32_t {name}[{}] = {{", table.entries.len())?;
     words(out, &table.entries[..])?;
     writeln!(out, "}};")?;
-    if wide {
+    if bits.root == 16 {
         writeln!(out, "\n/* Low bytes of the square roots. */")?;
         writeln!(out, "static const uint8_t {name}_low[{}] = {{", table.plane.len())?;
         bytes(out, &table.plane[..])?;
         writeln!(out, "}};")?;
     }
+    if bits.colour == 16 {
+        writeln!(out, "\n/* Low bytes of the colours. */")?;
+        writeln!(
+            out,
+            "static const uint8_t {name}_colours[{}][3] = {{",
+            table.colours.len()
+        )?;
+        triples(out, &table.colours[..], ['{', '}'])?;
+        writeln!(out, "}};")?;
+    }
     Ok(())
 }
 
-fn readmemh(out: &mut String, table: &Table, what: &str, wide: bool) -> std::fmt::Result {
+fn readmemh(out: &mut String, table: &Table, what: &str, bits: Bits) -> std::fmt::Result {
     writeln!(out, "// {what}")?;
-    for (entry, low) in table.entries.iter().zip(table.plane.iter()) {
-        if wide {
-            writeln!(out, "{entry:08x}{low:02x}")?;
-        } else {
-            writeln!(out, "{entry:08x}")?;
+    for ((entry, low), [r, g, b]) in table.entries.iter().zip(table.plane.iter()).zip(table.colours.iter()) {
+        write!(out, "{entry:08x}")?;
+        if bits.root == 16 {
+            write!(out, "{low:02x}")?;
         }
+        if bits.colour == 16 {
+            write!(out, "{b:02x}{g:02x}{r:02x}")?;
+        }
+        writeln!(out)?;
     }
     Ok(())
 }
@@ -93,6 +128,15 @@ fn words(out: &mut String, words: &[u32]) -> std::fmt::Result {
 fn bytes(out: &mut String, bytes: &[u8]) -> std::fmt::Result {
     for line in bytes.chunks(16) {
         let text: Vec<String> = line.iter().map(|byte| format!("0x{byte:02x},")).collect();
+        writeln!(out, "    {}", text.join(" "))?;
+    }
+    Ok(())
+}
+
+fn triples(out: &mut String, triples: &[[u8; 3]], [open, close]: [char; 2]) -> std::fmt::Result {
+    for line in triples.chunks(5) {
+        let one = |[r, g, b]: &[u8; 3]| format!("{open}0x{r:02x}, 0x{g:02x}, 0x{b:02x}{close},");
+        let text: Vec<String> = line.iter().map(one).collect();
         writeln!(out, "    {}", text.join(" "))?;
     }
     Ok(())
@@ -207,6 +251,22 @@ mod tests {
             assert!(text.contains(head), "{}", &text[..200]);
             let numbers = text.matches("0x").count();
             assert_eq!(numbers, 2 * 4096);
+        }
+        let (fine, _) = compiled(0.25, AlphaCodeName::Colour16);
+        let text = table(&fine, "x", Language::Readmemh);
+        let last = u64::from_str_radix(text.lines().last().unwrap(), 16).unwrap();
+        let [r, g, b] = fine.colour(4095);
+        assert_eq!([r, g, b], [65535, 32768, 0]);
+        let word = |high: u32, low: u32| ((last >> high) & 0xff) << 8 | ((last >> low) & 0xff);
+        assert_eq!([word(32, 0), word(40, 8), word(48, 16)], [r, g, b].map(u64::from));
+        assert_eq!((last >> 24) & 0xff, u64::from(fine.plane[4095]));
+        for (language, head) in [
+            (Language::Rust, "pub static X_COLOURS: [[u8; 3]; 4096]"),
+            (Language::C, "uint8_t x_colours[4096][3]"),
+        ] {
+            let text = table(&fine, "x", language);
+            assert!(text.contains(head));
+            assert_eq!(text.matches("0x").count(), 5 * 4096);
         }
         assert_eq!(["", "1", "a b"].map(identifier), ["table", "t1", "a_b"]);
     }

@@ -185,15 +185,17 @@ fn two_surfaces(volume: &Volume, statistics: &Statistics) -> TransferFunction {
     let outer = outer as f64;
     let top = (statistics.percentile(0.999) as f64).max(inner);
     let (tan, ivory) = ([214, 158, 128], [242, 232, 208]);
-    // From a little below the threshold, where surfaces lie, to the second one.
-    let foot = outer - 0.25 * (outer - first);
+    // From a little below the threshold, where surfaces lie, to the second one. All on codes: the table mixes its entries,
+    // and a corner between two of them would be cut off.
+    let foot = (outer - 0.25 * (outer - first)).floor();
+    let shoulder = (outer + 0.7 * (inner - outer)).floor();
     points(
         volume,
         &[
             (first, tan, 0.0),
             (foot, tan, 0.0),
             (outer, tan, 0.06),
-            (outer + 0.7 * (inner - outer), tan, 0.06),
+            (shoulder, tan, 0.06),
             (inner, ivory, 0.35),
             (top.min(last), ivory, 0.8),
         ],
@@ -283,6 +285,23 @@ mod tests {
             let statistics = Statistics::of(&loaded.volume);
             for name in NAMES {
                 scene(name, &loaded, &statistics).unwrap_or_else(|error| panic!("{name}: {error}"));
+            }
+        }
+    }
+
+    /// Corners between two codes would be cut off by the table.
+    #[test]
+    fn corners_of_fitted_scenes_are_codes() {
+        let loaded = loaded(
+            Values::U16((0..4000_u16).map(|i| i % 7 * (i % 83) + i / 9).collect()),
+            None,
+        );
+        let statistics = Statistics::of(&loaded.volume);
+        for name in ["mr", "fog", "mip"] {
+            let scene = scene(name, &loaded, &statistics).unwrap();
+            assert!(scene.transfer.points.len() > 1, "{name}");
+            for point in scene.transfer.points {
+                assert_eq!(point.value.fract(), 0.0, "{name}");
             }
         }
     }

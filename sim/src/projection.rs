@@ -96,6 +96,39 @@ pub fn described(ramp: &TransferFunction) -> String {
     }
 }
 
+/// The least share of rays that keep the background as their smallest value where a minimum shows nothing else.
+const CROSSING: f64 = 0.9;
+
+/// The least share of background on the sides of a volume that lies in it.
+const AROUND: f64 = 0.5;
+
+/// The share of rays along x, y and z whose smallest value is that of the background around what is in the volume, if they
+/// are nearly all. Background are the codes below `first`; a volume that they do not surround, as a piece cut out of a
+/// lung, has none.
+pub fn in_background(volume: &Volume, first: usize) -> Option<f64> {
+    let below = |code: u16| usize::from(code) < first;
+    let [nx, ny, nz] = volume.dims;
+    let (mut sides, mut dark) = (0_u64, 0_u64);
+    for (row, codes) in volume.voxels.chunks_exact(nx.max(1)).enumerate() {
+        let (y, z) = (row % ny, row / ny);
+        let inside = |at: usize, side: usize| at > 0 && at + 1 < side;
+        let ends = if inside(y, ny) && inside(z, nz) {
+            nx.max(2) - 1
+        } else {
+            1
+        };
+        for &code in codes.iter().step_by(ends) {
+            sides += 1;
+            dark += u64::from(below(code));
+        }
+    }
+    let counts = kept(volume, u16::MAX, u16::min);
+    let rays: u64 = counts.iter().sum();
+    let crossing = counts.iter().take(first).sum::<u64>() as f64 / rays.max(1) as f64;
+    let surrounded = dark as f64 > AROUND * sides as f64;
+    (surrounded && crossing > CROSSING).then_some(crossing)
+}
+
 /// How often rays along x, y and z keep each code.
 fn kept(volume: &Volume, none: u16, keep: fn(u16, u16) -> u16) -> Vec<u64> {
     let [nx, ny, _] = volume.dims;
@@ -170,6 +203,38 @@ mod tests {
         );
         // All rays but that along the thread meet the least of the noise.
         assert_eq!(ends(&volume(), Blend::Minimum), [(2.0 * 10.0 - 100.0, 0.5)]);
+    }
+
+    #[test]
+    fn background_hides_what_is_smallest_inside() {
+        // A ball with a hollow in air: every ray crosses the air.
+        let ball = |around: u16, hollow: u16| {
+            let voxel = |index: usize| {
+                let place = [index % 20, index / 20 % 20, index / 400].map(|c| c as f64 - 9.5);
+                let radius = place.iter().map(|c| c * c).sum::<f64>().sqrt();
+                [hollow, 1000, around][usize::from(radius > 3.0) + usize::from(radius > 8.0)]
+            };
+            let voxels = (0..8000).map(voxel).collect();
+            Volume { voxels, ..volume() }
+        };
+        assert_eq!(in_background(&ball(24, 20), 500), Some(1.0));
+        // Cut out of tissue, it is what a minimum is for.
+        assert_eq!(in_background(&ball(1000, 20), 500), None);
+        // Rays that leave no background: a block that reaches from side to side.
+        let mut block = ball(24, 20);
+        for (index, code) in block.voxels.iter_mut().enumerate() {
+            *code = if index / 400 < 8 { 1000 } else { 24 };
+        }
+        assert_eq!(in_background(&block, 500), None);
+        // All six sides are looked at, and nothing else.
+        let mut shell = ball(24, 20);
+        for (index, code) in shell.voxels.iter_mut().enumerate() {
+            let inside = [index % 20, index / 20 % 20, index / 400]
+                .iter()
+                .all(|c| (1..19).contains(c));
+            *code = if inside { 1000 } else { 24 };
+        }
+        assert_eq!(in_background(&shell, 500), Some(1.0));
     }
 
     #[test]

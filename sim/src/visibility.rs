@@ -1,5 +1,6 @@
 //! Pictures that show nothing: found, and explained.
 
+use crate::projection;
 use slicecast::format::Opacity;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::{BaseImage, Frame, Rgb};
@@ -22,7 +23,8 @@ pub struct Circumstances<'a> {
     pub fitting: Option<&'a str>,
 }
 
-/// Why nothing, or nearly nothing, of a picture is seen, and what to do; `None` if something is.
+/// Why nothing, or nearly nothing, of a picture is seen, or nothing but what lies around, and what to do; `None` if
+/// something is.
 pub fn warning(prepared: &Prepared<'_>, frame: &Frame, known: &Circumstances<'_>) -> Option<String> {
     let background = prepared.scene.image.background;
     let [origin, right, down] = prepared.setup.picture.affine;
@@ -33,11 +35,27 @@ pub fn warning(prepared: &Prepared<'_>, frame: &Frame, known: &Circumstances<'_>
         (0.0..width).contains(&u) && (0.0..height).contains(&v)
     });
     if share >= SHARE_MIN {
-        return None;
+        return surrounded(prepared, known.statistics);
     }
     let amount = if share == 0.0 { "nothing" } else { "nearly nothing" };
     let (reason, advice) = reason(prepared, &frame.base, known);
     Some(format!("the picture shows {amount}: {reason}; {advice}"))
+}
+
+/// That a minimum shows the background alone, since nearly every ray crosses it.
+fn surrounded(prepared: &Prepared<'_>, statistics: &Statistics) -> Option<String> {
+    if prepared.scene.blend != Blend::Minimum {
+        return None;
+    }
+    let first = statistics.split(0);
+    let crossing = projection::in_background(prepared.volume, first)?;
+    Some(format!(
+        "the picture shows the background: {:.0} % of the rays cross it (values below {}), and it is the smallest value of \
+         each; `--blend minimum` is for a volume cut to the inside of a body, as a piece of a lung, `--blend maximum` shows \
+         what is bright",
+        100.0 * crossing,
+        rounded(prepared.volume.mapping.value(first as f64), 5)
+    ))
 }
 
 /// The share of the pixels within a place that can be told from the background.
@@ -311,6 +329,23 @@ mod tests {
             &ball(),
             &["the smallest value of nearly every ray is invisible"],
         );
+    }
+
+    /// A grey picture of the air around the ball is not empty, and shows nothing of the ball.
+    #[test]
+    fn smallest_values_of_rays_through_air() {
+        let mut scene = scene();
+        scene.blend = Blend::Minimum;
+        scene.transfer = crate::projection::ramp(&ball(), Blend::Minimum);
+        scene.lighting = None;
+        says(
+            &scene,
+            &ball(),
+            &["shows the background: 100 % of the rays cross it", "(values below "],
+        );
+        scene.blend = Blend::Maximum;
+        scene.transfer = crate::projection::ramp(&ball(), Blend::Maximum);
+        assert_eq!(said(&scene, &ball()), None);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 // Version of the structures in this header. Write it to `slicecast_scene.version`.
-#define SLICECAST_VERSION 1
+#define SLICECAST_VERSION 2
 
 // Done.
 #define SLICECAST_OK 0
@@ -69,6 +69,9 @@
 // The highlight is neither 0 (reflection) nor 1 (half vector): `given`.
 #define SLICECAST_HIGHLIGHT -18
 
+// The interpolation is neither 0 (linear) nor 1 (nearest): `given`.
+#define SLICECAST_INTERPOLATION -19
+
 // The description of a pipeline. Opaque; the functions named after pipelines return one.
 typedef struct SlicecastPipeline SlicecastPipeline;
 
@@ -118,11 +121,17 @@ typedef struct SlicecastScene {
   uint32_t planes_per_voxel;
   // Rays per voxel along each side of the base plane, 1 to 8.
   uint32_t rays_per_voxel;
+  // 0: the value between voxels is linear between the eight around it; 1: it is that of the nearest voxel, halves up. Labels
+  // are names and have nothing between them: they take 1.
+  uint32_t interpolation;
   // The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
-  // opacity of one step along a ray in the highest (its high byte where there is a plane of low bytes).
+  // opacity of one step along a ray in the highest (the high bytes of those that have a plane of low bytes).
   const uint32_t *entries;
   // 4096 low bytes of the square roots; the paper pipelines do not read it, the others need it.
   const uint8_t *low_roots;
+  // 4096 times three low bytes of the colours: red, green, blue (65535 is 1); the pipelines of 16-bit colours need it, the
+  // others do not read it.
+  const uint8_t *low_colours;
   // Lights and material; unlit pipelines do not read it, the others need it.
   const struct SlicecastLighting *lighting;
 } SlicecastScene;
@@ -286,6 +295,18 @@ const struct SlicecastPipeline *slicecast_wide_unlit(void);
 
 // The pipeline of the `Wide` precision, lit: 16 bytes per pixel.
 const struct SlicecastPipeline *slicecast_wide_lit(void);
+
+// The pipeline of the `Compact` precision (the default), without lights, with colours of 16 bits: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_compact_unlit_colour16(void);
+
+// The pipeline of the `Compact` precision (the default), lit, with colours of 16 bits: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_compact_lit_colour16(void);
+
+// The pipeline of the `Wide` precision, without lights, with colours of 16 bits: 16 bytes per pixel.
+const struct SlicecastPipeline *slicecast_wide_unlit_colour16(void);
+
+// The pipeline of the `Wide` precision, lit, with colours of 16 bits: 16 bytes per pixel.
+const struct SlicecastPipeline *slicecast_wide_lit_colour16(void);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -46,6 +46,8 @@ pub const SLICECAST_BAND: i32 = -16;
 pub const SLICECAST_VOXEL: i32 = -17;
 /// The highlight is neither 0 (reflection) nor 1 (half vector): `given`.
 pub const SLICECAST_HIGHLIGHT: i32 = -18;
+/// The interpolation is neither 0 (linear) nor 1 (nearest): `given`.
+pub const SLICECAST_INTERPOLATION: i32 = -19;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]

@@ -3,7 +3,7 @@
 
 use core::ffi::c_void;
 
-use slicecast::classify::{Linear, Nearest, PointTable, Sqrt8, Sqrt16};
+use slicecast::classify::{Colour16, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::FrontToBack;
 use slicecast::format::Intensity;
 use slicecast::plan::Plan;
@@ -310,6 +310,8 @@ impl<P: Precision> Lights<P> for Phong<P> {
 type Paper8 = PointTable<'static, Sqrt8, Nearest>;
 /// The others': 16-bit roots, linear.
 type Fine16 = PointTable<'static, Sqrt16, Linear>;
+/// The same with colours of 16 bits.
+type Colours16 = PointTable<'static, Colour16, Linear>;
 
 impl<S: Lights<Paper>> Instance for Composite<Paper, Paper8, S, FrontToBack> {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
@@ -340,6 +342,30 @@ impl<S: Lights<Wide>> Instance for Composite<Wide, Fine16, S, FrontToBack> {
                 Fine16::new(scene.entries()?, scene.low_roots()?),
                 S::of(Wide, scene)?,
             )
+        })
+    }
+}
+
+impl<S: Lights<Compact>> Instance for Composite<Compact, Colours16, S, FrontToBack> {
+    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+        // SAFETY: the caller's promise.
+        Ok(unsafe {
+            let planes = (scene.low_roots()?, scene.low_colours()?);
+            Self::new(
+                Compact,
+                Colours16::new(scene.entries()?, planes),
+                S::of(Compact, scene)?,
+            )
+        })
+    }
+}
+
+impl<S: Lights<Wide>> Instance for Composite<Wide, Colours16, S, FrontToBack> {
+    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+        // SAFETY: the caller's promise.
+        Ok(unsafe {
+            let planes = (scene.low_roots()?, scene.low_colours()?);
+            Self::new(Wide, Colours16::new(scene.entries()?, planes), S::of(Wide, scene)?)
         })
     }
 }
@@ -378,4 +404,28 @@ pub extern "C" fn slicecast_wide_unlit() -> *const SlicecastPipeline {
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_wide_lit() -> *const SlicecastPipeline {
     const { &<Composite<Wide, Fine16, Phong<Wide>, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Compact` precision (the default), without lights, with colours of 16 bits: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_compact_unlit_colour16() -> *const SlicecastPipeline {
+    const { &<Composite<Compact, Colours16, Unlit, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Compact` precision (the default), lit, with colours of 16 bits: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_compact_lit_colour16() -> *const SlicecastPipeline {
+    const { &<Composite<Compact, Colours16, Phong<Compact>, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Wide` precision, without lights, with colours of 16 bits: 16 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_wide_unlit_colour16() -> *const SlicecastPipeline {
+    const { &<Composite<Wide, Colours16, Unlit, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Wide` precision, lit, with colours of 16 bits: 16 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_wide_lit_colour16() -> *const SlicecastPipeline {
+    const { &<Composite<Wide, Colours16, Phong<Wide>, FrontToBack> as Instance>::DESCRIPTION }
 }

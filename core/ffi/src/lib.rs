@@ -16,8 +16,9 @@ mod scene;
 
 pub use error::*;
 pub use instance::{
-    SlicecastPipeline, slicecast_compact_lit, slicecast_compact_unlit, slicecast_paper_lit, slicecast_paper_unlit,
-    slicecast_wide_lit, slicecast_wide_unlit,
+    SlicecastPipeline, slicecast_compact_lit, slicecast_compact_lit_colour16, slicecast_compact_unlit,
+    slicecast_compact_unlit_colour16, slicecast_paper_lit, slicecast_paper_unlit, slicecast_wide_lit,
+    slicecast_wide_lit_colour16, slicecast_wide_unlit, slicecast_wide_unlit_colour16,
 };
 pub use scene::{SlicecastLight, SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastWarp};
 
@@ -26,7 +27,7 @@ use core::ffi::c_void;
 use crate::instance::{Handle, Header};
 
 /// Version of the structures in this header. Write it to `slicecast_scene.version`.
-pub const SLICECAST_VERSION: u32 = 1;
+pub const SLICECAST_VERSION: u32 = 2;
 
 /// A frame in the making. Opaque; it begins at the start of the block given to `slicecast_open`.
 pub struct SlicecastStream {

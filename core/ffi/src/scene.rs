@@ -8,7 +8,9 @@ use slicecast::table::ENTRIES;
 use slicecast::view::View;
 use slicecast::warp::Warp;
 
-use crate::error::{SLICECAST_HIGHLIGHT, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH, SlicecastError};
+use crate::error::{
+    SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH, SlicecastError,
+};
 use crate::{SLICECAST_VERSION, check, read, slice};
 
 /// Everything that decides a base-plane image, apart from the voxels.
@@ -27,11 +29,17 @@ pub struct SlicecastScene {
     pub planes_per_voxel: u32,
     /// Rays per voxel along each side of the base plane, 1 to 8.
     pub rays_per_voxel: u32,
+    /// 0: the value between voxels is linear between the eight around it; 1: it is that of the nearest voxel, halves up. Labels
+    /// are names and have nothing between them: they take 1.
+    pub interpolation: u32,
     /// The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
-    /// opacity of one step along a ray in the highest (its high byte where there is a plane of low bytes).
+    /// opacity of one step along a ray in the highest (the high bytes of those that have a plane of low bytes).
     pub entries: *const u32,
     /// 4096 low bytes of the square roots; the paper pipelines do not read it, the others need it.
     pub low_roots: *const u8,
+    /// 4096 times three low bytes of the colours: red, green, blue (65535 is 1); the pipelines of 16-bit colours need it, the
+    /// others do not read it.
+    pub low_colours: *const u8,
     /// Lights and material; unlit pipelines do not read it, the others need it.
     pub lighting: *const SlicecastLighting,
 }
@@ -121,7 +129,12 @@ impl SlicecastScene {
             rays_per_voxel: self.rays_per_voxel,
         };
         let spacing = Spacing(self.spacing.map(Intensity::from_bits));
-        Ok(Plan::new(view, self.dims, spacing, sampling)?)
+        let plan = Plan::new(view, self.dims, spacing, sampling)?;
+        match self.interpolation {
+            0 => Ok(plan),
+            1 => Ok(plan.with_nearest()),
+            given => Err(SlicecastError::numbers(SLICECAST_INTERPOLATION, 1, given.into())),
+        }
     }
 
     /// The table's entries.
@@ -142,6 +155,16 @@ impl SlicecastScene {
         check(self.low_roots, 2)?;
         // SAFETY: not null; the caller's promise.
         Ok(unsafe { &*self.low_roots.cast() })
+    }
+
+    /// The table's low bytes of colours.
+    ///
+    /// # Safety
+    /// As for [`Self::entries`].
+    pub(crate) unsafe fn low_colours(&self) -> Result<&'static [[u8; 3]; ENTRIES], SlicecastError> {
+        check(self.low_colours, 2)?;
+        // SAFETY: not null; the caller's promise.
+        Ok(unsafe { &*self.low_colours.cast() })
     }
 
     /// Lights and material.

@@ -3,7 +3,7 @@
 use core::ffi::c_void;
 use core::ptr::{null, null_mut};
 
-use slicecast::classify::{Linear, PointTable, Sqrt16, entry};
+use slicecast::classify::{Classifier, Colour16, Linear, PointTable, Sqrt16, entry};
 use slicecast::composite::FrontToBack;
 use slicecast::composite::Unorm16;
 use slicecast::format::{Coefficient, Direction, Intensity, Vector};
@@ -23,6 +23,7 @@ const DIMS: [u32; 3] = [7, 6, 5];
 struct Data {
     entries: Box<[u32; ENTRIES]>,
     low: Box<[u8; ENTRIES]>,
+    low_colours: Box<[[u8; 3]; ENTRIES]>,
     lights: [SlicecastLight; 1],
     lighting: SlicecastLighting,
     voxels: Vec<u16>,
@@ -33,6 +34,7 @@ impl Data {
         let mut data = Box::new(Self {
             entries: Box::new([0; ENTRIES]),
             low: Box::new([3; ENTRIES]),
+            low_colours: Box::new([[200, 7, 99]; ENTRIES]),
             lights: [SlicecastLight {
                 direction: [0, 18918, -26755].map(|c| c << 15),
                 half: [0, 9000, -31500].map(|c| c << 15),
@@ -66,8 +68,10 @@ impl Data {
             spacing: [32768, 32768, 20000],
             planes_per_voxel: 2,
             rays_per_voxel: 2,
+            interpolation: 0,
             entries: self.entries.as_ptr(),
             low_roots: self.low.as_ptr(),
+            low_colours: self.low_colours.as_ptr().cast(),
             lighting: &self.lighting,
         }
     }
@@ -98,7 +102,16 @@ fn no_error() -> SlicecastError {
 }
 
 fn render(pipeline: *const SlicecastPipeline, data: &Data, first: u32, rows: u32) -> Vec<u16> {
-    let scene = data.scene();
+    render_scene(pipeline, data, data.scene(), first, rows)
+}
+
+fn render_scene(
+    pipeline: *const SlicecastPipeline,
+    data: &Data,
+    scene: SlicecastScene,
+    first: u32,
+    rows: u32,
+) -> Vec<u16> {
     let needs = needs(pipeline, &scene, rows);
     let mut memory = block(needs.bytes);
     let (mut stream, mut image, mut bytes) = (null_mut(), null::<c_void>(), 0);
@@ -136,13 +149,19 @@ fn render(pipeline: *const SlicecastPipeline, data: &Data, first: u32, rows: u32
 
 /// The same frame from Rust.
 fn from_rust(data: &Data) -> Vec<u16> {
+    type Table<'a> = PointTable<'a, Sqrt16, Linear>;
+    from_rust_over(data, Table::new(&data.entries, &data.low), |plan| plan)
+}
+
+/// The same frame from Rust, over a table, on a plan changed as given.
+fn from_rust_over<C: Classifier<Compact>>(data: &Data, table: C, change: impl Fn(Plan) -> Plan) -> Vec<u16> {
     let scene = data.scene();
     let view = View::new(scene.direction.map(Direction::from_bits)).unwrap();
     let sampling = Sampling {
         planes_per_voxel: 2,
         rays_per_voxel: 2,
     };
-    let plan = Plan::new(view, DIMS, Spacing(scene.spacing.map(Intensity::from_bits)), sampling).unwrap();
+    let plan = change(Plan::new(view, DIMS, Spacing(scene.spacing.map(Intensity::from_bits)), sampling).unwrap());
     let lights = data.lights.map(|l| Light {
         direction: l.direction.map(Vector::from_bits),
         half: l.half.map(Vector::from_bits),
@@ -154,9 +173,8 @@ fn from_rust(data: &Data) -> Vec<u16> {
         data.lighting.viewer.map(Vector::from_bits),
     );
     let phong = Phong::new(Compact, ambient, &lights, viewer, Highlight::Reflection, 4).unwrap();
-    type Table<'a> = PointTable<'a, Sqrt16, Linear>;
-    let pipeline = Composite::<Compact, _, _, FrontToBack>::new(Compact, Table::new(&data.entries, &data.low), phong);
-    let needs = Needs::of::<Composite<Compact, Table<'_>, Phong<Compact>, FrontToBack>>(&plan);
+    let pipeline = Composite::<Compact, _, _, FrontToBack>::new(Compact, table, phong);
+    let needs = Needs::of::<Composite<Compact, C, Phong<Compact>, FrontToBack>>(&plan);
     let (mut slices, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
     let (mut scratch, mut image) = (vec![0; needs.scratch], vec![Unorm16(0); needs.image]);
     let memory = Memory {
@@ -184,6 +202,32 @@ fn c_and_rust_have_the_same_bits() {
 }
 
 #[test]
+fn colours_of_16_bits_are_those_of_rust() {
+    let data = Data::new();
+    let table = PointTable::<Colour16, Linear>::new(&data.entries, (&data.low, &data.low_colours));
+    let rust = from_rust_over(&data, table, |plan| plan);
+    assert_eq!(render(slicecast_compact_lit_colour16(), &data, 0, 0), rust);
+    assert_ne!(rust, from_rust(&data), "low bytes that change nothing prove nothing");
+}
+
+#[test]
+fn nearest_samples_are_those_of_rust() {
+    let data = Data::new();
+    let table = PointTable::<Sqrt16, Linear>::new(&data.entries, &data.low);
+    let rust = from_rust_over(&data, table, Plan::with_nearest);
+    let scene = SlicecastScene {
+        interpolation: 1,
+        ..data.scene()
+    };
+    assert_eq!(render_scene(slicecast_compact_lit(), &data, scene, 0, 0), rust);
+    assert_ne!(
+        rust,
+        from_rust(&data),
+        "interpolation that changes nothing proves nothing"
+    );
+}
+
+#[test]
 fn bands_are_the_whole() {
     let data = Data::new();
     let whole = render(slicecast_compact_lit(), &data, 0, 0);
@@ -208,13 +252,17 @@ fn bands_are_the_whole() {
 #[test]
 fn every_pipeline_runs() {
     let data = Data::new();
-    let all: [(*const SlicecastPipeline, u32); 6] = [
+    let all: [(*const SlicecastPipeline, u32); 10] = [
         (slicecast_paper_unlit(), 2),
         (slicecast_paper_lit(), 2),
         (slicecast_compact_unlit(), 2),
         (slicecast_compact_lit(), 2),
         (slicecast_wide_unlit(), 4),
         (slicecast_wide_lit(), 4),
+        (slicecast_compact_unlit_colour16(), 2),
+        (slicecast_compact_lit_colour16(), 2),
+        (slicecast_wide_unlit_colour16(), 4),
+        (slicecast_wide_lit_colour16(), 4),
     ];
     let mut images: Vec<Vec<u16>> = Vec::new();
     for (pipeline, element_bytes) in all {
@@ -276,10 +324,10 @@ fn misused_arguments_are_named_with_numbers() {
             open(crooked, needs.bytes, &scene, 0, 0),
             (SLICECAST_MISALIGNED, 5, 8, crooked.addr() as i64)
         );
-        let other = SlicecastScene { version: 2, ..scene };
+        let other = SlicecastScene { version: 1, ..scene };
         assert_eq!(
             open(memory, needs.bytes, &other, 0, 0),
-            (SLICECAST_VERSION_MISMATCH, 0, 1, 2)
+            (SLICECAST_VERSION_MISMATCH, 0, 2, 1)
         );
         let rows = i64::from(needs.rows);
         assert_eq!(
@@ -303,6 +351,14 @@ fn misused_arguments_are_named_with_numbers() {
             ..scene
         };
         assert_eq!(open(memory, needs.bytes, &still, 0, 0).0, SLICECAST_DIRECTION);
+        let between = SlicecastScene {
+            interpolation: 2,
+            ..scene
+        };
+        assert_eq!(
+            open(memory, needs.bytes, &between, 0, 0),
+            (SLICECAST_INTERPOLATION, 0, 1, 2)
+        );
         let bare = SlicecastScene {
             entries: null(),
             ..scene
@@ -333,6 +389,29 @@ fn misused_arguments_are_named_with_numbers() {
         };
         assert_eq!(open(memory, needs.bytes, &odd, 0, 0), (SLICECAST_HIGHLIGHT, 0, 1, 2));
         assert_eq!(open(memory, needs.bytes, &scene, 0, 0).0, SLICECAST_OK);
+    }
+}
+
+#[test]
+fn tables_that_a_pipeline_needs_are_asked_for() {
+    let data = Data::new();
+    let scene = SlicecastScene {
+        low_colours: null(),
+        ..data.scene()
+    };
+    for (pipeline, expected) in [
+        (slicecast_wide_unlit(), SLICECAST_OK),
+        (slicecast_wide_unlit_colour16(), SLICECAST_NULL),
+    ] {
+        let needs = needs(pipeline, &scene, 0);
+        let mut memory = block(needs.bytes);
+        let (mut stream, mut error) = (null_mut(), no_error());
+        // SAFETY: good pointers, and a null one that the function promises to refuse.
+        let code = unsafe {
+            let block = memory.as_mut_ptr().cast();
+            slicecast_open(pipeline, &scene, 0, 0, block, needs.bytes, &mut stream, &mut error)
+        };
+        assert_eq!(code, expected);
     }
 }
 

@@ -9,7 +9,7 @@ use slicecast_engine::oriented::{Turned, packed};
 use slicecast_engine::pipelines::compile;
 use slicecast_engine::table::Table;
 use slicecast_scene::file::parse;
-use slicecast_scene::{Highlight, PrecisionName, Scene};
+use slicecast_scene::{AlphaCodeName, Highlight, PrecisionName, Scene};
 use slicecast_volume::Volume;
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
@@ -191,14 +191,26 @@ fn crop(volume: &Volume, first: [usize; 3], sides: [usize; 3]) -> Result<Volume,
 }
 
 impl Named {
-    /// The scene of a kind of pipeline.
+    /// The scene of a kind of pipeline. Each precision has a table code of its own, so that all codes are seen to work.
     pub fn of_kind(&self, kind: Kind) -> Scene {
-        let mut scene = self.scene.clone();
-        scene.precision = kind.precision();
+        let mut scene = self.in_precision(kind.precision());
         if !kind.lit {
             scene.lighting = None;
         }
         scene
+    }
+
+    fn in_precision(&self, precision: PrecisionName) -> Scene {
+        let code = match precision {
+            PrecisionName::Paper => AlphaCodeName::Sqrt8,
+            PrecisionName::Compact => AlphaCodeName::Sqrt16,
+            PrecisionName::Wide => AlphaCodeName::Colour16,
+        };
+        Scene {
+            precision,
+            table: Some(code),
+            ..self.scene.clone()
+        }
     }
 
     /// The numbers that the pipeline reads.
@@ -218,10 +230,7 @@ impl Named {
         let slices = turned.slices().map_err(|e| words(&e))?;
         let voxels = slices.iter().flat_map(packed).collect();
         let table = |precision| {
-            let scene = Scene {
-                precision,
-                ..self.scene.clone()
-            };
+            let scene = self.in_precision(precision);
             compile(&scene, &self.volume.mapping, setup.step_length)
         };
         let bits = |v: [slicecast::format::Vector; 3]| v.map(|c| c.to_bits());
@@ -234,6 +243,7 @@ impl Named {
             voxels,
             table8: table(PrecisionName::Paper),
             table16: table(PrecisionName::Compact),
+            table_wide: table(PrecisionName::Wide),
             lights: lights
                 .map(|l| (bits(l.direction), bits(l.half), share(l.diffuse), share(l.specular)))
                 .collect(),
@@ -260,12 +270,16 @@ impl Named {
         text(&mut out, "ENTRIES8", "u32", 4096, format!("{:?}", n.table8.entries));
         text(&mut out, "ENTRIES16", "u32", 4096, format!("{:?}", n.table16.entries));
         text(&mut out, "PLANE16", "u8", 4096, format!("{:?}", n.table16.plane));
+        let wide = &n.table_wide;
+        text(&mut out, "ENTRIES_WIDE", "u32", 4096, format!("{:?}", wide.entries));
+        text(&mut out, "COLOURS_WIDE", "[u8; 3]", 4096, format!("{:?}", wide.colours));
         let rates = &self.scene.sampling;
         let _ = writeln!(
             out,
             "/// Written by the runner.\npub static {upper}: &SceneData = &SceneData {{ name: {:?}, direction: {:?}, dims: \
              {:?}, spacing: {:?}, sampling: {:?}, voxels: &{upper}_VOXELS, entries8: &{upper}_ENTRIES8, entries16: \
-             &{upper}_ENTRIES16, plane16: &{upper}_PLANE16, picture: {:?}, warp: {:?}, lighting: Lighting {{ ambient: \
+             &{upper}_ENTRIES16, plane16: &{upper}_PLANE16, entries_wide: &{upper}_ENTRIES_WIDE, colours_wide: \
+             &{upper}_COLOURS_WIDE, picture: {:?}, warp: {:?}, lighting: Lighting {{ ambient: \
              {:?}, viewer: {:?}, half_vector: {}, exponent_log2: {}, lights: &{:?} }} }};",
             self.name,
             n.direction,
@@ -294,6 +308,10 @@ impl Named {
         let _ = writeln!(out, "static const uint16_t voxels[] = {};", list(&n.voxels));
         let _ = writeln!(out, "static const uint32_t entries[] = {};", list(&n.table16.entries));
         let _ = writeln!(out, "static const uint8_t low_roots[] = {};", list(&n.table16.plane));
+        let wide = &n.table_wide;
+        let _ = writeln!(out, "static const uint32_t entries_wide[] = {};", list(&wide.entries));
+        let low: &[u8] = wide.colours.as_flattened();
+        let _ = writeln!(out, "static const uint8_t low_colours[] = {};", list(&low));
         let _ = writeln!(out, "static const SlicecastLight lights[] = {};", list(&n.lights));
         let _ = writeln!(
             out,
@@ -305,15 +323,19 @@ impl Named {
             n.lights.len(),
         );
         let rates = &self.scene.sampling;
-        let _ = writeln!(
-            out,
-            "static const SlicecastScene scene = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, entries, low_roots, &lighting}};",
-            list(&self.volume.dims),
-            list(&n.direction),
-            list(&n.spacing),
-            rates.planes_per_voxel,
-            rates.rays_per_voxel,
-        );
+        // Roots are the same in both.
+        for (scene, entries) in [("scene", "entries"), ("scene_wide", "entries_wide")] {
+            let _ = writeln!(
+                out,
+                "static const SlicecastScene {scene} = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, 0, {entries}, low_roots, \
+                 low_colours, &lighting}};",
+                list(&self.volume.dims),
+                list(&n.direction),
+                list(&n.spacing),
+                rates.planes_per_voxel,
+                rates.rays_per_voxel,
+            );
+        }
         for kind in Kind::all() {
             let name = kind.name().to_uppercase().replace(' ', "_");
             let _ = writeln!(out, "#define {name} {}u", image_sum(kind));
@@ -332,6 +354,7 @@ struct Numbers {
     voxels: Vec<u16>,
     table8: Table,
     table16: Table,
+    table_wide: Table,
     lights: Vec<LightBits>,
     ambient: [u32; 3],
     viewer: [i32; 3],

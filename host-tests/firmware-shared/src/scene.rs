@@ -1,6 +1,6 @@
 //! Scenes as a device holds them: numbers of the pipeline's own formats, in flash.
 
-use slicecast::classify::{AlphaCode, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
+use slicecast::classify::{AlphaCode, Colour16, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::{ChannelFormat, FrontToBack, Recurrence};
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
@@ -28,10 +28,14 @@ pub struct SceneData {
     pub voxels: &'static [u16],
     /// The table of the `Paper` precision.
     pub entries8: &'static [u32; ENTRIES],
-    /// The table of the other precisions,
+    /// The table of `Compact`,
     pub entries16: &'static [u32; ENTRIES],
-    /// and its plane of low bytes.
+    /// and the roots' low bytes, which are those of `Wide`, too.
     pub plane16: &'static [u8; ENTRIES],
+    /// The table of `Wide`, whose colours have 16 bits,
+    pub entries_wide: &'static [u32; ENTRIES],
+    /// and the colours' low bytes.
+    pub colours_wide: &'static [[u8; 3]; ENTRIES],
     /// Lights and material.
     pub lighting: Lighting,
     /// The viewer's picture: pixels across and down.
@@ -119,10 +123,10 @@ impl Model for Compact {
 }
 
 impl Model for Wide {
-    type Alpha = Sqrt16;
+    type Alpha = Colour16;
     type Lookup = Linear;
-    fn table(scene: &SceneData) -> PointTable<'_, Sqrt16, Linear> {
-        PointTable::new(scene.entries16, scene.plane16)
+    fn table(scene: &SceneData) -> PointTable<'_, Colour16, Linear> {
+        PointTable::new(scene.entries_wide, (scene.plane16, scene.colours_wide))
     }
 }
 

@@ -37,14 +37,15 @@ static int check(int32_t code, const SlicecastError *error) {
   return 0;
 }
 
-static int frame(const char *name, const SlicecastPipeline *pipeline, uint32_t expected) {
+static int frame(const char *name, const SlicecastPipeline *pipeline, const SlicecastScene *scene,
+                 uint32_t expected) {
   SlicecastError error;
   SlicecastNeeds needs;
-  if (!check(slicecast_needs(pipeline, &scene, 0, &needs, &error), &error)) {
+  if (!check(slicecast_needs(pipeline, scene, 0, &needs, &error), &error)) {
     return 0;
   }
   SlicecastStream *stream;
-  if (!check(slicecast_open(pipeline, &scene, 0, 0, memory, sizeof memory, &stream, &error), &error)) {
+  if (!check(slicecast_open(pipeline, scene, 0, 0, memory, sizeof memory, &stream, &error), &error)) {
     return 0;
   }
   uint32_t number;
@@ -73,9 +74,9 @@ static int frame(const char *name, const SlicecastPipeline *pipeline, uint32_t e
 
 int main(void) {
   int passed = slicecast_version() == SLICECAST_VERSION;
-  passed &= frame("small compact unlit", slicecast_compact_unlit(), COMPACT_UNLIT);
-  passed &= frame("small compact lit", slicecast_compact_lit(), COMPACT_LIT);
-  passed &= frame("small wide lit", slicecast_wide_lit(), WIDE_LIT);
+  passed &= frame("small compact unlit", slicecast_compact_unlit(), &scene, COMPACT_UNLIT);
+  passed &= frame("small compact lit", slicecast_compact_lit(), &scene, COMPACT_LIT);
+  passed &= frame("small wide lit", slicecast_wide_lit_colour16(), &scene_wide, WIDE_LIT);
   /* What C gets wrong comes back as a number. */
   SlicecastError error;
   passed &= slicecast_push((SlicecastStream *)memory, voxels, 1, &error) == SLICECAST_COMPLETE;

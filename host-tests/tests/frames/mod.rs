@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
 use slicecast_engine::camera::Material;
-use slicecast_host_tests::frame::{Frame, table_of};
+use slicecast_host_tests::frame::{Frame, fine_table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 
@@ -82,8 +82,8 @@ fn direction() -> impl Strategy<Value = [i64; 3]> {
 }
 
 /// Tables: nothing visible, everything, a band of codes, ramps, or every entry on its own.
-fn points() -> impl Strategy<Value = Vec<(u16, [u8; 3], u16)>> {
-    let colour = || any::<[u8; 3]>();
+fn points() -> impl Strategy<Value = Vec<(u16, [u16; 3], u16)>> {
+    let colour = || any::<[u16; 3]>();
     let root = || prop_oneof![0u16..=65535, 0u16..=600, Just(65535u16)];
     let ramp = prop::collection::vec((0u16..=4095, colour(), root()), 1..6);
     let band = (0u16..=4095, 1u16..=300, colour(), root()).prop_map(|(low, width, c, r)| {
@@ -91,8 +91,8 @@ fn points() -> impl Strategy<Value = Vec<(u16, [u8; 3], u16)>> {
         vec![(low, c, 0), (low, c, r), (high, c, r), (high, c, 0)]
     });
     prop_oneof![
-        1 => Just(vec![(0, [255; 3], 0)]),
-        1 => root().prop_map(|r| vec![(0, [255; 3], r)]),
+        1 => Just(vec![(0, [65535; 3], 0)]),
+        1 => root().prop_map(|r| vec![(0, [65535; 3], r)]),
         4 => band,
         4 => ramp.prop_map(|mut points| {
             points.sort_by_key(|p| p.0);
@@ -134,7 +134,11 @@ pub fn frame() -> impl Strategy<Value = Frame> {
         prop_oneof![2 => Just(1u32), 2 => 1u32..=4, 1 => 5u32..=16],
         prop_oneof![2 => Just(1u32), 1 => 2u32..=3],
     );
-    let code = prop::option::of(prop_oneof![Just(AlphaCodeName::Sqrt8), Just(AlphaCodeName::Sqrt16)]);
+    let code = prop::option::of(prop_oneof![
+        Just(AlphaCodeName::Sqrt8),
+        Just(AlphaCodeName::Sqrt16),
+        Just(AlphaCodeName::Colour16),
+    ]);
     let lookup = prop::option::of(prop_oneof![Just(LookupName::Nearest), Just(LookupName::Linear)]);
     let look = (points(), material(), blend(), code, lookup, prop::option::of(1u32..=20));
     (shape, rates, look).prop_map(|(shape, rates, look)| {
@@ -147,7 +151,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             factors,
             planes_per_voxel,
             rays_per_voxel,
-            table: table_of(&points),
+            table: fine_table_of(&points),
             material,
             blend,
             precision: PrecisionName::Compact,

@@ -53,8 +53,7 @@ fn npy<T: npyz::AutoSerialize>(shape: &[u64], values: impl Iterator<Item = T>) -
 fn decoded_table(prepared: &Prepared<'_>) -> impl Iterator<Item = u32> {
     let table = &prepared.table;
     (0..table.entries.len()).flat_map(|index| {
-        let [r, g, b, _] = table.entries[index].to_le_bytes();
-        let [r, g, b] = [r, g, b].map(|c| slicecast::classify::colour_of_byte(c, 15));
+        let [r, g, b] = table.colour(index).map(|c| slicecast::classify::colour_of_word(c, 15));
         [r, g, b, table.opacity(index).to_bits()]
     })
 }

@@ -1,9 +1,12 @@
 //! A table as vectors like it: the same bits as core's point tables, in more memory.
 //!
 //! Opacities are decoded beforehand, and both neighbours of a sample are fetched with one load; what is left is done in
-//! lanes. A table of one colour is not asked for colours at all. 32 KiB, of which a sample reads 16 bytes.
+//! lanes. A table of one colour is not asked for colours at all. 32 KiB, of which a sample reads 16 bytes; 48 and 24 where
+//! colours have more than 8 bits.
 
-use slicecast::classify::{AlphaCode, Classifier, Linear, PointTable, Slab, Support, colour_of_entry, mix_colour};
+use slicecast::classify::{
+    AlphaCode, Classifier, Linear, PointTable, Slab, Support, colour_of_word, colour_of_words, mix_colour,
+};
 use slicecast::composite::Recurrence as _;
 use slicecast::format::Opacity;
 use slicecast::lanes::{Lanes, places};
@@ -21,14 +24,22 @@ const TOGETHER: usize = 64;
 pub struct Expanded {
     /// 1.31.
     opacities: Box<Neighboured>,
-    /// R, G, B in bytes.
-    colours: Box<Neighboured>,
-    /// The entry whose colour is every entry's.
-    one_colour: Option<u32>,
+    colours: Colours,
     /// The first visible code; behind the last one where none is.
     first_visible: usize,
     support: Support,
     lookup: LookupName,
+}
+
+/// The colours of all entries.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Colours {
+    /// The same for all: R, G, B, 65535 is 1.
+    One([u16; 3]),
+    /// R, G, B in bytes.
+    Bytes(Box<Neighboured>),
+    /// R and G in 16 bits each, and B.
+    Words([Box<Neighboured>; 2]),
 }
 
 fn column(value: impl FnMut(usize) -> u32) -> Box<Neighboured> {
@@ -42,19 +53,84 @@ fn column(value: impl FnMut(usize) -> u32) -> Box<Neighboured> {
 impl Expanded {
     /// Decodes the entries of a point table.
     pub fn of<'a, A: AlphaCode>(entries: &'a [u32; ENTRIES], plane: A::Plane<'a>, lookup: LookupName) -> Self {
-        let colours = column(|index| entries[index] & 0x00ff_ffff);
-        let opacities = column(|index| A::opacity(A::root(entries[index], plane, index)).to_bits());
+        let table = PointTable::<A, Linear>::new(entries, plane);
+        let opacities = column(|code| table.code_opacity(code).to_bits());
         Self {
             first_visible: opacities.iter().position(|a| *a != 0).unwrap_or(opacities.len()),
             opacities,
-            one_colour: Some(colours[0]).filter(|first| colours.iter().all(|c| c == first)),
-            colours,
-            support: Classifier::<slicecast::precision::Compact>::support(&PointTable::<A, Linear>::new(
-                entries, plane,
-            )),
+            colours: Colours::of(|code| table.code_colour(code)),
+            support: Classifier::<slicecast::precision::Compact>::support(&table),
             lookup,
         }
     }
+}
+
+impl Colours {
+    fn of(colour: impl Fn(usize) -> [u16; 3]) -> Self {
+        let first = colour(0);
+        if (0..ENTRIES).all(|code| colour(code) == first) {
+            return Self::One(first);
+        }
+        if (0..ENTRIES).all(|code| colour(code).iter().all(|word| word % 257 == 0)) {
+            return Self::Bytes(column(|code| {
+                let [r, g, b] = colour(code).map(|word| u32::from(word / 257));
+                r | g << 8 | b << 16
+            }));
+        }
+        let [red_green, blue] = [0, 1].map(|place| {
+            column(|code| {
+                let [r, g, b] = colour(code).map(u32::from);
+                if place == 0 { r | g << 16 } else { b }
+            })
+        });
+        Self::Words([red_green, blue])
+    }
+}
+
+/// 16-bit colours of three bytes.
+#[inline(always)]
+fn of_bytes<V: Lanes>(bytes: V) -> [V; 3] {
+    let (mask, twice) = (V::splat(0xff), V::splat(257));
+    [
+        (bytes & mask) * twice,
+        (bytes.shr_unsigned(8) & mask) * twice,
+        (bytes.shr_unsigned(16) & mask) * twice,
+    ]
+}
+
+/// 16-bit colours of their two columns.
+#[inline(always)]
+fn of_words<V: Lanes>(red_green: V, blue: V) -> [V; 3] {
+    [red_green & V::splat(0xffff), red_green.shr_unsigned(16), blue]
+}
+
+/// Decodes colours and writes them.
+#[inline(always)]
+fn store_decoded<P: Precision, V: Lanes>(p: P, [r, g, b]: [V; 3], [red, green, blue]: [&mut [i32]; 3], at: usize) {
+    let bits = p.pixel().colour_bits();
+    colour_of_words(r, bits).store(red, at);
+    colour_of_words(g, bits).store(green, at);
+    colour_of_words(b, bits).store(blue, at);
+}
+
+/// Decodes the colours of two entries, mixes them and writes them.
+#[inline(always)]
+fn store_mixed<P: Precision, V: Lanes>(
+    p: P,
+    [[r0, g0, b0], [r1, g1, b1]]: [[V; 3]; 2],
+    f: V,
+    [red, green, blue]: [&mut [i32]; 3],
+    at: usize,
+) {
+    mixed(p, r0, r1, f).store(red, at);
+    mixed(p, g0, g1, f).store(green, at);
+    mixed(p, b0, b1, f).store(blue, at);
+}
+
+#[inline(always)]
+fn mixed<P: Precision, V: Lanes>(p: P, a: V, b: V, f: V) -> V {
+    let bits = p.pixel().colour_bits();
+    mix_colour(p, colour_of_words(a, bits), colour_of_words(b, bits), f)
 }
 
 /// Whether no sample lies above a code.
@@ -85,17 +161,6 @@ fn around<P: Precision, V: Lanes>(p: P, values: &Neighboured, samples: &[i32], a
     (V::look_up(values, samples, at, Coding { offset, bits }), fraction)
 }
 
-#[inline(always)]
-fn mixed_colour<P: Precision, V: Lanes>(p: P, a: V, b: V, channel: u32, f: V) -> V {
-    let bits = p.pixel().colour_bits();
-    mix_colour(
-        p,
-        colour_of_entry(a, channel, bits),
-        colour_of_entry(b, channel, bits),
-        f,
-    )
-}
-
 impl<P: Precision> Classifier<P> for Expanded {
     fn opacity(&self, p: P, sample: i32) -> Opacity {
         let mut out = [0];
@@ -115,8 +180,10 @@ impl<P: Precision> Classifier<P> for Expanded {
 
     #[inline(always)]
     fn one_colour(&self, p: P) -> Option<[u32; 3]> {
-        let entry = self.one_colour? as i32;
-        Some([0, 1, 2].map(|channel| colour_of_entry(entry, channel, p.pixel().colour_bits()) as u32))
+        let Colours::One(words) = self.colours else {
+            return None;
+        };
+        Some(words.map(|word| colour_of_word(word, p.pixel().colour_bits())))
     }
 
     #[inline(always)]
@@ -149,29 +216,39 @@ impl<P: Precision> Classifier<P> for Expanded {
     #[inline(always)]
     fn colour_row<V: Lanes>(&self, p: P, Slab { back: samples }: Slab<'_>, out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
-        if let Some([r, g, b]) = Classifier::one_colour(self, p) {
-            red.fill(r as i32);
-            green.fill(g as i32);
-            blue.fill(b as i32);
-            return;
-        }
-        let (len, colours) = (samples.len(), &*self.colours);
+        let len = samples.len();
         let (red, green, blue) = (&mut red[..len], &mut green[..len], &mut blue[..len]);
-        match self.lookup {
-            LookupName::Nearest => {
-                for at in places::<V>(len) {
-                    let entry = nearest::<P, V>(p, colours, samples, at);
-                    colour_of_entry(entry, 0, p.pixel().colour_bits()).store(red, at);
-                    colour_of_entry(entry, 1, p.pixel().colour_bits()).store(green, at);
-                    colour_of_entry(entry, 2, p.pixel().colour_bits()).store(blue, at);
+        match (&self.colours, self.lookup) {
+            (Colours::One(words), _) => {
+                for (word, row) in words.iter().zip([red, green, blue]) {
+                    row.fill(colour_of_word(*word, p.pixel().colour_bits()) as i32);
                 }
             }
-            LookupName::Linear => {
+            (Colours::Bytes(bytes), LookupName::Nearest) => {
                 for at in places::<V>(len) {
-                    let ([a, b], f) = around::<P, V>(p, colours, samples, at);
-                    mixed_colour::<P, V>(p, a, b, 0, f).store(red, at);
-                    mixed_colour::<P, V>(p, a, b, 1, f).store(green, at);
-                    mixed_colour::<P, V>(p, a, b, 2, f).store(blue, at);
+                    let words = of_bytes(nearest::<P, V>(p, bytes, samples, at));
+                    store_decoded(p, words, [&mut *red, green, blue], at);
+                }
+            }
+            (Colours::Bytes(bytes), LookupName::Linear) => {
+                for at in places::<V>(len) {
+                    let ([a, b], f) = around::<P, V>(p, bytes, samples, at);
+                    store_mixed(p, [of_bytes(a), of_bytes(b)], f, [&mut *red, green, blue], at);
+                }
+            }
+            (Colours::Words([red_green, other]), LookupName::Nearest) => {
+                for at in places::<V>(len) {
+                    let rg = nearest::<P, V>(p, red_green, samples, at);
+                    let words = of_words(rg, nearest::<P, V>(p, other, samples, at));
+                    store_decoded(p, words, [&mut *red, green, blue], at);
+                }
+            }
+            (Colours::Words([red_green, other]), LookupName::Linear) => {
+                for at in places::<V>(len) {
+                    let ([rg0, rg1], f) = around::<P, V>(p, red_green, samples, at);
+                    let ([b0, b1], _) = around::<P, V>(p, other, samples, at);
+                    let both = [of_words(rg0, b0), of_words(rg1, b1)];
+                    store_mixed(p, both, f, [&mut *red, green, blue], at);
                 }
             }
         }
@@ -183,7 +260,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
-    use slicecast::classify::{Lookup, Nearest, Sqrt8, Sqrt16};
+    use slicecast::classify::{Colour16, Lookup, Nearest, Sqrt8, Sqrt16};
     use slicecast::precision::{Compact, Wide};
 
     /// Every `step`th sample of a table, by the definition and expanded.
@@ -248,6 +325,12 @@ mod tests {
             held::<_, Sqrt16, Nearest>(Compact, &entries, &low, step)?;
             held::<_, Sqrt8, Nearest>(Wide, &entries, (), step)?;
             held::<_, Sqrt16, Linear>(Wide, &entries, &low, step)?;
+            let colours: Vec<[u8; 3]> = entries.iter().map(|e| (e >> 3).to_le_bytes()).map(|[r, g, b, _]| [b, r, g]).collect();
+            let colours: Box<[[u8; 3]; ENTRIES]> = colours.into_boxed_slice().try_into().unwrap();
+            held::<_, Colour16, Linear>(Compact, &entries, (&low, &colours), step)?;
+            held::<_, Colour16, Nearest>(Compact, &entries, (&low, &colours), step)?;
+            held::<_, Colour16, Nearest>(Wide, &entries, (&low, &colours), step)?;
+            held::<_, Colour16, Linear>(Wide, &entries, (&low, &colours), step)?;
         }
     }
 }

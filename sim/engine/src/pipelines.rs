@@ -12,10 +12,10 @@ use slicecast::shade::{PhongError, Shader, Unlit};
 use crate::camera::Material;
 use crate::expanded::Expanded;
 use crate::rendering::{Framing, Under};
-use crate::table::{Correction, Table};
+use crate::table::{Correction, Table, has_fine_colours};
 #[doc(hidden)]
 pub use slicecast_scene::PrecisionName;
-use slicecast_scene::{Blend, Scene};
+use slicecast_scene::{AlphaCodeName, Blend, Scene};
 use slicecast_volume::Mapping;
 
 /// Evaluates an expression with the precision of a name.
@@ -45,7 +45,14 @@ pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
         Blend::FrontToBack | Blend::BackToFront => Correction::Step(step_length),
         Blend::Maximum | Blend::Minimum => Correction::None,
     };
-    let code = scene.table.unwrap_or(scene.precision.table());
+    let code = scene.table.unwrap_or_else(|| {
+        let fine = scene.precision.table() == AlphaCodeName::Sqrt16 && has_fine_colours(&scene.transfer, mapping);
+        if fine {
+            AlphaCodeName::Colour16
+        } else {
+            scene.precision.table()
+        }
+    });
     let lookup = scene.lookup.unwrap_or(scene.precision.lookup());
     Table::compile(&scene.transfer, mapping, correction, code, lookup)
 }

@@ -4,9 +4,12 @@
 //! wrong by the same amount. So the rounding error of an entry is handed on to the next one (error diffusion along the
 //! table): neighbouring entries are wrong in opposite directions, and samples that differ by a few codes cancel. It
 //! costs at most one more half step in a single entry.
+//!
+//! Colours of 8 bits are enough where every visible entry has a colour of 8 bits, as scenes do that give each structure one
+//! colour. Where colours change with the value, half an 8-bit step is wrong in what is seen, and colours get 16 bits.
 
 use slicecast::classify::{
-    Classifier, Linear, Nearest, PointTable, Slab, Sqrt8, Sqrt16, Support, entry, opacity_of_root,
+    Classifier, Colour16, Linear, Nearest, PointTable, Slab, Sqrt8, Sqrt16, Support, entry, opacity_of_root,
 };
 use slicecast::format::Opacity;
 use slicecast::lanes::Lanes;
@@ -24,7 +27,9 @@ pub struct Table {
     pub entries: Box<[u32; ENTRIES]>,
     /// The root's low byte; all zero where the code has 8 bits.
     pub plane: Box<[u8; ENTRIES]>,
-    /// How the root is coded.
+    /// The colours' low bytes; the entries' own where the code has colours of 8 bits.
+    pub colours: Box<[[u8; 3]; ENTRIES]>,
+    /// How root and colours are coded.
     pub code: AlphaCodeName,
     /// How samples find entries.
     pub lookup: LookupName,
@@ -68,13 +73,45 @@ impl Table {
             plane,
             underflows,
         } = fill(transfer, mapping, correction, encode, decode);
-        Self {
+        let mut table = Self {
+            colours: own_colours(&entries),
             entries,
             plane,
             code,
             lookup,
             underflows,
+        };
+        if code == AlphaCodeName::Colour16 {
+            for code in 0..ENTRIES {
+                let (colour, _) = transfer.evaluate(mapping.value(code as f64));
+                table.set_colour(code, colour.map(|c| (c * 65535.0).round() as u16));
+            }
         }
+        table
+    }
+
+    /// Gives an entry a colour of 16 bits, 65535 is 1.
+    pub fn set_colour(&mut self, index: usize, colour: [u16; 3]) {
+        let [_, _, _, root] = self.entries[index].to_le_bytes();
+        self.entries[index] = entry(colour.map(|c| (c >> 8) as u8), root);
+        self.colours[index] = colour.map(|c| c as u8);
+    }
+
+    /// The colour of an entry, 65535 is 1.
+    pub fn colour(&self, index: usize) -> [u16; 3] {
+        let [r, g, b, _] = self.entries[index].to_le_bytes();
+        let [r_low, g_low, b_low] = self.colours[index];
+        [[r, r_low], [g, g_low], [b, b_low]].map(u16::from_be_bytes)
+    }
+
+    /// The colour of an entry to the nearest 8 bits.
+    pub fn colour_bytes(&self, index: usize) -> [u8; 3] {
+        self.colour(index).map(|c| ((u32::from(c) + 128) / 257) as u8)
+    }
+
+    /// The low bytes of roots and of colours.
+    fn planes(&self) -> (&[u8; ENTRIES], &[[u8; 3]; ENTRIES]) {
+        (&self.plane, &self.colours)
     }
 
     /// The classifier over this table, by core's definition.
@@ -88,6 +125,12 @@ impl Table {
             (AlphaCodeName::Sqrt16, LookupName::Linear) => {
                 AnyTable::Linear16(PointTable::new(&self.entries, &*self.plane))
             }
+            (AlphaCodeName::Colour16, LookupName::Nearest) => {
+                AnyTable::NearestColour16(PointTable::new(&self.entries, self.planes()))
+            }
+            (AlphaCodeName::Colour16, LookupName::Linear) => {
+                AnyTable::LinearColour16(PointTable::new(&self.entries, self.planes()))
+            }
         }
     }
 
@@ -96,6 +139,7 @@ impl Table {
         match self.code {
             AlphaCodeName::Sqrt8 => Expanded::of::<Sqrt8>(&self.entries, (), self.lookup),
             AlphaCodeName::Sqrt16 => Expanded::of::<Sqrt16>(&self.entries, &self.plane, self.lookup),
+            AlphaCodeName::Colour16 => Expanded::of::<Colour16>(&self.entries, self.planes(), self.lookup),
         }
     }
 
@@ -161,12 +205,32 @@ pub fn fill(
     filled
 }
 
+/// The low bytes of colours of 8 bits: the entries' own.
+pub fn own_colours(entries: &[u32; ENTRIES]) -> Box<[[u8; 3]; ENTRIES]> {
+    let mut colours = Box::new([[0; 3]; ENTRIES]);
+    for (own, entry) in colours.iter_mut().zip(entries) {
+        let [r, g, b, _] = entry.to_le_bytes();
+        *own = [r, g, b];
+    }
+    colours
+}
+
+/// Whether an entry that the transfer function makes visible has a colour that 8 bits do not hold.
+pub fn has_fine_colours(transfer: &TransferFunction, mapping: &Mapping) -> bool {
+    (0..ENTRIES).any(|code| {
+        let (colour, opacity) = transfer.evaluate(mapping.value(code as f64));
+        // Far below what 16 bits tell apart, far above what f64 loses.
+        let fine = |c: f64| (255.0 * c - (255.0 * c).round()).abs() > 1e-6;
+        opacity > 0.0 && colour.into_iter().any(fine)
+    })
+}
+
 /// The nearest code of an opacity: the byte in the entry and the byte in the plane.
 fn encode(opacity: f64, code: AlphaCodeName) -> [u8; 2] {
     let root = opacity.sqrt();
     match code {
         AlphaCodeName::Sqrt8 => [(root * 255.0).round() as u8, 0],
-        AlphaCodeName::Sqrt16 => ((root * 65536.0).round().min(65535.0) as u16).to_be_bytes(),
+        AlphaCodeName::Sqrt16 | AlphaCodeName::Colour16 => ((root * 65536.0).round().min(65535.0) as u16).to_be_bytes(),
     }
 }
 
@@ -174,7 +238,7 @@ fn encode(opacity: f64, code: AlphaCodeName) -> [u8; 2] {
 fn decode(high: u8, low: u8, code: AlphaCodeName) -> Opacity {
     opacity_of_root(match code {
         AlphaCodeName::Sqrt8 => 257 * u16::from(high),
-        AlphaCodeName::Sqrt16 => u16::from_be_bytes([high, low]),
+        AlphaCodeName::Sqrt16 | AlphaCodeName::Colour16 => u16::from_be_bytes([high, low]),
     })
 }
 
@@ -183,6 +247,7 @@ pub const fn table_bytes(code: AlphaCodeName) -> usize {
     match code {
         AlphaCodeName::Sqrt8 => PointTable::<Sqrt8, Nearest>::BYTES,
         AlphaCodeName::Sqrt16 => PointTable::<Sqrt16, Nearest>::BYTES,
+        AlphaCodeName::Colour16 => PointTable::<Colour16, Nearest>::BYTES,
     }
 }
 
@@ -197,6 +262,10 @@ pub enum AnyTable<'a> {
     Nearest16(PointTable<'a, Sqrt16, Nearest>),
     /// 16-bit root, linear.
     Linear16(PointTable<'a, Sqrt16, Linear>),
+    /// 16-bit root and colours, nearest entry.
+    NearestColour16(PointTable<'a, Colour16, Nearest>),
+    /// 16-bit root and colours, linear.
+    LinearColour16(PointTable<'a, Colour16, Linear>),
 }
 
 macro_rules! with_table {
@@ -206,6 +275,8 @@ macro_rules! with_table {
             AnyTable::Linear8($table) => $body,
             AnyTable::Nearest16($table) => $body,
             AnyTable::Linear16($table) => $body,
+            AnyTable::NearestColour16($table) => $body,
+            AnyTable::LinearColour16($table) => $body,
         }
     };
 }

@@ -343,7 +343,8 @@ impl PrecisionName {
         }
     }
 
-    /// The table code that belongs to the precision.
+    /// The table code that belongs to the precision, for scenes whose visible colours have 8 bits; others take
+    /// [`AlphaCodeName::Colour16`] where this has a root of 16 bits.
     pub const fn table(self) -> AlphaCodeName {
         match self {
             Self::Paper => AlphaCodeName::Sqrt8,
@@ -360,14 +361,16 @@ impl PrecisionName {
     }
 }
 
-/// How a table entry holds its opacity.
+/// How a table entry holds its opacity and colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AlphaCodeName {
-    /// The square root in 8 bits.
+    /// The square root in 8 bits, colours in 8 bits.
     Sqrt8,
-    /// The square root in 16 bits.
+    /// The square root in 16 bits, colours in 8 bits.
     Sqrt16,
+    /// The square root in 16 bits, and colours in 16 bits.
+    Colour16,
 }
 
 /// The value of a sample between voxels.

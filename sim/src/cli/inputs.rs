@@ -219,6 +219,7 @@ enum PrecisionArg {
 enum TableArg {
     Sqrt8,
     Sqrt16,
+    Colour16,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -258,7 +259,7 @@ pub struct SceneArgs {
     /// Number formats; without it, the scene's.
     #[arg(long)]
     precision: Option<PrecisionArg>,
-    /// Opacity in the table; without it, the scene's or the precision's.
+    /// Opacity and colours in the table; without it, the scene's or what precision and colours ask for.
     #[arg(long)]
     table: Option<TableArg>,
     /// Table look-up; without it, the scene's or the precision's.
@@ -408,6 +409,7 @@ impl SceneArgs {
             scene.table = Some(match table {
                 TableArg::Sqrt8 => AlphaCodeName::Sqrt8,
                 TableArg::Sqrt16 => AlphaCodeName::Sqrt16,
+                TableArg::Colour16 => AlphaCodeName::Colour16,
             });
         }
         if let Some(lookup) = self.lookup {

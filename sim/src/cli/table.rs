@@ -122,7 +122,7 @@ fn chart(prepared: &Prepared<'_>) {
     let step = visible.len().div_ceil(32).max(1);
     for &index in visible.iter().step_by(step) {
         let opacity = f64::from(table.opacity(index).to_bits()) / f64::from(1_u32 << 31);
-        let [red, green, blue, _] = table.entries[index].to_le_bytes();
+        let [red, green, blue] = table.colour_bytes(index);
         let bar = "#".repeat((32.0 * opacity.sqrt()).round() as usize);
         println!(
             "    {index:>4}  {:>12.4}  #{red:02x}{green:02x}{blue:02x}  {opacity:<10.6}  {bar}",

@@ -133,6 +133,8 @@ pub struct Mapped {
     pub report: MappingReport,
     /// The labels, if the volume is a label map and its codes tell them apart.
     pub labels: Option<Labels>,
+    /// What the user has to know of it beside the report, a sentence.
+    pub note: Option<String>,
 }
 
 /// Maps a volume's values to 12 bits.
@@ -176,13 +178,13 @@ fn map_values<T: Copy + Into<f64>>(
     let range = range(stored);
     let (scale, shift) = (decoded.value_scale(), decoded.value_offset());
     let data = |stored: f64| stored * scale + shift;
-    let labels = match window {
-        Window::Auto => Labels::detect(decoded, kind != Kind::Floats, |label| {
-            Coding::linear_code(range, kind, label)
-        }),
-        _ => None,
-    };
-    if let Some(labels) = labels.as_ref().filter(|labels| labels.renumbered()) {
+    let detected = Labels::detect(decoded, kind != Kind::Floats, |label| {
+        Coding::linear_code(range, kind, label)
+    });
+    if let Some(labels) = detected
+        .as_ref()
+        .filter(|labels| window == Window::Auto && labels.renumbered())
+    {
         return Ok(renumber(decoded, stored, range.map(data), labels.clone()));
     }
     let hounsfield = decoded.modality() == Some(Modality::Ct) && scale == 1.0;
@@ -202,6 +204,19 @@ fn map_values<T: Copy + Into<f64>>(
             _ => MappingError::Range { low, high },
         });
     }
+    let labels = match window {
+        Window::Auto => detected.clone(),
+        _ => detected
+            .as_ref()
+            .and_then(|labels| labels.recoded(|label| coding.code(label - shift))),
+    };
+    let note = (detected.is_some() && labels.is_none()).then(|| {
+        let [low, high] = window_values;
+        format!(
+            "the values look like labels, and the window {low} to {high} does not give each label a code of its own: they \
+             are read as measurements; without a window they are labels"
+        )
+    });
     let mapping = Mapping {
         scale: coding.unit * scale,
         offset: data(coding.low),
@@ -219,9 +234,7 @@ fn map_values<T: Copy + Into<f64>>(
             clipped_high += 1;
             return MAX_CODE as u16;
         }
-        let code = ((value - coding.low) * coding.codes_per_unit + 0.5)
-            .floor()
-            .min(MAX_CODE);
+        let code = coding.nearest(value);
         max_rounding_error = max_rounding_error.max((value - (coding.low + code * coding.unit)).abs());
         code as u16
     };
@@ -245,7 +258,12 @@ fn map_values<T: Copy + Into<f64>>(
         max_rounding_error: max_rounding_error * scale,
     };
     let volume = volume(decoded, voxels, mapping);
-    Ok(Mapped { volume, report, labels })
+    Ok(Mapped {
+        volume,
+        report,
+        labels,
+        note,
+    })
 }
 
 /// Codes that count labels; `range` is that of the labels.
@@ -282,6 +300,7 @@ fn renumber<T: Copy + Into<f64>>(decoded: &Decoded, stored: &[T], range: [f64; 2
         volume: volume(decoded, voxels, codes),
         report,
         labels: Some(labels),
+        note: None,
     }
 }
 
@@ -377,6 +396,18 @@ impl Coding {
     fn linear_code(range: [f64; 2], kind: Kind, stored: f64) -> Option<u16> {
         let coding = Self::lossless(range, kind)?;
         Some(((stored - coding.low) * coding.codes_per_unit) as u16)
+    }
+
+    /// The code of a stored value inside the window.
+    fn nearest(self, stored: f64) -> f64 {
+        ((stored - self.low) * self.codes_per_unit + 0.5).floor().min(MAX_CODE)
+    }
+
+    /// The code of a stored value; `None` if it is outside the window.
+    fn code(self, stored: f64) -> Option<u16> {
+        (self.low..=self.high)
+            .contains(&stored)
+            .then(|| self.nearest(stored) as u16)
     }
 
     /// A power of two of codes per unit, from `low` up.

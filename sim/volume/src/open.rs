@@ -208,11 +208,16 @@ pub fn load_with(path: Option<&Path>, window: Window, options: &Options) -> Resu
 /// [`LoadError::Mapping`] if its values cannot be mapped as asked.
 pub fn prepare(decoded: &Decoded, window: Window) -> Result<Loaded, LoadError> {
     match map(decoded, window) {
-        Ok(Mapped { volume, report, labels }) => Ok(Loaded {
+        Ok(Mapped {
             volume,
             report,
             labels,
-            notes: decoded.notes().to_vec(),
+            note,
+        }) => Ok(Loaded {
+            volume,
+            report,
+            labels,
+            notes: decoded.notes().iter().cloned().chain(note).collect(),
             modality: decoded.modality(),
             orientation: decoded.orientation().clone(),
             integers: decoded.values().are_whole(),

@@ -30,7 +30,10 @@ impl FloatTable {
     /// The opacities that a table's codes decode to, and its colours.
     pub fn of(table: &Table) -> Self {
         let opacity = |index| table.opacity(index).to_bits() as f32 / 2_147_483_648.0;
-        let colours = column(|index| table.entries[index] & 0x00ff_ffff);
+        let colours = column(|index| {
+            let [r, g, b] = table.colour_bytes(index);
+            u32::from_le_bytes([r, g, b, 0])
+        });
         Self {
             opacities: column(|index| opacity(index).to_bits()),
             one_colour: colours.iter().all(|c| *c == colours[0]),

@@ -72,6 +72,20 @@ impl Labels {
             .map(|label| label.code)
     }
 
+    /// The same labels with the codes that `code` gives to their values; `None` if not every label has one of its own.
+    pub(super) fn recoded(&self, code: impl Fn(f64) -> Option<u16>) -> Option<Self> {
+        let recoded = |label: &Label| {
+            let code = code(label.value)?;
+            Some(Label { code, ..*label })
+        };
+        let entries: Vec<Label> = self.entries.iter().map(recoded).collect::<Option<_>>()?;
+        let apart = entries.windows(2).all(|pair| pair[0].code < pair[1].code);
+        apart.then_some(Self {
+            entries,
+            renumbered: false,
+        })
+    }
+
     /// The labels of a volume, if it is a label map; `code` is the linear code of a label, where there is one for each.
     pub(super) fn detect(decoded: &Decoded, is_whole: bool, code: impl Fn(f64) -> Option<u16>) -> Option<Self> {
         let image = matches!(decoded.modality(), Some(Modality::Ct | Modality::Mr));

@@ -228,8 +228,12 @@ fn blocks(labels: &[f64]) -> Vec<f64> {
 }
 
 fn mapped(values: Values, width: usize) -> Mapped {
+    mapped_by(values, width, Window::Auto)
+}
+
+fn mapped_by(values: Values, width: usize, window: Window) -> Mapped {
     let dims = [width, values.len() / width, 1];
-    map(&Decoded::new("t".into(), dims, [1.0; 3], values).unwrap(), Window::Auto).unwrap()
+    map(&Decoded::new("t".into(), dims, [1.0; 3], values).unwrap(), window).unwrap()
 }
 
 #[test]
@@ -284,6 +288,32 @@ fn labels_that_fit_keep_their_codes() {
     assert_eq!(codes, [(0, 0.0), (48, 3.0), (112, 7.0)]);
 }
 
+/// A window that gives each label a code of its own leaves labels what they are; another one says what it has done.
+#[test]
+fn labels_under_a_window() {
+    let stored = || Values::U16(blocks(&[3.0, 7.0, 5000.0]).iter().map(|&v| v as u16).collect());
+    let window = |low, high| mapped_by(stored(), 18, Window::Range { low, high });
+    let apart = window(0.0, 8190.0);
+    let labels = apart.labels.unwrap();
+    let codes: Vec<(u16, f64)> = labels.entries().iter().map(|label| (label.code, label.value)).collect();
+    assert_eq!(codes, [(0, 0.0), (2, 3.0), (4, 7.0), (2500, 5000.0)]);
+    assert!(!labels.renumbered() && apart.note.is_none());
+    assert_eq!(apart.volume.voxels[3], 2);
+    // Clipped, merged, without their background.
+    for (low, high) in [(0.0, 4095.0), (0.0, 1e6), (1.0, 8191.0)] {
+        let other = window(low, high);
+        assert!(other.labels.is_none());
+        let note = other.note.unwrap();
+        assert!(note.contains(&format!("the window {low} to {high} does not")), "{note}");
+    }
+    let image = mapped_by(
+        Values::U16((0..144).collect()),
+        12,
+        Window::Range { low: 0.0, high: 99.0 },
+    );
+    assert!(image.labels.is_none() && image.note.is_none());
+}
+
 #[test]
 fn images_are_no_label_maps() {
     let noise: Vec<f64> = head(None)
@@ -300,7 +330,7 @@ fn images_are_no_label_maps() {
             .labels
             .is_none()
     );
-    // Nothing is 0; one value only; a fraction; a modality that measures; a window asked for.
+    // Nothing is 0; one value only; a fraction; a modality that measures.
     let names = blocks(&[1.0, 2.0]);
     assert!(
         mapped(Values::I16(names.iter().map(|&v| v as i16 + 1).collect()), 12)
@@ -315,12 +345,6 @@ fn images_are_no_label_maps() {
     );
     let decoded = Decoded::new("t".into(), [12, 1, 1], [1.0; 3], Values::F64(names)).unwrap();
     assert!(map(&decoded, Window::Auto).unwrap().labels.is_some());
-    assert!(
-        map(&decoded, Window::Range { low: 0.0, high: 9.0 })
-            .unwrap()
-            .labels
-            .is_none()
-    );
     let mr = decoded.with_modality(Some(Modality::Mr));
     assert!(map(&mr, Window::Auto).unwrap().labels.is_none());
 }
