@@ -3,7 +3,7 @@
 
 use slicecast::classify::{Classifier, Linear, PointTable, Sqrt16, entry};
 use slicecast::composite::{BackToFront, Dither, Dithered, Recurrence, Unorm16};
-use slicecast::format::{Coefficient, Direction, Intensity, Vector, Weight};
+use slicecast::format::{Coefficient, Cosine, Direction, Intensity, Vector, Weight};
 use slicecast::gradient::space;
 use slicecast::locate::{Cell, inside};
 use slicecast::normalise::Normal;
@@ -11,7 +11,7 @@ use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::plane::Composite;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::project::{Maximum, resolve};
-use slicecast::shade::{Highlight, Light, Phong, Unlit, keep, keep_vector};
+use slicecast::shade::{Highlight, Light, Phong, Unlit, keep, keep_vector, reflected};
 use slicecast::slice::RowRange;
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::table::ENTRIES;
@@ -153,6 +153,16 @@ fn highlights_beyond_one_are_one() {
     assert_eq!(shaded(Compact), 1 << 15);
     assert_eq!(shaded(Paper), 1 << 15);
     assert_eq!(shaded(Wide), 1 << 31);
+}
+
+/// Shading: the reflection of `Paper` is held to 1, as its dot products are. N, L and V of one direction give
+/// 2 - 0.99994 where the vectors are one unit short, and a power would raise what exceeds 1.
+#[test]
+fn the_papers_reflection_is_held_to_one() {
+    let short = [0, 0, 32_767];
+    assert_eq!(((1_i64 << 32) >> 15) - ((32_767 * 32_767) >> 14), (1 << 16) + 4);
+    let reflection = reflected(Paper, Cosine::ONE, Cosine::ONE, short, short);
+    assert_eq!(reflection, Cosine::ONE);
 }
 
 /// A table with one visible entry.
