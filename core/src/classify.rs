@@ -20,40 +20,74 @@
 //! opacity to 2^-16 relative to its square root; an opaque entry leaves 2^-15 of the light. State: none.
 
 use core::marker::PhantomData;
+use core::ops::Range;
 
 use crate::composite::Recurrence as _;
 use crate::format::Opacity;
 use crate::lanes::{Lanes, Small, Wide as _};
 use crate::precision::{Formats, Precision};
-use crate::rows::three;
+use crate::rows::{part, three};
 use crate::slice::RowRange;
 use crate::table::ENTRIES;
 
-/// What a classifier reads of the rays of a row: the sample of each. A classifier of segments reads the sample in front of
-/// it too, which becomes a second row here.
+/// What a classifier reads of the rays of a row: the sample of each, and, for a classifier of segments, the sample in front
+/// of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Slab<'a, W = i32> {
+    /// The samples of the plane in front; empty for classifiers that do not read it.
+    pub front: &'a [W],
     /// The samples of this plane.
     pub back: &'a [W],
 }
 
 impl<'a, W> Slab<'a, W> {
-    /// The slab that ends at these samples.
+    /// Samples of one plane.
     #[inline(always)]
     pub const fn of(back: &'a [W]) -> Self {
-        Self { back }
+        Self { front: &[], back }
+    }
+
+    /// Samples of two planes. Both rows equally long.
+    #[inline(always)]
+    pub const fn between(front: &'a [W], back: &'a [W]) -> Self {
+        Self { front, back }
+    }
+
+    /// A span of the rays.
+    #[inline(always)]
+    pub(crate) fn part(self, span: Range<usize>) -> Self {
+        Self {
+            front: part(self.front, span.clone()),
+            back: part(self.back, span),
+        }
     }
 }
 
-/// Gives samples their colour and opacity. Point tables are one kind; pre-integrated tables and isosurfaces are
-/// others.
+/// Gives samples, or the segments between them, their colour and opacity: point tables, or
+/// [cumulative integrals](crate::integral).
 pub trait Classifier<P: Precision>: Sync {
+    /// Whether segments are classified: rows then hold the front samples too, and a plane is folded together with the one
+    /// in front of it.
+    const SLABS: bool = false;
+
     /// Opacity of a sample: the definition.
     fn opacity(&self, p: P, sample: i32) -> Opacity;
 
     /// Colour of a sample (not weighted by its opacity), red, green, blue, `p.pixel().colour_bits()` fraction bits: the
     /// definition.
     fn colour(&self, p: P, sample: i32) -> [u32; 3];
+
+    /// Opacity of a segment from its front and back sample: the definition. Of the back sample where segments are not read.
+    #[inline(always)]
+    fn segment_opacity(&self, p: P, [_, back]: [i32; 2]) -> Opacity {
+        self.opacity(p, back)
+    }
+
+    /// Colour of a segment: the definition. Of the back sample where segments are not read.
+    #[inline(always)]
+    fn segment_colour(&self, p: P, [_, back]: [i32; 2]) -> [u32; 3] {
+        self.colour(p, back)
+    }
 
     /// Which voxel ranges can hold a visible sample.
     fn support(&self) -> Support;

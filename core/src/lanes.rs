@@ -156,6 +156,9 @@ pub trait Lanes:
     /// [`reciprocal_root`](crate::root::reciprocal_root) of each lane: 0, or 2^28 to 3 * 32767^2.
     fn reciprocal_root(self) -> Self;
 
+    /// [`reciprocal`](crate::reciprocal::reciprocal) of each lane: 2^26 to 2^27 - 1.
+    fn reciprocal(self) -> Self;
+
     /// The smaller of a number of 0 or more and a limit.
     #[inline(always)]
     fn limited(self, limit: i32) -> Self {
@@ -220,6 +223,8 @@ pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
     fn shr(self, by: u32) -> Self;
     /// Left shift.
     fn shl(self, by: u32) -> Self;
+    /// Right shift by another amount in each lane, 0 to 63, filling with zeros.
+    fn shr_each(self, by: Self::Narrow) -> Self;
     /// 0 where this is negative.
     fn at_least_zero(self) -> Self;
     /// The smaller, as signed numbers.

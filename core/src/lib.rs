@@ -77,8 +77,10 @@ extern crate std;
 
 pub mod classify;
 pub mod composite;
+pub mod exp2;
 pub mod format;
 pub mod gradient;
+pub mod integral;
 pub mod interpolate;
 pub mod lanes;
 pub mod locate;
@@ -87,6 +89,7 @@ pub mod plan;
 pub mod plane;
 pub mod precision;
 pub mod project;
+pub mod reciprocal;
 pub mod root;
 mod rows;
 pub mod seen;

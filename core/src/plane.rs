@@ -12,6 +12,7 @@
 //! |---|---|
 //! | `extent` | which pixels have a sample in a plane |
 //! | `source`, `probe` | samples and gradients between the voxels, by rows and by vectors |
+//! | `slabs` | the same of two planes, for segments |
 //! | `kernels` | row kernels of a classifier and a shader |
 //! | `canvas` | pixels |
 //! | `fold`, `blocks` | the driver, and the two ways through a plane |
@@ -26,6 +27,7 @@ mod kernels;
 mod probe;
 mod project;
 mod scratch;
+mod slabs;
 mod source;
 
 use core::fmt::Debug;
@@ -36,8 +38,8 @@ pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;
 use crate::composite::{ChannelFormat, Pixel, Recurrence};
 use crate::lanes::Lanes;
-use crate::locate::Plane;
-use crate::plan::Plan;
+use crate::locate::{Plane, cell, plane};
+use crate::plan::{Phase, Plan};
 use crate::precision::Precision;
 use crate::seen::Seen;
 use crate::slice::Window;
@@ -58,6 +60,8 @@ pub trait Pipeline: Sync {
     const SLICES: usize;
     /// The rows of scratch memory.
     const SCRATCH: ScratchRows;
+    /// Whether a plane is folded together with the one in front of it; the first plane then folds to nothing.
+    const SLABS: bool = false;
     /// Whether planes go from the last to the first.
     const BACK_TO_FRONT: bool;
     /// Which voxel ranges can change the image; `None` where any can.
@@ -102,6 +106,7 @@ impl<L: Pipeline> Pipeline for &L {
     const CHANNELS: usize = L::CHANNELS;
     const SLICES: usize = L::SLICES;
     const SCRATCH: ScratchRows = L::SCRATCH;
+    const SLABS: bool = L::SLABS;
     const BACK_TO_FRONT: bool = L::BACK_TO_FRONT;
 
     fn support(&self) -> Option<Support> {
@@ -158,13 +163,20 @@ pub struct At<'a> {
     pub plan: &'a Plan,
     /// The plane.
     pub plane: Plane,
-    /// The slices around it.
+    /// The slices from [`near_slice`] on.
     pub window: Window<'a>,
     /// The blocks that can be seen; `None`: rows are made as a whole. The same bits, if they are all that the pipeline's
     /// [`support`](Pipeline::support) meets; slower where they are many. A tap sees whole rows.
     pub seen: Option<Seen<'a>>,
     /// What is told which rows of voxels are read; not by a small machine, nor of blocks.
     pub reading: Option<&'a dyn Reading>,
+}
+
+/// Number of the slice that is nearest in the window of a plane: the one before the plane, or before the one in front of it
+/// where both are folded together.
+pub fn near_slice<L: Pipeline>(plan: &Plan, index: u32) -> i32 {
+    let first = if L::SLABS { index.saturating_sub(1) } else { index };
+    cell(plane(plan, Phase::default(), first).z).index
 }
 
 /// What is told that a fold is about to read a row of voxels: a host then asks for those that will be read some slices later.

@@ -13,9 +13,9 @@ use core::ops::Range;
 
 use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::Native;
-use crate::locate::{cell, plane};
-use crate::plan::{Phase, Plan};
-use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, scratch_len};
+use crate::locate::plane;
+use crate::plan::Plan;
+use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, near_slice, scratch_len};
 use crate::precision::Precision as _;
 use crate::rows::three;
 use crate::slice::{RowRange, Slice, SliceError, Window};
@@ -301,7 +301,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             } else {
                 self.folded
             };
-            let z = cell(plane(&self.plan, Phase::default(), index).z).index;
+            let z = near_slice::<L>(&self.plan, index);
             let last = i64::from(depth) - 1;
             let ready = if L::BACK_TO_FRONT {
                 last - (i64::from(z) - reach).max(0) < i64::from(self.pushed)

@@ -36,7 +36,7 @@ pub struct Sums {
     counts: [u64; Stage::ALL.len()],
     /// The row under way: its first column, samples and opacities, of which the visible ones are still to be told.
     column: u32,
-    samples: Vec<u32>,
+    samples: Vec<[u32; 4]>,
     opacities: Vec<u32>,
 }
 
@@ -78,7 +78,9 @@ impl Tap for Sums {
         let len = rows.first().map_or(0, |row| row.len());
         let first = || (0..len).map(|n| bits(rows, n)[0]).collect();
         match stage {
-            Stage::Interpolation => (self.column, self.samples) = (at.column, first()),
+            Stage::Interpolation => {
+                (self.column, self.samples) = (at.column, (0..len).map(|n| bits(rows, n)).collect());
+            }
             Stage::Opacity => self.opacities = first(),
             Stage::Colour => {
                 let start = (at.column - self.column) as usize;
@@ -86,7 +88,7 @@ impl Tap for Sums {
                 let Plane { x, y, z, .. } = at.plane;
                 let position = [x, y, z].map(|p| p.to_bits() as u32);
                 self.values(Stage::Location, at, len, |_| [position[0], position[1], position[2], 0]);
-                self.values(Stage::Interpolation, at, len, |n| [samples[start + n], 0, 0, 0]);
+                self.values(Stage::Interpolation, at, len, |n| samples[start + n]);
                 self.values(Stage::Opacity, at, len, |n| [opacities[start + n], 0, 0, 0]);
                 self.values(stage, at, len, |n| bits(rows, n));
                 (self.samples, self.opacities) = (samples, opacities);

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use slicecast::classify::entry;
+use slicecast::classify::{colour_of_byte, entry};
 use slicecast::format::{Direction, Intensity, Step};
+use slicecast::integral::{Colours, Length};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::slice::Slice;
 use slicecast::table::ENTRIES;
@@ -11,6 +12,7 @@ use slicecast::view::View;
 use slicecast::warp::Warp;
 use slicecast_engine::camera::{CameraError, Material, Picture, Setup};
 use slicecast_engine::frame::Prepared;
+use slicecast_engine::integrals::{Cumulative, Integrals};
 use slicecast_engine::oriented::Turned;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::table::Table;
@@ -47,6 +49,8 @@ pub struct Frame {
     pub lookup: Option<LookupName>,
     /// Threshold of early termination.
     pub early_termination: Option<u32>,
+    /// The length of segments, if they are classified: log2(e) times it in reference lengths, 27 fraction bits.
+    pub segments: Option<u32>,
 }
 
 impl Frame {
@@ -66,6 +70,7 @@ impl Frame {
             code: None,
             lookup: None,
             early_termination: None,
+            segments: None,
         }
     }
 
@@ -94,6 +99,7 @@ impl Frame {
             table: self.code,
             lookup: self.lookup,
             early_termination: self.early_termination,
+            classification: slicecast_scene::Classification::Point,
         }
     }
 
@@ -140,6 +146,39 @@ impl Frame {
         table
     }
 
+    /// The integrals as the engine has them: of extinctions that are the squares of the roots, over 2^13, in whole numbers.
+    ///
+    /// # Panics
+    /// Never: sums of 4096 squares of 16 bits, over 2^13, fit.
+    pub fn integrals(&self) -> Option<Integrals> {
+        let composited = matches!(self.blend, Blend::FrontToBack | Blend::BackToFront);
+        let scaled = self.segments.filter(|_| composited)?;
+        let mut sums = [0u32; 4];
+        let mut lists = [(); 4].map(|()| vec![0]);
+        for (colour, root) in self.table.iter() {
+            let extinction = (u32::from(*root) * u32::from(*root)) >> 13;
+            let [red, green, blue] = colour.map(|c| (u64::from(extinction) * u64::from(c) / 255) as u32);
+            for ((sum, list), part) in sums.iter_mut().zip(&mut lists).zip([extinction, red, green, blue]) {
+                *sum += part;
+                list.push(*sum);
+            }
+        }
+        let [extinction, colours @ ..] = lists;
+        let (first, _) = self.table[0];
+        let colours = if self.table.iter().all(|(colour, _)| *colour == first) {
+            Colours::One(first.map(|c| colour_of_byte(c, 31)))
+        } else {
+            Colours::Each(colours)
+        };
+        let cumulative = Cumulative {
+            extinction,
+            colours,
+            grain: 0,
+            exponent: 18,
+        };
+        Some(cumulative.classifier(Length { scaled, bits: 27 }))
+    }
+
     /// Gives the prepared frame and its slices to `run`.
     ///
     /// # Panics
@@ -157,6 +196,7 @@ impl Frame {
                 plan,
             },
             table: self.compiled(),
+            integrals: self.integrals(),
             simd: Simd::widest(),
         };
         let mut turned = Turned::new(&self.volume, plan.view());

@@ -92,8 +92,8 @@ impl Witness for Keeper {
         self.recording.note(place(plane, Stage::Location), bits);
     }
 
-    fn sample(&mut self, at: Visit, sample: i32) {
-        let bits = [sample as u32, 0, 0, 0];
+    fn sample(&mut self, at: Visit, sample: i32, front: Option<i32>) {
+        let bits = [sample as u32, front.unwrap_or(0) as u32, 0, 0];
         self.recording.note(place(at, Stage::Interpolation), bits);
     }
 

@@ -8,7 +8,6 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use slicecast::composite::{ChannelFormat, Pixel, Unorm16};
 use slicecast::format::Step;
-use slicecast::plan::Plan;
 use slicecast::warp::{Warp, in_front_of};
 use slicecast_engine::camera::Picture;
 use slicecast_engine::frame::{Layer, Prepared};
@@ -152,10 +151,7 @@ fn blocks_that_are_not_seen_change_nothing() {
     let [frames, skipping, chosen] = [(); 3].map(|()| Cell::new(0));
     let count = |counter: &Cell<usize>, counted: bool| counter.set(counter.get() + usize::from(counted));
     let tried = TestRunner::new(config(400, 16)).run(&wide_frame(), |frame| {
-        let (share, few) = frame.with_prepared(|prepared, slices| {
-            let (plan, volume) = (&prepared.setup.plan, &Oriented::of(slices));
-            chosen_blocks(prepared, plan, volume)
-        });
+        let (share, few) = frame.with_prepared(|prepared, slices| chosen_blocks(prepared, &Oriented::of(slices)));
         count(&frames, true);
         count(&chosen, few);
         count(&skipping, share.is_some_and(|share| share > 0.0 && share < 1.0));
@@ -180,11 +176,11 @@ fn blocks_that_are_not_seen_change_nothing() {
 }
 
 /// The share of blocks that a frame's pipeline can show, and whether vectors make those alone.
-fn chosen_blocks(prepared: &Prepared<'_>, plan: &Plan, volume: &Oriented<'_>) -> (Option<f64>, bool) {
+fn chosen_blocks(prepared: &Prepared<'_>, volume: &Oriented<'_>) -> (Option<f64>, bool) {
     let rendering = prepared.rendering().expect("a good frame");
-    let (support, back_to_front) = (rendering.support(), rendering.back_to_front());
-    let share = support.map(|support| volume.occupancy().share(plan, support));
-    let chosen = |simd| volume.sight(plan, support, back_to_front, simd).is_some();
+    let (looks, support, back_to_front) = (rendering.looks(), rendering.support(), rendering.back_to_front());
+    let share = support.map(|support| volume.occupancy().share(looks, support));
+    let chosen = |simd| volume.sight(looks, support, back_to_front, simd).is_some();
     // One lane takes them more rarely.
     assert!(chosen(Simd::widest()) || !chosen(Simd::Scalar));
     (share, chosen(Simd::widest()))

@@ -121,6 +121,7 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Sce
             Interpolation::Linear
         },
         early_termination: None,
+        classification: slicecast_scene::Classification::Point,
     };
     scene.check().map_err(|error| SceneError {
         name: format!("{}: the scene `{name}`", volume.name),

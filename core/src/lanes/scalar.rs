@@ -1,6 +1,7 @@
 //! One lane: the scalar definition.
 
 use super::{Lanes, Wide};
+use crate::reciprocal::reciprocal;
 use crate::root::reciprocal_root;
 use crate::table::{Coding, ENTRIES, Neighboured};
 
@@ -132,6 +133,10 @@ impl Lanes for i32 {
         reciprocal_root(self as u32) as Self
     }
     #[inline(always)]
+    fn reciprocal(self) -> Self {
+        reciprocal(self as u32) as Self
+    }
+    #[inline(always)]
     fn scale16(self, w: Self, bias: u32) -> Self {
         let low = ((self & 0xffff) as u32 * w as u32 + bias) >> 16;
         (self >> 16) * w + low as Self
@@ -156,6 +161,10 @@ impl Wide for i64 {
     #[inline(always)]
     fn shl(self, by: u32) -> Self {
         self << by
+    }
+    #[inline(always)]
+    fn shr_each(self, by: i32) -> Self {
+        (self as u64 >> by) as Self
     }
     #[inline(always)]
     fn at_least_zero(self) -> Self {

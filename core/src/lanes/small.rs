@@ -4,6 +4,7 @@
 use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use super::{Lanes, Wide};
+use crate::reciprocal::reciprocal_small;
 use crate::table::{Coding, Neighboured};
 
 /// One lane of a small machine.
@@ -174,6 +175,10 @@ impl Lanes for Small {
     fn reciprocal_root(self) -> Self {
         Self(self.0.reciprocal_root())
     }
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        Self(reciprocal_small(self.0 as u32) as i32)
+    }
 
     /// A clamp from both sides is one instruction, a minimum three.
     #[inline(always)]
@@ -221,6 +226,10 @@ impl Wide for SmallWide {
     #[inline(always)]
     fn shl(self, by: u32) -> Self {
         Self(self.0 << by)
+    }
+    #[inline(always)]
+    fn shr_each(self, by: Small) -> Self {
+        Self(Wide::shr_each(self.0, by.0))
     }
     #[inline(always)]
     fn at_least_zero(self) -> Self {

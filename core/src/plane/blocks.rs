@@ -9,6 +9,7 @@ use super::canvas::Canvas;
 use super::extent::Extent;
 use super::fold::Batches;
 use super::source::SourceAt;
+use crate::classify::Slab;
 use crate::composite::Colours;
 use crate::seen::Seen;
 use crate::tap::Beam;
@@ -110,7 +111,8 @@ pub(super) struct Blocks<'s, 'a> {
     walk: Walk<'a>,
     places: Places<'s>,
     source: &'s dyn SourceAt<i32>,
-    samples: &'s mut [i32],
+    /// Of the plane in front, empty where segments are not classified, and of the plane.
+    samples: [&'s mut [i32]; 2],
     /// Vectors whose samples have been made, and vectors in which one of them is visible.
     made: usize,
     kept: usize,
@@ -118,14 +120,15 @@ pub(super) struct Blocks<'s, 'a> {
 }
 
 impl<'s, 'a> Blocks<'s, 'a> {
-    /// Blocks of the image's rows from `first` on. Three rows of scratch memory, [`BATCH`] words each.
+    /// Blocks of the image's rows from `first` on. Scratch memory of [`BATCH`] words each for places and samples.
     pub(super) fn new(
         seen: Seen<'a>,
         extent: &Extent,
         (first, count): (u32, usize),
         lanes: usize,
         source: &'s dyn SourceAt<i32>,
-        [rows, columns, samples]: [&'s mut [i32]; 3],
+        [rows, columns]: [&'s mut [i32]; 2],
+        samples: [&'s mut [i32]; 2],
     ) -> Self {
         let met = extent.met(first, count);
         let walk = Walk {
@@ -177,14 +180,16 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_, '_> {
             }
             vectors = canvas.unfinished(&mut self.places, before..vectors);
         }
-        self.source.samples_at(&self.places, vectors, self.samples);
+        let [front, back] = &mut self.samples;
+        self.source.samples_at(&self.places, vectors, [front, back]);
         self.made = vectors;
         self.packed = false;
         (vectors > 0).then_some(vectors * self.places.lanes)
     }
 
-    fn samples(&self) -> &[i32] {
-        self.samples
+    fn slab(&self) -> Slab<'_> {
+        let [front, back] = &self.samples;
+        Slab::between(front, back)
     }
 
     fn visible(&mut self, canvas: &mut X, opacities: &mut [i32]) -> Option<Range<usize>> {
@@ -192,7 +197,8 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_, '_> {
             return None;
         }
         self.packed = true;
-        let (kept, packed) = canvas.pack(&mut self.places, self.made, self.samples, opacities);
+        let [front, back] = &mut self.samples;
+        let (kept, packed) = canvas.pack(&mut self.places, self.made, [front, back], opacities);
         self.kept = kept;
         (packed > 0).then_some(0..packed)
     }

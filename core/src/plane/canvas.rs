@@ -26,7 +26,13 @@ pub(super) trait Canvas<W> {
     fn unfinished(&self, places: &mut Places<'_>, fresh: Range<usize>) -> usize;
     /// Moves vectors with a visible sample to the front, and visible samples side by side; how many there are of both.
     /// Invisible samples get an opacity of 0.
-    fn pack(&self, places: &mut Places<'_>, count: usize, samples: &mut [W], opacities: &mut [W]) -> (usize, usize);
+    fn pack(
+        &self,
+        places: &mut Places<'_>,
+        count: usize,
+        samples: [&mut [W]; 2],
+        opacities: &mut [W],
+    ) -> (usize, usize);
     /// Folds packed samples.
     fn fold_packed(&mut self, places: &Places<'_>, count: usize, colours: &Colours<'_, W>, opacities: &[W]);
 }
@@ -131,10 +137,10 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
         &self,
         places: &mut Places<'_>,
         count: usize,
-        samples: &mut [i32],
+        samples: [&mut [i32]; 2],
         opacities: &mut [i32],
     ) -> (usize, usize) {
-        V::enter((Pack, self, places, count, [samples, opacities]))
+        V::enter((Pack, self, places, count, samples, opacities))
     }
 
     #[inline(always)]
@@ -217,14 +223,21 @@ impl<R: Recurrence, O: Order, V: Lanes> Kernel for (Unfinished, &Image<'_, R, O,
 struct Pack;
 
 impl<R: Recurrence, O: Order, V: Lanes> Kernel
-    for (Pack, &Image<'_, R, O, V>, &mut Places<'_>, usize, [&mut [i32]; 2])
+    for (
+        Pack,
+        &Image<'_, R, O, V>,
+        &mut Places<'_>,
+        usize,
+        [&mut [i32]; 2],
+        &mut [i32],
+    )
 {
     type Output = (usize, usize);
 
     #[inline(always)]
     fn run(self) -> (usize, usize) {
-        let (_, image, places, count, [samples, opacities]) = self;
-        let (mut kept, mut packed) = (0, 0);
+        let (_, image, places, count, [front, samples], opacities) = self;
+        let (slabs, mut kept, mut packed) = (!front.is_empty(), 0, 0);
         for number in 0..count {
             let place = places.get(number);
             let at = number * V::COUNT;
@@ -235,6 +248,9 @@ impl<R: Recurrence, O: Order, V: Lanes> Kernel
                 image.left(places, place).nonzero_then(V::load(opacities, at))
             };
             V::load(samples, at).packed(opacity).store(samples, packed);
+            if slabs {
+                V::load(front, at).packed(opacity).store(front, packed);
+            }
             packed += opacity.count();
             opacity.store(opacities, kept * V::COUNT);
             places.set(kept, place);

@@ -9,11 +9,13 @@ use super::fold::{WholeRows, fold};
 use super::kernels::{ClassifierRows, Kernels, ShaderRows};
 use super::probe::Probes;
 use super::scratch::{self, BatchRows, Scratch, ScratchError};
-use super::source::{Sheared, Source};
+use super::slabs::{SlabProbes, Slabs, window_behind};
+use super::source::{Sheared, Source, SourceAt};
 use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::{Classifier, Support};
 use crate::composite::{Channel, Dither, Order, Pixel, Recurrence};
 use crate::lanes::Lanes;
+use crate::locate;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut, three};
@@ -87,11 +89,13 @@ where
     type Element = ChannelOf<P>;
     const CHANNELS: usize = 4;
     const SLICES: usize = if S::LIT { 4 } else { 2 };
-    const SCRATCH: scratch::Rows = if S::LIT {
-        scratch::Rows::Lit
-    } else {
-        scratch::Rows::Unlit
+    const SCRATCH: scratch::Rows = match (S::LIT, C::SLABS) {
+        (true, false) => scratch::Rows::Lit,
+        (false, false) => scratch::Rows::Unlit,
+        (true, true) => scratch::Rows::LitSlabs,
+        (false, true) => scratch::Rows::UnlitSlabs,
     };
+    const SLABS: bool = C::SLABS;
     const BACK_TO_FRONT: bool = O::BACK_TO_FRONT;
 
     fn support(&self) -> Option<Support> {
@@ -131,11 +135,31 @@ where
         if seen.is_some() {
             width = width.max(BATCH_WIDTH);
         }
-        let Scratch { mut source, mut batch } = Scratch::cut(scratch, Self::SCRATCH, width, !V::SMALL)?;
+        let Scratch {
+            mut source,
+            mut front,
+            front_gradients,
+            mut batch,
+        } = Scratch::cut(scratch, Self::SCRATCH, width, !V::SMALL)?;
         if let Some(tap) = &mut tap {
             tap.plane(plane);
         }
-        let extent = Extent::of(plan, plane);
+        let (plane_in_front, extents);
+        // Behind the first plane there is no slab; a constant, without which no code for slabs is compiled.
+        let (extent, behind, before) = if C::SLABS {
+            let Some(index) = plane.index.checked_sub(1) else {
+                return Ok(());
+            };
+            plane_in_front = locate::plane(plan, plane.phase, index);
+            extents = Extent::of_slab(plan, [&plane_in_front, plane]);
+            let [front, back] = extents;
+            let Some(behind) = window_behind(window, &front, &back) else {
+                return Ok(());
+            };
+            (back, behind, Some(front))
+        } else {
+            (Extent::of(plan, plane), *window, None)
+        };
         let base_width = plan.base()[0] as usize;
         let Some(count) = rows.data.len().checked_div(4 * base_width) else {
             return Ok(());
@@ -161,27 +185,57 @@ where
         {
             let probes = Probes::<P, V> {
                 extent: &extent,
-                window,
+                window: &behind,
                 spacing,
                 precision,
                 lanes: PhantomData,
             };
             let [rows, columns] = &mut source.z;
-            let [samples, ..] = &mut source.samples;
-            let lists = three([rows, columns, samples], |row| part_mut(row, 0..BATCH));
-            let mut blocks = Blocks::new(seen, &extent, (first, count), V::COUNT, &probes, lists);
+            let lists = [part_mut(rows, 0..BATCH), part_mut(columns, 0..BATCH)];
+            let ([back, ..], [ahead, ..]) = (&mut source.samples, &mut front.samples);
+            let samples = [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)];
+            let slabs;
+            let probes: &dyn SourceAt<i32> = match &before {
+                Some(before) if C::SLABS => {
+                    slabs = SlabProbes {
+                        front: Probes {
+                            extent: before,
+                            window,
+                            ..probes
+                        },
+                        back: probes,
+                    };
+                    &slabs
+                }
+                _ => &probes,
+            };
+            let mut blocks = Blocks::new(seen, &extent, (first, count), V::COUNT, probes, lists, samples);
             fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
             return Ok(());
         }
         batch.opacities = part_mut(batch.opacities, 0..n);
-        let mut sheared = Sheared::<P, V, S>::new(precision, &extent, window, spacing, source);
         let (support, met) = (self.classifier.support(), extent.met(first, count));
-        if V::SMALL {
-            let mut rows = WholeRows::new((plane, window), &extent, support, &mut sheared, met, None);
+        let mut sheared = Sheared::<P, V, S>::new(precision, &extent, &behind, spacing, source);
+        let around = (&extent, &behind);
+        if C::SLABS {
+            let Some(before) = &before else { return Ok(()) };
+            let ahead = Sheared::<P, V, S>::new(precision, before, window, spacing, front);
+            let mut slabs = Slabs::new([ahead, sheared], [before, &extent], front_gradients);
+            let before = Some((before, window));
+            if V::SMALL {
+                let mut rows = WholeRows::new(plane, around, before, support, &mut slabs, met, None);
+                fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+            } else {
+                let source: &mut dyn Source<i32> = &mut slabs;
+                let mut rows = WholeRows::new(plane, around, before, support, source, met, *reading);
+                fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+            }
+        } else if V::SMALL {
+            let mut rows = WholeRows::new(plane, around, None, support, &mut sheared, met, None);
             fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
         } else {
             let source: &mut dyn Source<i32> = &mut sheared;
-            let mut rows = WholeRows::new((plane, window), &extent, support, source, met, *reading);
+            let mut rows = WholeRows::new(plane, around, None, support, source, met, *reading);
             fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
         }
         Ok(())

@@ -5,7 +5,6 @@
 
 use core::ops::Range;
 
-use crate::classify::Support;
 use crate::format::Weight;
 use crate::locate::{Cell, Plane, cell, inside};
 use crate::plan::Plan;
@@ -40,6 +39,21 @@ impl Extent {
         }
     }
 
+    /// The extents of two neighbouring planes where both have samples: what slabs between them there are.
+    pub(super) fn of_slab(plan: &Plan, [front, back]: [&Plane; 2]) -> [Self; 2] {
+        let mut extents = [Self::of(plan, front), Self::of(plan, back)];
+        let [front, back] = &extents;
+        let start = front.columns.start.max(back.columns.start);
+        let columns = start..front.columns.end.min(back.columns.end).max(start);
+        let start = front.rows.start.max(back.rows.start);
+        let rows = start..front.rows.end.min(back.rows.end).max(start);
+        for extent in &mut extents {
+            (extent.columns, extent.rows) = (columns.clone(), rows.clone());
+            extent.voxel = (columns.start as i64 + i64::from(extent.x.index)).max(0) as usize;
+        }
+        extents
+    }
+
     /// Whether the plane lies in a slice.
     pub(super) fn in_slice(&self) -> bool {
         self.z.weight == Weight::ZERO
@@ -70,10 +84,9 @@ impl Extent {
     }
 }
 
-/// Whether samples between these voxel rows can be visible.
-pub(super) fn meets(support: Support, window: &Window<'_>, (row, next): (usize, usize)) -> bool {
+/// The range of the voxels around the samples between voxel rows.
+pub(super) fn around(window: &Window<'_>, (row, next): (usize, usize)) -> RowRange {
     let far = window.far_or_near();
     let range = |s: &Slice<'_>| s.range(row).union(s.range(next));
-    let range: RowRange = range(&window.near).union(range(&far));
-    support.meets(range)
+    range(&window.near).union(range(&far))
 }

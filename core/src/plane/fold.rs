@@ -8,7 +8,7 @@ use core::ops::Range;
 
 use super::Reading;
 use super::canvas::Canvas;
-use super::extent::{Extent, meets};
+use super::extent::{Extent, around};
 use super::kernels::{ClassifierRows, ShaderRows};
 use super::scratch::BatchRows;
 use super::source::Source;
@@ -26,8 +26,8 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
     const WHOLE_ROWS: bool;
     /// Makes the samples of the next batch; how many they are.
     fn next(&mut self, canvas: &mut X) -> Option<usize>;
-    /// The samples of the batch.
-    fn samples(&self) -> &[W];
+    /// The samples of the batch, and those in front of them where segments are classified.
+    fn slab(&self) -> Slab<'_, W>;
     /// The next visible samples of the batch, side by side.
     fn visible(&mut self, canvas: &mut X, opacities: &mut [W]) -> Option<Range<usize>>;
     /// Their gradients, spaced.
@@ -63,9 +63,14 @@ pub(super) fn fold<B, C, S, X>(
     while let Some(len) = batches.next(canvas) {
         let opacities = part_mut(opacities, 0..len);
         if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0)) {
-            tap.row(Stage::Interpolation, at, &[&batches.samples()]);
+            let Slab { front, back } = batches.slab();
+            if front.is_empty() {
+                tap.row(Stage::Interpolation, at, &[&back]);
+            } else {
+                tap.row(Stage::Interpolation, at, &[&back, &front]);
+            }
         }
-        classifier.opacity_row(Slab::of(part(batches.samples(), 0..len)), opacities);
+        classifier.opacity_row(batches.slab().part(0..len), opacities);
         if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0)) {
             tap.row(Stage::Opacity, at, &[&&*opacities]);
         }
@@ -86,7 +91,7 @@ pub(super) fn fold<B, C, S, X>(
             };
             if colours.one.is_none() {
                 let [r, g, b] = &mut colours.rows;
-                classifier.colour_row(Slab::of(part(batches.samples(), visible.clone())), [r, g, b]);
+                classifier.colour_row(batches.slab().part(visible.clone()), [r, g, b]);
             }
             if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {
                 see(*tap, Stage::Colour, at, &colours.rows);
@@ -128,6 +133,8 @@ pub(super) struct WholeRows<'s, 'w, S: ?Sized> {
     plane: &'s Plane,
     extent: &'s Extent,
     window: &'s Window<'w>,
+    /// The plane in front, where segments are classified.
+    front: Option<(&'s Extent, &'s Window<'w>)>,
     support: Support,
     source: &'s mut S,
     rows: Range<u32>,
@@ -140,8 +147,9 @@ impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
     /// Some rows of the image.
     #[inline(always)]
     pub(super) fn new(
-        (plane, window): (&'s Plane, &'s Window<'w>),
-        extent: &'s Extent,
+        plane: &'s Plane,
+        (extent, window): (&'s Extent, &'s Window<'w>),
+        front: Option<(&'s Extent, &'s Window<'w>)>,
         support: Support,
         source: &'s mut S,
         rows: Range<u32>,
@@ -151,6 +159,7 @@ impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
             plane,
             extent,
             window,
+            front,
             support,
             source,
             rows,
@@ -177,7 +186,12 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
                 continue;
             }
             let voxel_row = self.voxel_row();
-            if meets(self.support, self.window, self.extent.voxel_rows(voxel_row)) {
+            let mut range = around(self.window, self.extent.voxel_rows(voxel_row));
+            if let Some((extent, window)) = self.front {
+                let rows = extent.voxel_rows(extent.voxel_row(self.row));
+                range = range.union(around(window, rows));
+            }
+            if self.support.meets(range) {
                 if let Some(reading) = self.reading {
                     reading.row(voxel_row);
                 }
@@ -189,8 +203,8 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     }
 
     #[inline(always)]
-    fn samples(&self) -> &[i32] {
-        self.source.samples(self.voxel_row())
+    fn slab(&self) -> Slab<'_> {
+        self.source.slab(self.voxel_row())
     }
 
     #[inline(always)]

@@ -7,6 +7,7 @@ use super::blocks::Places;
 use super::extent::Extent;
 use super::source::{SourceAt, derivatives, spaced};
 use crate::format::Intensity;
+use crate::gradient::{coarsen, space};
 use crate::interpolate::{Difference, cut, kept, lerp_x, lerp_y};
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
@@ -34,8 +35,8 @@ pub(super) struct Probes<'s, 'w, P, V> {
 
 impl<P: Precision, V: Lanes> SourceAt<i32> for Probes<'_, '_, P, V> {
     #[inline(always)]
-    fn samples_at(&self, places: &Places<'_>, count: usize, out: &mut [i32]) {
-        V::enter((SamplesAt, self, places, count, out));
+    fn samples_at(&self, places: &Places<'_>, count: usize, [_, out]: [&mut [i32]; 2]) {
+        self.samples_from(places, [0; 2], count, out);
     }
 
     #[inline(always)]
@@ -44,18 +45,51 @@ impl<P: Precision, V: Lanes> SourceAt<i32> for Probes<'_, '_, P, V> {
     }
 }
 
+impl<P: Precision, V: Lanes> Probes<'_, '_, P, V> {
+    /// The samples so many voxel rows and columns from the first `count` places.
+    #[inline(always)]
+    pub(super) fn samples_from(&self, places: &Places<'_>, offset: [i32; 2], count: usize, out: &mut [i32]) {
+        V::enter((SamplesAt, self, places, offset, count, out));
+    }
+
+    #[inline(always)]
+    pub(super) fn probe(&self) -> Probe<'_, P, V> {
+        Probe::new(self.precision, self.extent, self.window)
+    }
+
+    /// A gradient with the spacing factors, and with the bits that a precision keeps.
+    #[inline(always)]
+    pub(super) fn spaced(&self, gradient: [V; 3]) -> [V; 3] {
+        let ([x, y, z], [fx, fy, fz]) = (gradient, self.spacing);
+        let gradient = [space(x, fx), space(y, fy), space(z, fz)];
+        match self.precision.formats().gradient_bits {
+            bits @ ..15 => coarsen(gradient, bits),
+            _ => gradient,
+        }
+    }
+}
+
 struct SamplesAt;
 
-impl<P: Precision, V: Lanes> Kernel for (SamplesAt, &Probes<'_, '_, P, V>, &Places<'_>, usize, &mut [i32]) {
+impl<P: Precision, V: Lanes> Kernel
+    for (
+        SamplesAt,
+        &Probes<'_, '_, P, V>,
+        &Places<'_>,
+        [i32; 2],
+        usize,
+        &mut [i32],
+    )
+{
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let (_, probes, places, count, out) = self;
-        let probe = Probe::<P, V>::new(probes.precision, probes.extent, probes.window);
+        let (_, probes, places, [rows, columns], count, out) = self;
+        let probe = probes.probe();
         for number in 0..count {
             let (row, column) = places.get(number);
-            let sample = probe.sample(places.voxel_row(row), column as i32);
+            let sample = probe.sample(places.voxel_row(row).wrapping_add(rows), column as i32 + columns);
             sample.store(out, number * V::COUNT);
         }
     }
@@ -78,7 +112,7 @@ impl<P: Precision, V: Lanes> Kernel
     #[inline(always)]
     fn run(self) {
         let (_, probes, places, count, chosen, [gx, gy, gz]) = self;
-        let probe = Probe::<P, V>::new(probes.precision, probes.extent, probes.window);
+        let probe = probes.probe();
         let mut at = 0;
         for number in 0..count {
             let (row, column) = places.get(number);
@@ -101,7 +135,7 @@ impl<P: Precision, V: Lanes> Kernel
 ///
 /// A place is a voxel row and the column of the first lane's voxel, both those before the sample. Lanes behind the last
 /// column hold anything.
-struct Probe<'w, P, V> {
+pub(super) struct Probe<'w, P, V> {
     window: &'w Window<'w>,
     near: Slice<'w>,
     far: Slice<'w>,
@@ -168,7 +202,7 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
 
     /// The gradients of the samples at a place, before the spacing factors.
     #[inline(always)]
-    fn gradient(&self, row: i32, from: i32) -> [V; 3] {
+    pub(super) fn gradient(&self, row: i32, from: i32) -> [V; 3] {
         if !self.has([from - 1, from + 2], [row - 1, row + 2]) {
             // Much code and seldom run: out of line.
             V::enter((GradientAtFace, self, row, from))

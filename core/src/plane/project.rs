@@ -77,7 +77,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         for row in extent.met(rows.first, count) {
             let voxel_row = extent.voxel_row(row);
             source.make(voxel_row);
-            let samples = source.samples(voxel_row);
+            let samples = source.slab(voxel_row).back;
             if let Some(tap) = &mut tap {
                 let column = extent.columns.start as u32;
                 tap.row(Stage::Interpolation, Beam { plane, row, column }, &[&samples]);

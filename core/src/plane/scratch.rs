@@ -11,6 +11,10 @@ pub enum Rows {
     Unlit,
     /// Gradients and normals besides.
     Lit,
+    /// As [`Rows::Unlit`], of two planes.
+    UnlitSlabs,
+    /// As [`Rows::Lit`], of two planes.
+    LitSlabs,
 }
 
 impl Rows {
@@ -20,7 +24,19 @@ impl Rows {
             Self::Projection => 3,
             Self::Unlit => 7,
             Self::Lit => 16,
+            Self::UnlitSlabs => 10,
+            Self::LitSlabs => 27,
         }
+    }
+
+    /// Whether gradients are made.
+    const fn lit(self) -> bool {
+        matches!(self, Self::Lit | Self::LitSlabs)
+    }
+
+    /// Whether two planes are sampled.
+    const fn slabs(self) -> bool {
+        matches!(self, Self::UnlitSlabs | Self::LitSlabs)
     }
 
     /// Words for slices of this width: each row holds the voxels of a slice's row and one place at each end.
@@ -53,6 +69,10 @@ const LINE: usize = 16;
 /// Rows of scratch memory by their use; those that a kind of fold does not need are empty.
 pub(super) struct Scratch<'s, W> {
     pub(super) source: SourceRows<'s, W>,
+    /// Of the plane in front.
+    pub(super) front: SourceRows<'s, W>,
+    /// Gradients at the plane in front.
+    pub(super) front_gradients: [&'s mut [W]; 3],
     pub(super) batch: BatchRows<'s, W>,
 }
 
@@ -104,14 +124,17 @@ impl<'s, W> Scratch<'s, W> {
                 &mut []
             }
         };
-        let (classified, lit) = (kind != Rows::Projection, kind == Rows::Lit);
+        let (classified, lit, slabs) = (kind != Rows::Projection, kind.lit(), kind.slabs());
+        let mut source = |wanted: bool| SourceRows {
+            z: [row(wanted), row(wanted)],
+            inner: row(wanted && lit),
+            samples: [row(wanted), row(wanted && lit), row(wanted && lit)],
+            derivatives: [row(wanted && lit), row(wanted && lit)],
+        };
         Ok(Self {
-            source: SourceRows {
-                z: [row(true), row(true)],
-                inner: row(lit),
-                samples: [row(true), row(lit), row(lit)],
-                derivatives: [row(lit), row(lit)],
-            },
+            source: source(true),
+            front: source(slabs),
+            front_gradients: [row(slabs && lit), row(slabs && lit), row(slabs && lit)],
             batch: BatchRows {
                 opacities: row(classified),
                 colours: [row(classified), row(classified), row(classified)],
@@ -129,21 +152,36 @@ mod tests {
 
     #[test]
     fn every_length_is_cut_as_counted() {
-        for kind in [Rows::Projection, Rows::Unlit, Rows::Lit] {
+        for kind in [
+            Rows::Projection,
+            Rows::Unlit,
+            Rows::Lit,
+            Rows::UnlitSlabs,
+            Rows::LitSlabs,
+        ] {
             for width in [1, 2, 15, 64, 65] {
                 let needed = kind.len(width);
                 for spare in [0, 1, 700] {
                     let mut memory = vec![0i32; needed + spare];
-                    let Scratch { source, batch } = Scratch::cut(&mut memory, kind, width, true).unwrap();
+                    let Scratch {
+                        source,
+                        front,
+                        front_gradients,
+                        batch,
+                    } = Scratch::cut(&mut memory, kind, width, true).unwrap();
                     let rows = [
                         source.z.as_slice(),
                         &source.samples,
                         &source.derivatives,
+                        &front.z,
+                        &front.samples,
+                        &front.derivatives,
+                        &front_gradients,
                         &batch.colours,
                         &batch.g,
                     ];
                     let rows = rows.into_iter().flatten().map(|row| row.len());
-                    let rest = [&source.inner, &batch.opacities, &batch.r].map(|row| row.len());
+                    let rest = [&source.inner, &front.inner, &batch.opacities, &batch.r].map(|row| row.len());
                     let mut made = 0;
                     for len in rows.chain(rest).filter(|len| *len > 0) {
                         assert_eq!(len, width as usize + 2);

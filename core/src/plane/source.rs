@@ -10,6 +10,7 @@ use core::ops::Range;
 use super::blocks::Places;
 use super::extent::Extent;
 use super::scratch::SourceRows;
+use crate::classify::Slab;
 use crate::format::Intensity;
 use crate::gradient::{coarsen_row, difference_row, space_row};
 use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, yx_row_in_slice, z_difference_row, z_row};
@@ -23,16 +24,17 @@ use crate::slice::{Slice, Window};
 pub(super) trait Source<W> {
     /// Makes the samples of a row, one for each column of the plane's extent.
     fn make(&mut self, row: i32);
-    /// The samples of the row that was made last.
-    fn samples(&self, row: i32) -> &[W];
+    /// The samples of the row that was made last, and those in front of them where segments are classified.
+    fn slab(&self, row: i32) -> Slab<'_, W>;
     /// The gradients of a span of the row's samples, spaced and coarsened. Three rows, as long as the span.
     fn gradients(&mut self, row: i32, span: Range<usize>, out: [&mut [W]; 3]);
 }
 
 /// Samples and gradients of single vectors of one plane.
 pub(super) trait SourceAt<W> {
-    /// The samples of the first `count` places, one vector behind the other.
-    fn samples_at(&self, places: &Places<'_>, count: usize, out: &mut [W]);
+    /// The samples of the first `count` places, one vector behind the other: those in front where segments are classified,
+    /// and those of the plane.
+    fn samples_at(&self, places: &Places<'_>, count: usize, out: [&mut [W]; 2]);
     /// The gradients where `chosen` is not 0, packed side by side; `chosen` holds a vector per place.
     fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[W], out: [&mut [W]; 3]);
 }
@@ -270,8 +272,8 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sheared<'_, '_, P, V,
     }
 
     #[inline(always)]
-    fn samples(&self, row: i32) -> &[i32] {
-        part(self.whole(row), self.places())
+    fn slab(&self, row: i32) -> Slab<'_> {
+        Slab::of(part(self.whole(row), self.places()))
     }
 
     #[inline(always)]

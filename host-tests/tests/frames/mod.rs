@@ -140,11 +140,20 @@ pub fn frame() -> impl Strategy<Value = Frame> {
         Just(AlphaCodeName::Colour16),
     ]);
     let lookup = prop::option::of(prop_oneof![Just(LookupName::Nearest), Just(LookupName::Linear)]);
-    let look = (points(), material(), blend(), code, lookup, prop::option::of(1u32..=20));
+    let segments = prop::option::of(prop_oneof![1u32.., 1u32 << 22..1 << 28]);
+    let look = (
+        points(),
+        material(),
+        blend(),
+        code,
+        lookup,
+        prop::option::of(1u32..=20),
+        segments,
+    );
     (shape, rates, look).prop_map(|(shape, rates, look)| {
         let (dims, filling, seed, direction, factors) = shape;
         let (planes_per_voxel, rays_per_voxel) = rates;
-        let (points, material, blend, code, lookup, early_termination) = look;
+        let (points, material, blend, code, lookup, early_termination, segments) = look;
         Frame {
             volume: Arc::new(volume(dims, filling, seed)),
             direction,
@@ -159,6 +168,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             code,
             lookup,
             early_termination,
+            segments,
         }
     })
 }

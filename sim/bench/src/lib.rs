@@ -284,7 +284,6 @@ pub fn beside(scene: &Scene, volume: &Volume, frames: usize, threads: &Threads) 
 
 /// Folds a frame and makes its picture; the times that both take, and finding the visible blocks; the share of these.
 fn folded_and_warped(prepared: &Prepared<'_>, volume: &Oriented<'_>) -> Result<([Duration; 3], f64), RenderError> {
-    let plan = &prepared.setup.plan;
     let mut rendering = prepared.begun()?;
     let start = Instant::now();
     rendering.fold(volume, TILE_ROWS, prepared.simd, &|_, _| ());
@@ -292,11 +291,11 @@ fn folded_and_warped(prepared: &Prepared<'_>, volume: &Oriented<'_>) -> Result<(
     let start = Instant::now();
     black_box(rendering.picture(prepared));
     let warp = start.elapsed();
-    let (support, back_to_front) = (rendering.support(), rendering.back_to_front());
+    let (looks, support, back_to_front) = (rendering.looks(), rendering.support(), rendering.back_to_front());
     let start = Instant::now();
-    black_box(volume.sight(plan, support, back_to_front, prepared.simd));
+    black_box(volume.sight(looks, support, back_to_front, prepared.simd));
     let found = start.elapsed();
-    let share = support.map_or(1.0, |support| volume.occupancy().share(plan, support));
+    let share = support.map_or(1.0, |support| volume.occupancy().share(looks, support));
     Ok(([fold, warp, found], share))
 }
 

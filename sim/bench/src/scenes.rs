@@ -70,6 +70,7 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         lookup: None,
         interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
+        classification: slicecast_scene::Classification::Point,
     }
 }
 

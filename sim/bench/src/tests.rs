@@ -6,7 +6,7 @@ fn samples_are_what_the_rays_meet() {
     struct Count(u64);
     impl rays::Witness for Count {
         const EVERYTHING: bool = true;
-        fn sample(&mut self, _: rays::Visit, _: i32) {
+        fn sample(&mut self, _: rays::Visit, _: i32, _: Option<i32>) {
             self.0 += 1;
         }
     }

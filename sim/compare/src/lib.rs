@@ -106,6 +106,7 @@ pub fn compare(
     positions: ModelPositions,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Comparison, RenderError> {
+    prepared.check_points()?;
     let plan = &prepared.setup.plan;
     let model = model(prepared, positions);
     beside(

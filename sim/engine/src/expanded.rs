@@ -187,7 +187,7 @@ impl<P: Precision> Classifier<P> for Expanded {
     }
 
     #[inline(always)]
-    fn opacity_row<V: Lanes>(&self, p: P, Slab { back: samples }: Slab<'_>, out: &mut [i32]) {
+    fn opacity_row<V: Lanes>(&self, p: P, Slab { back: samples, .. }: Slab<'_>, out: &mut [i32]) {
         // Its place does not change while rows are written.
         let opacities = &*self.opacities;
         for (samples, out) in samples.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
@@ -214,7 +214,7 @@ impl<P: Precision> Classifier<P> for Expanded {
     }
 
     #[inline(always)]
-    fn colour_row<V: Lanes>(&self, p: P, Slab { back: samples }: Slab<'_>, out: [&mut [i32]; 3]) {
+    fn colour_row<V: Lanes>(&self, p: P, Slab { back: samples, .. }: Slab<'_>, out: [&mut [i32]; 3]) {
         let [red, green, blue] = out;
         let len = samples.len();
         let (red, green, blue) = (&mut red[..len], &mut green[..len], &mut blue[..len]);

@@ -1,13 +1,15 @@
 //! A scene on a volume, and the frame that it renders to.
 
-use slicecast_scene::Scene;
+use slicecast_scene::{Classification, Scene};
 use slicecast_volume::Volume;
 
 use crate::camera::{CameraError, Setup, set_up};
 use crate::error::RenderError;
+use crate::fineness;
 use crate::image::Frame;
+use crate::integrals::{Cumulative, Integrals, length};
 use crate::oriented::{Oriented, Turned};
-use crate::pipelines::{compile, rendering};
+use crate::pipelines::{compile, rendering, rendering_of_segments};
 use crate::rendering::Framing;
 use crate::simd::Simd;
 use crate::table::Table;
@@ -21,8 +23,10 @@ pub struct Prepared<'a> {
     pub volume: &'a Volume,
     /// Geometry, picture and lights.
     pub setup: Setup,
-    /// The table.
+    /// The table of points.
     pub table: Table,
+    /// The integrals, where segments are classified.
+    pub integrals: Option<Integrals>,
     /// Which vectors fold tiles.
     pub simd: Simd,
 }
@@ -43,8 +47,23 @@ impl<'a> Prepared<'a> {
     /// [`RenderError::Camera`] if the scene does not fit the pipeline.
     pub fn new(scene: &'a Scene, volume: &'a Volume) -> Result<Self, RenderError> {
         let setup = set_up(scene, volume)?;
+        let segments = match scene.classification {
+            Classification::Point => false,
+            Classification::Integral => true,
+            Classification::Auto => fineness::of(scene, volume).is_some_and(|finest| finest.is_missed()),
+        };
+        let [_, _, slices] = setup.plan.dims();
+        if segments && slices < 2 {
+            return Err(RenderError::Segments);
+        }
+        let integrals = segments.then(|| {
+            let reference = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
+            let cumulative = Cumulative::compile(&scene.transfer, &volume.mapping, reference, 0);
+            cumulative.classifier(length(setup.step_length / reference))
+        });
         Ok(Self {
             table: compile(scene, &volume.mapping, setup.step_length),
+            integrals,
             scene,
             volume,
             setup,
@@ -58,13 +77,28 @@ impl<'a> Prepared<'a> {
         Self { simd, ..self }
     }
 
+    /// For what knows classified samples alone.
+    ///
+    /// # Errors
+    /// [`RenderError::PointsOnly`] if segments are classified.
+    pub fn check_points(&self) -> Result<(), RenderError> {
+        match self.integrals {
+            None => Ok(()),
+            Some(_) => Err(RenderError::PointsOnly),
+        }
+    }
+
     /// The rendering of this scene, without an image.
     ///
     /// # Errors
     /// [`RenderError::Camera`] if the setup's material has been changed to one that the pipeline does not take.
     pub fn rendering(&self) -> Result<Box<dyn Framing>, RenderError> {
         let Setup { material, plan, .. } = &self.setup;
-        Ok(rendering(self.scene, &self.table, material.as_ref(), *plan).map_err(CameraError::from)?)
+        let rendering = match &self.integrals {
+            Some(integrals) => rendering_of_segments(self.scene, integrals, material.as_ref(), *plan),
+            None => rendering(self.scene, &self.table, material.as_ref(), *plan),
+        };
+        Ok(rendering.map_err(CameraError::from)?)
     }
 
     /// The rendering of this scene, its image untouched.

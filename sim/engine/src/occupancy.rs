@@ -5,9 +5,12 @@
 //! seen ([`Occupancy::share`]); where it is small the ranges are turned into a bit a block ([`Occupancy::sight`]), which
 //! core's plane layer asks before it makes anything.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 use slicecast::classify::Support;
 use slicecast::plan::Plan;
+use slicecast::plane::Pipeline;
 use slicecast::seen::{Grain, Seen};
 use slicecast::slice::{RowRange, Slice};
 
@@ -27,11 +30,36 @@ pub struct Occupancy {
     inside: Ranges,
     /// Of samples between a slice and the next.
     between: Ranges,
+    /// Of slabs between a slice and the next; made when they are first asked for.
+    slabs: OnceLock<Ranges>,
     grain: Grain,
     /// Blocks of a row.
     blocks: usize,
     /// Rows of a slice.
     height: usize,
+}
+
+/// What a pipeline looks at of a slice and the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Looks {
+    /// Samples that lie in slices.
+    Slices,
+    /// Samples of single planes.
+    Planes,
+    /// Samples of a plane and of the one in front of it, which lie up to a voxel beside each other.
+    Slabs,
+}
+
+impl Looks {
+    /// What a pipeline looks at for the planes of a view.
+    pub fn of<L: Pipeline>(plan: &Plan) -> Self {
+        if L::SLABS { Self::Slabs } else { Self::of_planes(plan) }
+    }
+
+    fn of_planes(plan: &Plan) -> Self {
+        let [_, _, step] = plan.step();
+        if step.frac() == 0 { Self::Slices } else { Self::Planes }
+    }
 }
 
 /// Ranges of all blocks.
@@ -96,22 +124,47 @@ impl Occupancy {
         Self {
             inside: Ranges::of(inside),
             between: Ranges::of(between),
+            slabs: OnceLock::new(),
             grain,
             blocks,
             height,
         }
     }
 
-    /// The ranges that the planes of a view look at.
-    fn ranges(&self, plan: &Plan) -> &Ranges {
-        let [_, _, step] = plan.step();
-        let all_in_slices = step.frac() == 0;
-        if all_in_slices { &self.inside } else { &self.between }
+    /// The ranges of what a pipeline looks at.
+    fn ranges(&self, looks: Looks) -> &Ranges {
+        match looks {
+            Looks::Slices => &self.inside,
+            Looks::Planes => &self.between,
+            Looks::Slabs => self.slabs.get_or_init(|| self.of_slabs()),
+        }
     }
 
-    /// The share of blocks that can show something under a table, 0 to 1, for the planes of a view.
-    pub fn share(&self, plan: &Plan, support: Support) -> f64 {
-        let ranges = self.ranges(plan);
+    /// Ranges of slabs: those of a block with its neighbours', of the row before and the row behind as well.
+    fn of_slabs(&self) -> Ranges {
+        let row_len = self.blocks.max(1);
+        let slice_len = row_len * self.height.max(1);
+        let steps = &self.between.steps;
+        let mut slabs = vec![[u8::MAX, 0]; steps.len()];
+        let slices = slabs.par_chunks_mut(slice_len).zip(steps.par_chunks(slice_len));
+        slices.for_each(|(out, steps)| {
+            let rows = steps.len() / row_len;
+            for (row, out) in out.chunks_mut(row_len).enumerate() {
+                for (block, out) in out.iter_mut().enumerate() {
+                    for row in row.saturating_sub(1)..(row + 2).min(rows) {
+                        for block in block.saturating_sub(1)..(block + 2).min(row_len) {
+                            *out = union(*out, steps[row * row_len + block]);
+                        }
+                    }
+                }
+            }
+        });
+        Ranges::of(slabs)
+    }
+
+    /// The share of blocks that can show something under a table, 0 to 1.
+    pub fn share(&self, looks: Looks, support: Support) -> f64 {
+        let ranges = self.ranges(looks);
         let next = next_visible(support);
         let by_low = next.iter().zip(ranges.counts.chunks_exact(STEPS));
         let seen: usize = by_low
@@ -120,10 +173,10 @@ impl Occupancy {
         seen as f64 / ranges.steps.len().max(1) as f64
     }
 
-    /// The blocks that can show something under a table, for the planes of a view; in parallel.
-    pub fn sight(&self, plan: &Plan, support: Support) -> Sight {
+    /// The blocks that can show something under a table; in parallel.
+    pub fn sight(&self, looks: Looks, support: Support) -> Sight {
         let next = next_visible(support);
-        let steps = &self.ranges(plan).steps;
+        let steps = &self.ranges(looks).steps;
         let mut rows = vec![0; steps.len() / self.blocks.max(1)];
         (rows.par_iter_mut().with_min_len(1024))
             .zip(steps.par_chunks(self.blocks.max(1)))
@@ -142,7 +195,7 @@ impl Occupancy {
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         let bytes = |ranges: &Ranges| size_of_val(&ranges.steps[..]) + size_of_val(&ranges.counts[..]);
-        bytes(&self.inside) + bytes(&self.between)
+        bytes(&self.inside) + bytes(&self.between) + self.slabs.get().map_or(0, bytes)
     }
 }
 
@@ -232,7 +285,7 @@ mod tests {
                 .collect();
             let occupancy = Occupancy::of(&slices);
             let plan = plan(dims, if between { 3 } else { 1 });
-            let sight = occupancy.sight(&plan, support);
+            let sight = occupancy.sight(Looks::of_planes(&plan), support);
             let mut seen = 0;
             for (z, y) in (0..nz).flat_map(|z| (0..ny).map(move |y| (z, y))) {
                 let mut expected = 0;
@@ -252,7 +305,7 @@ mod tests {
                 seen += expected.count_ones() as usize;
             }
             let share = seen as f64 / (nx.div_ceil(16) * ny * nz) as f64;
-            prop_assert!((occupancy.share(&plan, support) - share).abs() < 1e-12);
+            prop_assert!((occupancy.share(Looks::of_planes(&plan), support) - share).abs() < 1e-12);
         }
     }
 }

@@ -8,11 +8,10 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 use slicecast::classify::Support;
-use slicecast::plan::Plan;
 use slicecast::slice::{RowRange, Slice, SliceError};
 use slicecast::view::{Axis, View};
 
-use crate::occupancy::{Occupancy, Sight};
+use crate::occupancy::{Looks, Occupancy, Sight};
 use crate::simd::Simd;
 use slicecast_volume::Volume;
 
@@ -115,12 +114,12 @@ impl<'a> Oriented<'a> {
         &self.occupancy
     }
 
-    /// The blocks that a pipeline with this support can show; none where they are so many that these vectors make rows faster
+    /// The blocks that a pipeline with this support can show, given what it looks at; none where they are so many that these vectors make rows faster
     /// as a whole.
-    pub fn sight(&self, plan: &Plan, support: Option<Support>, back_to_front: bool, simd: Simd) -> Option<Sight> {
+    pub fn sight(&self, looks: Looks, support: Option<Support>, back_to_front: bool, simd: Simd) -> Option<Sight> {
         let support = support?;
-        let few = self.occupancy.share(plan, support) < self.dense.unwrap_or(dense(simd, back_to_front));
-        few.then(|| self.occupancy.sight(plan, support))
+        let few = self.occupancy.share(looks, support) < self.dense.unwrap_or(dense(simd, back_to_front));
+        few.then(|| self.occupancy.sight(looks, support))
     }
 }
 

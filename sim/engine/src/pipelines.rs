@@ -1,5 +1,6 @@
 //! From a scene to one of core's pipeline types: the one place where run-time choices become types.
 
+use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
 use slicecast::plan::Plan;
 use slicecast::plane::{Composite, Pictured, Project};
@@ -11,6 +12,7 @@ use slicecast::shade::{PhongError, Shader, Unlit};
 
 use crate::camera::Material;
 use crate::expanded::Expanded;
+use crate::integrals::Integrals;
 use crate::rendering::{Framing, Under};
 use crate::table::{Correction, Table, has_fine_colours};
 #[doc(hidden)]
@@ -84,6 +86,20 @@ pub fn rendering_over(
     with_precision!(precision, precision => of_precision(precision, scene, table, material, plan))
 }
 
+/// The rendering of a composited scene whose segments are classified.
+///
+/// # Errors
+/// As [`rendering`].
+pub fn rendering_of_segments(
+    scene: &Scene,
+    integrals: &Integrals,
+    material: Option<&Material>,
+    plan: Plan,
+) -> Result<Box<dyn Framing>, PhongError> {
+    let back_to_front = scene.blend == Blend::BackToFront;
+    with_precision!(scene.precision, p => composited(p, scene, integrals.clone(), material, plan, back_to_front))
+}
+
 fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     precision: P,
     scene: &Scene,
@@ -91,25 +107,47 @@ fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     material: Option<&Material>,
     plan: Plan,
 ) -> Result<Box<dyn Framing>, PhongError> {
-    Ok(match (scene.blend, material) {
-        (Blend::FrontToBack, Some(material)) => {
+    Ok(match scene.blend {
+        Blend::FrontToBack => return composited(precision, scene, table, material, plan, false),
+        Blend::BackToFront => return composited(precision, scene, table, material, plan, true),
+        Blend::Maximum => under(plan, Project::<_, _, Maximum>::new(precision, table)),
+        Blend::Minimum => under(plan, Project::<_, _, Minimum>::new(precision, table)),
+    })
+}
+
+fn composited<P, C>(
+    precision: P,
+    scene: &Scene,
+    classifier: C,
+    material: Option<&Material>,
+    plan: Plan,
+    back_to_front: bool,
+) -> Result<Box<dyn Framing>, PhongError>
+where
+    P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>,
+    C: Classifier<P> + Send + 'static,
+{
+    Ok(match (back_to_front, material) {
+        (false, Some(material)) => {
+            let phong = material.phong(precision)?;
+            let pipeline = Composite::new(precision, classifier, phong);
+            under(plan, early(pipeline, scene.early_termination))
+        }
+        (false, None) => {
+            let pipeline = Composite::new(precision, classifier, Unlit);
+            under(plan, early(pipeline, scene.early_termination))
+        }
+        (true, Some(material)) => {
             let phong = material.phong(precision)?;
             under(
                 plan,
-                early(Composite::new(precision, table, phong), scene.early_termination),
+                Composite::<_, _, _, BackToFront>::new(precision, classifier, phong),
             )
         }
-        (Blend::FrontToBack, None) => under(
+        (true, None) => under(
             plan,
-            early(Composite::new(precision, table, Unlit), scene.early_termination),
+            Composite::<_, _, _, BackToFront>::new(precision, classifier, Unlit),
         ),
-        (Blend::BackToFront, Some(material)) => {
-            let phong = material.phong(precision)?;
-            under(plan, Composite::<_, _, _, BackToFront>::new(precision, table, phong))
-        }
-        (Blend::BackToFront, None) => under(plan, Composite::<_, _, _, BackToFront>::new(precision, table, Unlit)),
-        (Blend::Maximum, _) => under(plan, Project::<_, _, Maximum>::new(precision, table)),
-        (Blend::Minimum, _) => under(plan, Project::<_, _, Minimum>::new(precision, table)),
     })
 }
 
@@ -118,10 +156,10 @@ fn under<L: Pictured + Send + 'static>(plan: Plan, pipeline: L) -> Box<dyn Frami
 }
 
 /// Ends rays early if a scene asks for it.
-pub fn early<P: Precision, S: Shader<P>>(
-    pipeline: Composite<P, Expanded, S, FrontToBack>,
+pub fn early<P: Precision, C: Classifier<P>, S: Shader<P>>(
+    pipeline: Composite<P, C, S, FrontToBack>,
     bits: Option<u32>,
-) -> Composite<P, Expanded, S, FrontToBack> {
+) -> Composite<P, C, S, FrontToBack> {
     match bits {
         Some(bits) => pipeline.with_early_termination(bits),
         None => pipeline,

@@ -1,7 +1,7 @@
 //! The pipeline's definitions, applied to one ray at a time: what every row kernel, layer and vector has to equal.
 //!
 //! Only core's scalar definitions are used: `position`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`,
-//! `Classifier::opacity` and `colour`, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which
+//! `Classifier::opacity`, `colour` and those of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which
 //! voxels they are given follows from the contract and is written here once more: no rows, no ring, no spans, no reuse.
 //! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
 //! finished rays end, as any renderer of rays would have it, and that is what is measured.
@@ -11,7 +11,7 @@ mod grid;
 use rayon::prelude::*;
 use slicecast::classify::Classifier;
 use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
-use slicecast::format::{Opacity, Step, Weight};
+use slicecast::format::{Opacity, Position, Step, Weight};
 use slicecast::gradient::{coarsen, space};
 use slicecast::interpolate::trilinear;
 use slicecast::locate::{Cell, cell, position, settled};
@@ -25,6 +25,7 @@ use slicecast::shade::{Phong, PhongError};
 use self::grid::Grid;
 use crate::frame::Prepared;
 use crate::image::BaseImage;
+use crate::integrals::Integrals;
 use crate::table::AnyTable;
 use slicecast_scene::Blend;
 
@@ -64,8 +65,8 @@ pub trait Witness {
     const EVERYTHING: bool;
     /// The position of a phase's first pixel on a plane, 16.16.
     fn location(&mut self, _step: u32, _phase: u32, _at: [i32; 3]) {}
-    /// A sample, in the precision's bits.
-    fn sample(&mut self, _at: Visit, _sample: i32) {}
+    /// A sample, in the precision's bits, and the one in front of it where segments are classified.
+    fn sample(&mut self, _at: Visit, _sample: i32, _front: Option<i32>) {}
     /// A sample that was composited.
     fn composited<C: Channel>(&mut self, _at: Visit, _seen: &Composited<C>) {}
 }
@@ -99,6 +100,7 @@ struct Rays<'a, P: Precision> {
     plan: &'a Plan,
     grid: Grid<'a>,
     table: AnyTable<'a>,
+    integrals: Option<&'a Integrals>,
     phong: Option<Phong<P>>,
     blend: Blend,
     floor: ChannelOf<P>,
@@ -133,6 +135,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             grid: Grid::of(prepared.volume, plan),
             plan,
             table: prepared.table.classifier(),
+            integrals: prepared.integrals.as_ref(),
             phong: material.map(|material| material.phong(precision)).transpose()?,
             blend,
             floor: Channel::from_bits(pixel.floor().bits().max(asked)),
@@ -201,20 +204,30 @@ impl<'a, P: Precision> Rays<'a, P> {
     /// Cells of a ray's sample on a plane, or `None` outside the volume.
     #[inline(always)]
     fn locate<W: Witness>(&self, ray: &Ray, step: u32, witness: &mut W) -> Option<(Cells, Visit)> {
-        let index = self.index(step);
-        let [si, sj, sk] = self.plan.step();
-        let [start_i, start_j] = ray.start;
-        let x = settled(self.plan, position(start_i, si, index));
-        let y = settled(self.plan, position(start_j, sj, index));
-        let z = settled(self.plan, position(Step::ZERO, sk, index));
+        let positions = self.positions(ray, self.index(step));
         let visit = Visit {
             step,
             phase: ray.phase,
             row: ray.row,
             column: ray.column,
         };
-        witness.location(step, visit.phase, [x.to_bits(), y.to_bits(), z.to_bits()]);
-        let mut cells = [cell(x), cell(y), cell(z)];
+        witness.location(step, visit.phase, positions.map(Position::to_bits));
+        Some((self.cells(ray, positions)?, visit))
+    }
+
+    /// Where the first pixel of a ray's phase lies on a plane.
+    #[inline(always)]
+    fn positions(&self, ray: &Ray, index: u32) -> [Position; 3] {
+        let [si, sj, sk] = self.plan.step();
+        let [start_i, start_j] = ray.start;
+        [(start_i, si), (start_j, sj), (Step::ZERO, sk)]
+            .map(|(start, step)| settled(self.plan, position(start, step, index)))
+    }
+
+    /// The cells of a ray's sample, or `None` outside the volume.
+    #[inline(always)]
+    fn cells(&self, ray: &Ray, positions: [Position; 3]) -> Option<Cells> {
+        let mut cells = positions.map(cell);
         cells[0].index += ray.column as i32;
         cells[1].index += ray.row as i32;
         for (cell, last) in cells.iter().zip(&self.grid.last) {
@@ -223,7 +236,13 @@ impl<'a, P: Precision> Rays<'a, P> {
                 return None;
             }
         }
-        Some((cells, visit))
+        Some(cells)
+    }
+
+    /// Cells of a ray's sample on the plane in front of a step's; `None` if it has none inside the volume.
+    fn in_front(&self, ray: &Ray, step: u32) -> Option<Cells> {
+        let index = self.index(step).checked_sub(1)?;
+        self.cells(ray, self.positions(ray, index))
     }
 
     fn index(&self, step: u32) -> u32 {
@@ -248,19 +267,41 @@ impl<'a, P: Precision> Rays<'a, P> {
             } else {
                 self.sample::<false>(cells)
             };
-            witness.sample(at, sample);
-            let opacity = self.table.opacity(p, sample);
+            let front = match self.integrals {
+                None => None,
+                Some(_) => match self.in_front(ray, step) {
+                    // The ray's first sample ends no segment.
+                    None => continue,
+                    front => front,
+                },
+            };
+            let front_sample = front.map(|cells| self.sample::<false>(cells));
+            witness.sample(at, sample, front_sample);
+            let opacity = match (self.integrals, front_sample) {
+                (Some(integrals), Some(front)) => integrals.segment_opacity(p, [front, sample]),
+                _ => self.table.opacity(p, sample),
+            };
             if !W::EVERYTHING && opacity.to_bits() == 0 {
                 continue;
             }
             let before = pixel;
-            let colour = self.table.colour(p, sample);
+            let colour = match (self.integrals, front_sample) {
+                (Some(integrals), Some(front)) => integrals.segment_colour(p, [front, sample]),
+                _ => self.table.colour(p, sample),
+            };
             let lit = self.phong.as_ref().map(|phong| {
-                if inner {
-                    self.shaded::<true>(phong, cells, colour)
+                let mut gradient = if inner {
+                    self.gradient::<true>(cells)
                 } else {
-                    self.shaded::<false>(phong, cells, colour)
+                    self.gradient::<false>(cells)
+                };
+                if let Some(front) = front {
+                    for (sum, other) in gradient.iter_mut().zip(self.gradient::<false>(front)) {
+                        *sum += other;
+                    }
                 }
+                let normal = normalise(gradient);
+                (gradient, normal, phong.shade(normal, colour))
             });
             let shaded = lit.map_or(colour, |(_, _, shaded)| shaded);
             let dither = Dither::of_plane(self.index(step));
@@ -292,19 +333,14 @@ impl<'a, P: Precision> Rays<'a, P> {
             if let Some((cells, at)) = self.locate(ray, step, witness) {
                 let sample = self.sample::<false>(cells);
                 kept = X::keep(kept, sample);
-                witness.sample(at, sample);
+                witness.sample(at, sample, None);
             }
         }
         resolve::<_, X>(self.precision, kept, &self.table)
     }
 
-    /// Gradient, normal and shaded colour of a sample. `INNER`: all voxels that are looked at exist.
-    fn shaded<const INNER: bool>(
-        &self,
-        phong: &Phong<P>,
-        cells: Cells,
-        colour: [u32; 3],
-    ) -> ([i32; 3], Normal, [u32; 3]) {
+    /// Gradient of a sample, spaced. `INNER`: all voxels that are looked at exist.
+    fn gradient<const INNER: bool>(&self, cells: Cells) -> [i32; 3] {
         let weights = cells.map(|c| c.weight);
         let at = |corners: Corners| trilinear(self.precision, corners, weights);
         let grid = &self.grid;
@@ -329,8 +365,7 @@ impl<'a, P: Precision> Rays<'a, P> {
         if gradient_bits < 15 {
             gradient = coarsen(gradient, gradient_bits);
         }
-        let normal = normalise(gradient);
-        (gradient, normal, phong.shade(normal, colour))
+        gradient
     }
 
     /// The sample that is classified: voxels of the volume only; behind the last there is none and none is needed.

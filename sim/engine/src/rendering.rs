@@ -15,6 +15,7 @@ use slicecast::tap::Tap;
 use crate::error::RenderError;
 use crate::frame::Prepared;
 use crate::image::{BaseImage, Rgb, base_image, new_image};
+use crate::occupancy::Looks;
 use crate::oriented::Oriented;
 use crate::picture::picture;
 use crate::simd::Simd;
@@ -33,6 +34,8 @@ pub trait Rendering: Send + Sync {
     fn needs(&self) -> Needs;
     /// Which voxel ranges can change the image; `None` where any can.
     fn support(&self) -> Option<Support>;
+    /// What it looks at of a slice and the next.
+    fn looks(&self) -> Looks;
     /// The order of compositing.
     fn back_to_front(&self) -> bool;
 
@@ -101,6 +104,10 @@ impl<L: Pipeline + Send> Rendering for Under<L> {
 
     fn support(&self) -> Option<Support> {
         self.pipeline.support()
+    }
+
+    fn looks(&self) -> Looks {
+        Looks::of::<L>(&self.plan)
     }
 
     fn back_to_front(&self) -> bool {

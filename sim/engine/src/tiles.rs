@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use slicecast::lanes::Lanes;
 use slicecast::locate::{cell, plane};
 use slicecast::plan::Plan;
-use slicecast::plane::{At, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len};
+use slicecast::plane::{At, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, near_slice};
 use slicecast::slice::{Slice, Window};
 use slicecast::tap::Tap;
 
-use crate::occupancy::Sight;
+use crate::occupancy::{Looks, Sight};
 use crate::oriented::Oriented;
 use crate::rendering::{LendTap, Progress};
 use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
@@ -41,7 +41,7 @@ pub(crate) fn fold_oriented<L: Pipeline>(
     simd: Simd,
     progress: Progress<'_>,
 ) {
-    let sight = volume.sight(plan, pipeline.support(), L::BACK_TO_FRONT, simd);
+    let sight = volume.sight(Looks::of::<L>(plan), pipeline.support(), L::BACK_TO_FRONT, simd);
     let slices = (volume.slices, sight.as_ref());
     fold_tiles(plan, pipeline, slices, image, tile_rows, simd, progress);
 }

@@ -67,6 +67,7 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         lookup: None,
         interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
+        classification: slicecast_scene::Classification::Point,
     }
 }
 

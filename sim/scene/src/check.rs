@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use thiserror::Error;
 
-use super::{Image, Light, Lighting, Sampling, Scene, TransferFunction, View};
+use super::{Blend, Classification, Image, Interpolation, Light, Lighting, Sampling, Scene, TransferFunction, View};
 
 /// Angles about an axis, degrees.
 pub const TURN: RangeInclusive<f64> = -360.0..=360.0;
@@ -69,7 +69,23 @@ impl Scene {
         if let Some(n) = self.early_termination {
             whole("render.early_termination", i64::from(n), EARLY_TERMINATION)?;
         }
+        self.classification()?;
         self.lighting.as_ref().map_or(Ok(()), lighting)
+    }
+
+    /// Segments need rays that are composited and values between voxels.
+    fn classification(&self) -> Result<(), FieldError> {
+        if self.classification != Classification::Integral {
+            return Ok(());
+        }
+        let refused = |expected| Err(FieldError::new("render.classification", "\"integral\"", expected));
+        if !matches!(self.blend, Blend::FrontToBack | Blend::BackToFront) {
+            return refused("\"point\" under a projection, which keeps single samples");
+        }
+        if self.interpolation == Interpolation::Nearest {
+            return refused("\"point\" with nearest interpolation: between labels lie values that no voxel has");
+        }
+        Ok(())
     }
 }
 

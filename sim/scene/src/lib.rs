@@ -39,6 +39,8 @@ pub struct Scene {
     pub lookup: Option<LookupName>,
     /// Rays stop when their transparency falls below 2^-n; `None` never stops them early.
     pub early_termination: Option<u32>,
+    /// What is classified along a ray.
+    pub classification: Classification,
 }
 
 /// The viewing direction as angles, in degrees.
@@ -371,6 +373,19 @@ pub enum AlphaCodeName {
     Sqrt16,
     /// The square root in 16 bits, and colours in 16 bits.
     Colour16,
+}
+
+/// What is classified along a composited ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Classification {
+    /// Samples.
+    #[default]
+    Point,
+    /// Segments between samples: the transfer function integrated over the values between them.
+    Integral,
+    /// Segments where the transfer function is finer than what neighbouring samples differ by, else samples.
+    Auto,
 }
 
 /// The value of a sample between voxels.

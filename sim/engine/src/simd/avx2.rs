@@ -434,6 +434,21 @@ impl Lanes for Avx2 {
         })
     }
     #[inline(always)]
+    fn reciprocal(self) -> Self {
+        let quotients = |v: __m256i| {
+            avx2!({
+                // 2^52; exact (`slicecast::reciprocal`).
+                let numerator = _mm256_set1_pd(4_503_599_627_370_496.0);
+                _mm256_cvttpd_epi32(_mm256_div_pd(numerator, of_low_halves(v)))
+            })
+        };
+        let (even, odd) = (quotients(self.0), quotients(self.odd()));
+        avx2!({
+            let (low, high) = (_mm_unpacklo_epi32(even, odd), _mm_unpackhi_epi32(even, odd));
+            Self(_mm256_set_m128i(high, low))
+        })
+    }
+    #[inline(always)]
     fn with_sign_of(self, sign: Self) -> Self {
         // An odd number is not 0, for which the instruction would give 0.
         Self(avx2!(_mm256_sign_epi32(
@@ -502,6 +517,14 @@ impl Wide for Products {
     #[inline(always)]
     fn shl(self, by: u32) -> Self {
         self.each(|v| avx2!(_mm256_sll_epi64(v, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn shr_each(self, by: Avx2) -> Self {
+        let by = Self::of(by);
+        Self(
+            avx2!(_mm256_srlv_epi64(self.0, by.0)),
+            avx2!(_mm256_srlv_epi64(self.1, by.1)),
+        )
     }
     #[inline(always)]
     fn at_least_zero(self) -> Self {

@@ -435,6 +435,18 @@ impl Lanes for Avx512 {
         })
     }
     #[inline(always)]
+    fn reciprocal(self) -> Self {
+        avx512!({
+            // 2^52; exact (`slicecast::reciprocal`).
+            let numerator = _mm512_set1_pd(4_503_599_627_370_496.0);
+            let low = _mm512_cvtepi32_pd(_mm512_castsi512_si256(self.0));
+            let high = _mm512_cvtepi32_pd(_mm512_extracti64x4_epi64::<1>(self.0));
+            let low = _mm512_cvttpd_epi32(_mm512_div_pd(numerator, low));
+            let high = _mm512_cvttpd_epi32(_mm512_div_pd(numerator, high));
+            Self(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
+        })
+    }
+    #[inline(always)]
     fn with_sign_of(self, sign: Self) -> Self {
         avx512!({
             let negative = _mm512_movepi32_mask(sign.0);
@@ -487,6 +499,14 @@ impl Wide for Products {
     #[inline(always)]
     fn shl(self, by: u32) -> Self {
         self.each(|v| avx512!(_mm512_sll_epi64(v, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn shr_each(self, by: Avx512) -> Self {
+        let by = Self::of(by);
+        Self(
+            avx512!(_mm512_srlv_epi64(self.0, by.0)),
+            avx512!(_mm512_srlv_epi64(self.1, by.1)),
+        )
     }
     #[inline(always)]
     fn at_least_zero(self) -> Self {

@@ -52,6 +52,7 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         lookup: None,
         interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
+        classification: slicecast_scene::Classification::Point,
     }
 }
 

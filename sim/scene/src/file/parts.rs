@@ -9,8 +9,8 @@ use crate::check::{
 };
 use crate::colour::Colour;
 use crate::{
-    AlphaCodeName, Blend, Frame, Highlight, Image, Interpolation, Light, Lighting, LookupName, Point, PrecisionName,
-    Sampling, Scene, TransferFunction, View,
+    AlphaCodeName, Blend, Classification, Frame, Highlight, Image, Interpolation, Light, Lighting, LookupName, Point,
+    PrecisionName, Sampling, Scene, TransferFunction, View,
 };
 
 /// A whole scene file.
@@ -95,6 +95,7 @@ struct RenderPart {
     table: Option<AlphaCodeName>,
     lookup: Option<LookupName>,
     early_termination: Option<i64>,
+    classification: Option<Classification>,
 }
 
 impl SceneFile {
@@ -116,6 +117,7 @@ impl SceneFile {
             table: self.render.table,
             lookup: self.render.lookup,
             early_termination,
+            classification: self.render.classification.unwrap_or_default(),
         })
     }
 }

@@ -1,0 +1,172 @@
+//! The source of slabs: the samples of a plane and of the plane in front of it, on the same rays.
+//!
+//! Nothing is kept from plane to plane: the front row is made again from the same slices. That suffices because no slab
+//! straddles a slice: a plane lies between the slices of the plane in front of it, or in the second of them.
+
+use core::marker::PhantomData;
+use core::ops::Range;
+
+use super::blocks::Places;
+use super::extent::Extent;
+use super::probe::Probes;
+use super::source::{Sheared, Source, SourceAt};
+use crate::classify::Slab;
+use crate::lanes::{Kernel, Lanes, places};
+use crate::precision::Precision;
+use crate::shade::Shader;
+use crate::slice::Window;
+
+/// The window of a plane, given that of the plane in front of it: the same, or one slice further. `None` where the volume
+/// has no such slice.
+pub(super) fn window_behind<'w>(window: &Window<'w>, front: &Extent, back: &Extent) -> Option<Window<'w>> {
+    if back.z.index == front.z.index {
+        return Some(*window);
+    }
+    Some(Window {
+        before: Some(window.near),
+        near: window.far?,
+        far: window.after,
+        // Its weight is zero.
+        after: None,
+    })
+}
+
+/// Rows of slabs of sheared rays.
+pub(super) struct Slabs<'s, 'w, P, V, S> {
+    front: Sheared<'s, 'w, P, V, S>,
+    back: Sheared<'s, 'w, P, V, S>,
+    /// From a voxel row of the back plane to that of the front plane.
+    rows: i32,
+    gradients: [&'s mut [i32]; 3],
+}
+
+impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Slabs<'s, 'w, P, V, S> {
+    /// Slabs between two planes whose extents cover the same pixels.
+    #[inline(always)]
+    pub(super) fn new(
+        [front, back]: [Sheared<'s, 'w, P, V, S>; 2],
+        [front_extent, back_extent]: [&Extent; 2],
+        gradients: [&'s mut [i32]; 3],
+    ) -> Self {
+        Self {
+            front,
+            back,
+            rows: front_extent.y.index.wrapping_sub(back_extent.y.index),
+            gradients,
+        }
+    }
+}
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Slabs<'_, '_, P, V, S> {
+    #[inline(always)]
+    fn make(&mut self, row: i32) {
+        self.front.make(row.wrapping_add(self.rows));
+        self.back.make(row);
+    }
+
+    #[inline(always)]
+    fn slab(&self, row: i32) -> Slab<'_> {
+        let front = self.front.slab(row.wrapping_add(self.rows));
+        Slab::between(front.back, self.back.slab(row).back)
+    }
+
+    /// The sums of both ends' gradients: their length does not count.
+    #[inline(always)]
+    fn gradients(&mut self, row: i32, span: Range<usize>, out: [&mut [i32]; 3]) {
+        let [x, y, z] = out;
+        self.back.gradients(row, span.clone(), [&mut *x, &mut *y, &mut *z]);
+        let len = x.len();
+        let [fx, fy, fz] = self
+            .gradients
+            .each_mut()
+            .map(|row| row.get_mut(..len).unwrap_or(&mut []));
+        let front = row.wrapping_add(self.rows);
+        self.front.gradients(front, span, [&mut *fx, &mut *fy, &mut *fz]);
+        if S::LIT {
+            V::enter((Sum, PhantomData::<V>, [x, y, z], [&*fx, &*fy, &*fz]));
+        }
+    }
+}
+
+struct Sum;
+
+impl<V: Lanes> Kernel for (Sum, PhantomData<V>, [&mut [i32]; 3], [&[i32]; 3]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, sums, others) = self;
+        for (sum, other) in sums.into_iter().zip(others) {
+            let Some(other) = other.get(..sum.len()) else { return };
+            for at in places::<V>(sum.len()) {
+                (V::load(sum, at) + V::load(other, at)).store(sum, at);
+            }
+        }
+    }
+}
+
+/// Slabs of single vectors.
+pub(super) struct SlabProbes<'s, 'w, P, V> {
+    pub(super) front: Probes<'s, 'w, P, V>,
+    pub(super) back: Probes<'s, 'w, P, V>,
+}
+
+impl<P: Precision, V: Lanes> SlabProbes<'_, '_, P, V> {
+    /// From a voxel row and column of the back plane to those of the front plane.
+    #[inline(always)]
+    fn offset(&self) -> [i32; 2] {
+        let (front, back) = (self.front.extent, self.back.extent);
+        [
+            front.y.index.wrapping_sub(back.y.index),
+            front.x.index.wrapping_sub(back.x.index),
+        ]
+    }
+}
+
+impl<P: Precision, V: Lanes> SourceAt<i32> for SlabProbes<'_, '_, P, V> {
+    #[inline(always)]
+    fn samples_at(&self, places: &Places<'_>, count: usize, [front, back]: [&mut [i32]; 2]) {
+        self.front.samples_from(places, self.offset(), count, front);
+        self.back.samples_from(places, [0; 2], count, back);
+    }
+
+    #[inline(always)]
+    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[i32], out: [&mut [i32]; 3]) {
+        V::enter((SumsAt, self, places, count, chosen, out));
+    }
+}
+
+struct SumsAt;
+
+impl<P: Precision, V: Lanes> Kernel
+    for (
+        SumsAt,
+        &SlabProbes<'_, '_, P, V>,
+        &Places<'_>,
+        usize,
+        &[i32],
+        [&mut [i32]; 3],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, probes, places, count, chosen, [gx, gy, gz]) = self;
+        let (front, back, [rows, columns]) = (probes.front.probe(), probes.back.probe(), probes.offset());
+        let mut at = 0;
+        for number in 0..count {
+            let (row, column) = places.get(number);
+            let chosen = V::load(chosen, number * V::COUNT);
+            let (row, column) = (places.voxel_row(row), column as i32);
+            let [fx, fy, fz] = probes
+                .front
+                .spaced(front.gradient(row.wrapping_add(rows), column + columns));
+            let [bx, by, bz] = probes.back.spaced(back.gradient(row, column));
+            (fx + bx).packed(chosen).store(gx, at);
+            (fy + by).packed(chosen).store(gy, at);
+            (fz + bz).packed(chosen).store(gz, at);
+            at += chosen.count();
+        }
+    }
+}
