@@ -2,9 +2,10 @@
 
 use crate::projection;
 use slicecast::format::Opacity;
+use slicecast_engine::fineness::{self, Finest};
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::{BaseImage, Frame, Rgb};
-use slicecast_scene::Blend;
+use slicecast_scene::{Blend, Classification};
 use slicecast_volume::statistics::Statistics;
 
 /// Steps of 1/255 that a pixel has to differ from the background by to be seen.
@@ -198,6 +199,39 @@ fn too_thin(prepared: &Prepared<'_>) -> String {
 fn unit_distance(prepared: &Prepared<'_>) -> String {
     let shortest = prepared.volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
     format!("`--unit-distance {}` means them for one voxel", rounded(shortest, 5))
+}
+
+/// Says that a transfer function is finer than the field, and what is done about it; what `auto` has chosen in any case.
+pub fn fineness(prepared: &Prepared<'_>) -> Option<String> {
+    let (scene, segments) = (prepared.scene, prepared.integrals.is_some());
+    if scene.classification == Classification::Integral {
+        return None;
+    }
+    let finest = fineness::of(scene, prepared.volume);
+    let facts = |Finest {
+                     codes,
+                     width,
+                     difference,
+                 }: Finest| {
+        let [low, high] = codes.map(|code| prepared.volume.mapping.value(f64::from(code)));
+        format!(
+            "at {low} to {high} the transfer function has a peak {width} codes wide, and neighbouring samples differ by {difference}"
+        )
+    };
+    match (scene.classification, finest) {
+        (Classification::Auto, None) => Some("classification: point; the transfer function has no narrow peak".into()),
+        (Classification::Auto, Some(finest)) => {
+            let chosen = if segments { "integral" } else { "point" };
+            Some(format!("classification: {chosen}; {}", facts(finest)))
+        }
+        (_, Some(finest)) if finest.is_missed() => {
+            let facts = facts(finest);
+            Some(format!(
+                "{facts}: some is stepped over; --classification integral sees all of it"
+            ))
+        }
+        _ => None,
+    }
 }
 
 #[cfg(test)]

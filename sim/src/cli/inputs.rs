@@ -10,7 +10,7 @@ use slicecast_engine::simd::Simd;
 use slicecast_scene::View;
 use slicecast_scene::check;
 use slicecast_scene::import::Shading;
-use slicecast_scene::{AlphaCodeName, Blend, Interpolation, LookupName, PrecisionName, Scene};
+use slicecast_scene::{AlphaCodeName, Blend, Classification, Interpolation, LookupName, PrecisionName, Scene};
 use slicecast_volume::choice::{Choice, NanRule, Series};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::{self, Loaded, Options, prepare};
@@ -229,6 +229,13 @@ enum LookupArg {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
+enum ClassificationArg {
+    Point,
+    Integral,
+    Auto,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
 enum InterpolationArg {
     Linear,
     Nearest,
@@ -265,6 +272,10 @@ pub struct SceneArgs {
     /// Table look-up; without it, the scene's or the precision's.
     #[arg(long)]
     lookup: Option<LookupArg>,
+    /// What is classified along a ray: samples (point), segments between samples (integral), or segments where the transfer
+    /// function is finer than what neighbouring samples differ by (auto); without it, the scene's.
+    #[arg(long)]
+    classification: Option<ClassificationArg>,
     /// The value between voxels; without it, the scene's. Labels are names, and are sampled nearest.
     #[arg(long)]
     interpolation: Option<InterpolationArg>,
@@ -417,6 +428,13 @@ impl SceneArgs {
                 LookupArg::Nearest => LookupName::Nearest,
                 LookupArg::Linear => LookupName::Linear,
             });
+        }
+        if let Some(classification) = self.classification {
+            scene.classification = match classification {
+                ClassificationArg::Point => Classification::Point,
+                ClassificationArg::Integral => Classification::Integral,
+                ClassificationArg::Auto => Classification::Auto,
+            };
         }
         if let Some(interpolation) = self.interpolation {
             scene.interpolation = match interpolation {

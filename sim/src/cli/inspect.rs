@@ -210,6 +210,9 @@ impl Drawn {
         let framing = Framing::of(std::slice::from_ref(&chosen.scene), volume, Stated::default())?;
         let scene = framing.scene(&chosen.scene, volume);
         let prepared = Prepared::new(&scene, volume)?;
+        if let Some(note) = visibility::fineness(&prepared) {
+            eprintln!("note: {note}");
+        }
         let plan = &prepared.setup.plan;
         let [w, h] = plan.base();
         let started = Instant::now();

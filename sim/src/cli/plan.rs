@@ -3,8 +3,9 @@
 use serde::Serialize;
 use slicecast::view::Axis;
 use slicecast_engine::camera::{Material, plan};
-use slicecast_engine::pipelines::{compile, rendering};
-use slicecast_scene::Blend;
+use slicecast_engine::integrals::{Cumulative, length};
+use slicecast_engine::pipelines::{compile, rendering, rendering_of_segments};
+use slicecast_scene::{Blend, Classification};
 use slicecast_volume::Mapping;
 
 use super::Failure;
@@ -65,7 +66,15 @@ impl Args {
             offset: 0.0,
         };
         let table = compile(&scene, &codes, 1.0);
-        let rendering = rendering(&scene, &table, lights.as_ref(), plan).map_err(Failure::input)?;
+        let mut table_bytes = table.bytes();
+        let rendering = if scene.classification == Classification::Integral {
+            let integrals = Cumulative::compile(&scene.transfer, &codes, 1.0, 0);
+            table_bytes = integrals.bytes();
+            rendering_of_segments(&scene, &integrals.classifier(length(1.0)), lights.as_ref(), plan)
+        } else {
+            rendering(&scene, &table, lights.as_ref(), plan)
+        };
+        let rendering = rendering.map_err(Failure::input)?;
         let needs = rendering.needs();
         let [slices, ranges, scratch, image] = needs.bytes();
         let [width, height, depth] = plan.dims();
@@ -94,7 +103,7 @@ impl Args {
             scratch_bytes: scratch,
             image_bytes: image,
             ram_bytes: slices + ranges + scratch + image,
-            table_bytes: table.bytes(),
+            table_bytes,
         };
         if self.json {
             let text = serde_json::to_string_pretty(&facts).map_err(Failure::machine)?;

@@ -60,6 +60,9 @@ impl Args {
         let framing = self.picture.frame(scenes, &loaded.volume, &self.scene)?;
         let scene = framing.scene(&chosen.scene, &loaded.volume);
         let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
+        if let Some(note) = visibility::fineness(&prepared) {
+            eprintln!("note: {note}");
+        }
         let layer = if self.stream {
             Layer::Stream
         } else {

@@ -139,7 +139,11 @@ impl Args {
         let scenes = sweep::views(&scene, self.views);
         let views = scenes.iter().map(|scene| Prepared::new(scene, &loaded.volume));
         let views: Vec<_> = views
-            .map(|view| Ok(view?.with_simd(self.threads.simd())))
+            .map(|view| {
+                let view = view?;
+                view.check_points()?;
+                Ok(view.with_simd(self.threads.simd()))
+            })
             .collect::<Result<_, RenderError>>()?;
         let asked = chosen.len();
         chosen = choose::applicable(&all, &chosen, scene.lighting.is_some());

@@ -7,6 +7,8 @@ use clap::ValueEnum;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::table::Correction;
 
+use crate::visibility;
+
 use super::Failure;
 use super::inputs::{SceneArgs, VolumeArgs};
 use super::output::write_file;
@@ -54,6 +56,10 @@ impl Args {
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;
         let prepared = Prepared::new(&scene, &loaded.volume)?;
+        prepared.check_points()?;
+        if let Some(note) = visibility::fineness(&prepared) {
+            eprintln!("note: {note}");
+        }
         let step = prepared.setup.step_length;
         let mapping = &loaded.volume.mapping;
         let losses = export::losses(
