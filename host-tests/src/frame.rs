@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use slicecast::classify::{colour_of_byte, entry};
+use slicecast::classify::{colour_of_word, entry};
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::integral::{Colours, Length};
 use slicecast::plan::{Plan, Sampling, Spacing};
@@ -157,7 +157,7 @@ impl Frame {
         let mut lists = [(); 4].map(|()| vec![0]);
         for (colour, root) in self.table.iter() {
             let extinction = (u32::from(*root) * u32::from(*root)) >> 13;
-            let [red, green, blue] = colour.map(|c| (u64::from(extinction) * u64::from(c) / 255) as u32);
+            let [red, green, blue] = colour.map(|c| (u64::from(extinction) * u64::from(c) / 65535) as u32);
             for ((sum, list), part) in sums.iter_mut().zip(&mut lists).zip([extinction, red, green, blue]) {
                 *sum += part;
                 list.push(*sum);
@@ -166,7 +166,7 @@ impl Frame {
         let [extinction, colours @ ..] = lists;
         let (first, _) = self.table[0];
         let colours = if self.table.iter().all(|(colour, _)| *colour == first) {
-            Colours::One(first.map(|c| colour_of_byte(c, 31)))
+            Colours::One(first.map(|c| colour_of_word(c, 31)))
         } else {
             Colours::Each(colours)
         };

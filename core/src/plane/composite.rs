@@ -18,7 +18,7 @@ use crate::lanes::Lanes;
 use crate::locate;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::{part, part_mut, three};
+use crate::rows::{part, part_mut};
 use crate::shade::Shader;
 use crate::tap::Tap;
 

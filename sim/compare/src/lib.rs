@@ -106,7 +106,6 @@ pub fn compare(
     positions: ModelPositions,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Comparison, RenderError> {
-    prepared.check_points()?;
     let plan = &prepared.setup.plan;
     let model = model(prepared, positions);
     beside(
@@ -129,7 +128,7 @@ pub fn model<'a>(prepared: &Prepared<'a>, positions: ModelPositions) -> Model<'a
         ModelPositions::Exact => Positions::Exact,
         ModelPositions::Pipeline => Positions::Given(Box::new(pipeline_positions(plan))),
     };
-    Model::new(prepared.scene, prepared.volume, lattice, positions)
+    Model::new(prepared.scene, prepared.volume, lattice, positions).with_segments(prepared.integrals.is_some())
 }
 
 /// The pipeline's positions as a function of plane and full-resolution pixel.

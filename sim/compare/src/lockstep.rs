@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use slicecast::composite::{Channel, Recurrence};
 use slicecast::format::{Coefficient, Opacity, Vector};
-use slicecast::locate::Plane;
+use slicecast::locate::{self, Plane};
+use slicecast::plan::Plan;
 use slicecast::precision::{NormalForm, Precision};
 use slicecast::shade::{formed, formed_nearest, keep, keep_vector};
 use slicecast::tap::{Beam, Bits, Tap};
@@ -14,7 +15,7 @@ use slicecast_engine::camera::{Material, Setup};
 use slicecast_engine::tiles::Tile;
 use slicecast_model::gradient::normalise;
 use slicecast_model::shade::{Lights, ResolvedLight};
-use slicecast_model::{Model, Pixel};
+use slicecast_model::{Classified, Model, Pixel};
 use slicecast_scene::Blend;
 
 /// What the model knows of a sample of the current plane.
@@ -166,6 +167,7 @@ impl Scales {
 /// A tap that runs the f64 model in step with the pipeline and gathers the errors of every stage.
 pub struct Lockstep<'a> {
     model: &'a Model<'a>,
+    plan: Plan,
     lights: Option<PipelineLights>,
     /// Spacing factors as the pipeline has them.
     spacing: [f64; 3],
@@ -182,6 +184,8 @@ pub struct Lockstep<'a> {
     /// The row under way, dequantised: index of its first pixel, sample values, opacities.
     row: usize,
     values: Vec<f64>,
+    /// The samples of the plane in front, where segments are classified.
+    fronts: Vec<f64>,
     opacities: Vec<f64>,
     /// The span under way: gradients, normals, colours (shaded ones after shading), pixels before it.
     gradients: Vec<[f64; 3]>,
@@ -203,6 +207,7 @@ impl<'a> Lockstep<'a> {
         };
         Self {
             model,
+            plan: setup.plan,
             lights,
             spacing: setup.plan.spacing().map(|f| f64::from(f.to_bits()) / 32768.0),
             blend,
@@ -215,6 +220,7 @@ impl<'a> Lockstep<'a> {
             pixels: vec![Pixel::TRANSPARENT; count],
             row: 0,
             values: Vec::new(),
+            fronts: Vec::new(),
             opacities: Vec::new(),
             gradients: Vec::new(),
             normals: Vec::new(),
@@ -267,12 +273,13 @@ impl<'a> Lockstep<'a> {
         for index in 0..self.samples.len() {
             let (column, row) = (index % self.width, index / self.width + self.tile.first as usize);
             let (u, v) = self.full(plane, column, row);
-            let sample = self.model.position(plane.index as usize, u, v).map(|position| {
-                let value = self.model.value_at(position);
-                let classified = self.model.classify(value);
+            let sample = self.model.place(plane.index as usize, u, v).map(|place| {
+                let value = self.model.value_at(place.position);
+                let front = place.front.map(|at| self.model.value_at(at));
+                let classified = self.model.classify_behind(front, value);
                 let visible = (composited && classified.opacity > 0.0).then(|| {
                     let (gradient, normal) = if lit {
-                        let gradient = self.model.gradient_at(position);
+                        let gradient = self.model.gradient_of(place);
                         (gradient, normalise(gradient))
                     } else {
                         ([0.0; 3], [0.0; 3])
@@ -373,9 +380,27 @@ impl Tap for Lockstep<'_> {
 }
 
 impl Lockstep<'_> {
+    /// The model's classification of the row's own samples.
+    fn classified(&self, offset: usize) -> Classified {
+        self.model
+            .classify_behind(self.fronts.get(offset).copied(), self.values[offset])
+    }
+
+    /// The pipeline's own position of a sample on the plane in front, where segments are classified.
+    fn front_position(&self, at: Beam<'_>, offset: usize) -> Option<[f64; 3]> {
+        let index = at.plane.index.checked_sub(1).filter(|_| !self.fronts.is_empty())?;
+        let plane = locate::plane(&self.plan, at.plane.phase, index);
+        Some(fixed_position(Beam { plane: &plane, ..at }, offset))
+    }
+
     fn samples(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.row = self.index(at);
         self.values.clear();
+        self.fronts.clear();
+        if let [_, front] = rows {
+            let value = |bits: u32| f64::from(bits as i32) / self.scales.sample_one;
+            self.fronts.extend((0..front.len()).map(|at| value(front.bits(at))));
+        }
         for (offset, [bits]) in values(rows) {
             let fixed = f64::from(bits) / self.scales.sample_one;
             self.values.push(fixed);
@@ -391,7 +416,7 @@ impl Lockstep<'_> {
             // As compositing will read it.
             let fixed = self.scales.opacity(bits);
             self.opacities.push(fixed);
-            let local = fixed - self.model.classify(self.values[offset]).opacity;
+            let local = fixed - self.classified(offset).opacity;
             let carried = self.samples[self.row + offset].map(|s| fixed - s.opacity);
             self.add(Stage::Opacity, local, carried);
         }
@@ -403,7 +428,7 @@ impl Lockstep<'_> {
             let index = self.index(at) + offset;
             let fixed = self.scales.colour(colour);
             self.colours.push(fixed);
-            let exact = self.model.classify(self.values[index - self.row]).colour;
+            let exact = self.classified(index - self.row).colour;
             self.add3(Stage::Colour, fixed, exact, self.visible(index).map(|v| v.colour));
         }
     }
@@ -413,7 +438,11 @@ impl Lockstep<'_> {
         for (offset, gradient) in values::<3>(rows) {
             let fixed = gradient.map(|g| f64::from(g) / self.scales.sample_one);
             self.gradients.push(fixed);
-            let difference = self.model.difference_at(fixed_position(at, offset));
+            let mut difference = self.model.difference_at(fixed_position(at, offset));
+            if let Some(front) = self.front_position(at, offset) {
+                let ahead = self.model.difference_at(front);
+                difference.iter_mut().zip(ahead).for_each(|(sum, part)| *sum += part);
+            }
             let exact = [0, 1, 2].map(|a| difference[a] * self.spacing[a]);
             let carried = self.visible(self.index(at) + offset).map(|v| v.gradient);
             self.add3(Stage::Gradient, fixed, exact, carried);

@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn lengths_keep_as_many_bits_as_fit() {
-        assert_eq!((length(1.0).bits, length(1.0).scaled), (27, 193_635_250));
+        assert_eq!((length(1.0).bits, length(1.0).scaled), (27, 193_635_251));
         assert_eq!((length(22.0).bits, length(22.3).bits), (27, 26));
         assert!(LENGTH_BITS.contains(&length(56_756.0).bits));
     }
@@ -224,15 +224,17 @@ mod tests {
     impl<P: Precision> OverLanes for Rows<'_, P> {
         type Output = [Vec<i32>; 4];
         fn run<V: Lanes>(self) -> Self::Output {
-            V::enter((self, std::marker::PhantomData::<V>))
+            V::enter(OfLanes(self, std::marker::PhantomData::<V>))
         }
     }
 
-    impl<P: Precision, V: Lanes> Kernel for (Rows<'_, P>, std::marker::PhantomData<V>) {
+    struct OfLanes<'a, P, V>(Rows<'a, P>, std::marker::PhantomData<V>);
+
+    impl<P: Precision, V: Lanes> Kernel for OfLanes<'_, P, V> {
         type Output = [Vec<i32>; 4];
         #[inline(always)]
         fn run(self) -> Self::Output {
-            let (Rows(p, table, front, back), _) = self;
+            let Self(Rows(p, table, front, back), _) = self;
             let mut rows = [(); 4].map(|()| vec![0; front.len()]);
             let [a, r, g, b] = &mut rows;
             table.opacity_row::<V>(p, Slab::between(front, back), a);

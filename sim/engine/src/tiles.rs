@@ -64,23 +64,8 @@ pub(crate) fn fold_tiles<L: Pipeline>(
         tile_rows,
         progress,
         &|tile, data, scratch| {
-            let way = Way {
-                plan,
-                slices,
-                seen,
-                tile,
-                back_to_front: L::BACK_TO_FRONT,
-            };
-            let folding = Folding {
-                pipeline,
-                rows: Rows {
-                    first: tile.first,
-                    data,
-                },
-                scratch,
-                tap: None,
-            };
-            enough(with_lanes(simd, FoldTile { way, folding }));
+            let fold = FoldTile::new(pipeline, Way::of::<L>(plan, slices, seen, tile), (data, scratch), None);
+            enough(with_lanes(simd, fold));
         },
     );
 }
@@ -199,23 +184,13 @@ fn fold_scalar<L: Pipeline>(
     scratch: &mut [i32],
     tap: &mut dyn Tap,
 ) -> Result<(), ScratchError> {
-    let way = Way {
-        plan,
-        slices,
-        seen: None,
-        tile,
-        back_to_front: L::BACK_TO_FRONT,
-    };
-    let folding = Folding {
+    FoldTile::new(
         pipeline,
-        rows: Rows {
-            first: tile.first,
-            data,
-        },
-        scratch,
-        tap: Some(tap),
-    };
-    FoldTile { way, folding }.run::<i32>()
+        Way::of::<L>(plan, slices, None, tile),
+        (data, scratch),
+        Some(tap),
+    )
+    .run::<i32>()
 }
 
 /// How many slices ahead of a plane memory is asked for.
@@ -232,9 +207,23 @@ struct Way<'a, 's> {
     seen: Option<&'a Sight>,
     tile: Tile,
     back_to_front: bool,
+    /// Number of the slice that a plane's window begins with.
+    near_slice: fn(&Plan, u32) -> i32,
 }
 
-impl Way<'_, '_> {
+impl<'a, 's> Way<'a, 's> {
+    /// The way of a kind of pipeline.
+    fn of<L: Pipeline>(plan: &'a Plan, slices: &'a [Slice<'s>], seen: Option<&'a Sight>, tile: Tile) -> Self {
+        Self {
+            plan,
+            slices,
+            seen,
+            tile,
+            back_to_front: L::BACK_TO_FRONT,
+            near_slice: near_slice::<L>,
+        }
+    }
+
     /// Goes through the planes, in a pipeline's order, until its rays are finished.
     fn walk(&self, fold: &mut dyn FoldPlane) -> Result<(), ScratchError> {
         let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
@@ -243,7 +232,7 @@ impl Way<'_, '_> {
         for step in 0..planes {
             let index = if self.back_to_front { planes - 1 - step } else { step };
             let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
-            let z = cell(plane.z).index;
+            let z = (self.near_slice)(self.plan, index);
             let wanted = if self.back_to_front { z - AHEAD } else { z + AHEAD };
             let mut fresh = None;
             if ahead != Some(wanted) {
@@ -325,6 +314,29 @@ impl<L: Pipeline, V: Lanes> FoldPlane for OfLanes<'_, '_, L, V> {
 struct FoldTile<'a, 's, L: Pipeline> {
     way: Way<'a, 's>,
     folding: Folding<'a, L>,
+}
+
+impl<'a, 's, L: Pipeline> FoldTile<'a, 's, L> {
+    fn new(
+        pipeline: &'a L,
+        way: Way<'a, 's>,
+        (data, scratch): (&'a mut [L::Element], &'a mut [i32]),
+        tap: Option<&'a mut dyn Tap>,
+    ) -> Self {
+        let rows = Rows {
+            first: way.tile.first,
+            data,
+        };
+        Self {
+            way,
+            folding: Folding {
+                pipeline,
+                rows,
+                scratch,
+                tap,
+            },
+        }
+    }
 }
 
 impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {

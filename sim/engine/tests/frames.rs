@@ -6,7 +6,9 @@ use slicecast_engine::cutout::Cutout;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::Frame;
 use slicecast_scene::file::built_in;
-use slicecast_scene::{Blend, Image, Interpolation, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
+use slicecast_scene::{
+    Blend, Classification, Image, Interpolation, Point, PrecisionName, Sampling, Scene, TransferFunction, View,
+};
 use slicecast_volume::{Mapping, Volume};
 
 /// Between the labels 2 and 9 lie all labels from 3 to 8, and none of them is there.
@@ -84,6 +86,7 @@ fn framed(precision: PrecisionName, background: [f64; 3], check: impl Fn(&Frame,
         lookup: None,
         interpolation: Interpolation::Linear,
         early_termination: None,
+        classification: Classification::Point,
     };
     let prepared = Prepared::new(&scene, &volume).unwrap();
     let frame = prepared.render(Layer::Tiles(8), &|_, _| {}).unwrap();

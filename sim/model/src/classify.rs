@@ -49,7 +49,7 @@ impl<'a> Classifier<'a> {
     pub fn classify(&self, code: f64) -> Classified {
         let written = self.as_written(code);
         Classified {
-            opacity: corrected(written.opacity, self.step_length / self.unit_distance),
+            opacity: corrected(written.opacity, self.step_in_units()),
             ..written
         }
     }
@@ -57,6 +57,30 @@ impl<'a> Classifier<'a> {
     /// Colour and opacity of a code as the user wrote them, the opacity over one unit distance.
     pub fn as_written(&self, code: f64) -> Classified {
         evaluate(self.points, self.mapping.value(code))
+    }
+
+    /// The data value of a code.
+    pub(super) fn value(&self, code: f64) -> f64 {
+        self.mapping.value(code)
+    }
+
+    /// The data values of the transfer function's points, ascending.
+    pub(super) fn corners(&self) -> impl Iterator<Item = f64> + '_ {
+        self.points.iter().map(|point| point.value)
+    }
+
+    /// Colour and opacity, as written, at a data value, by the straight piece that holds at another.
+    pub(super) fn on_piece_of(&self, inside: f64, value: f64) -> Classified {
+        on_piece(
+            self.points,
+            self.points.iter().take_while(|p| p.value <= inside).count(),
+            value,
+        )
+    }
+
+    /// The step in unit distances.
+    pub(super) fn step_in_units(&self) -> f64 {
+        self.step_length / self.unit_distance
     }
 
     /// The straight piece of the transfer function that a code lies on: how many points it has passed.
@@ -94,7 +118,11 @@ pub fn corrected(opacity: f64, ratio: f64) -> f64 {
 /// Constant below the first and above the last point. Of points with the same value the last one holds at the value
 /// itself and above, the first one below.
 fn evaluate(points: &[Point], value: f64) -> Classified {
-    let passed = points.iter().take_while(|p| p.value <= value).count();
+    on_piece(points, points.iter().take_while(|p| p.value <= value).count(), value)
+}
+
+/// The straight piece behind the first `passed` points, at a data value.
+fn on_piece(points: &[Point], passed: usize, value: f64) -> Classified {
     let (from, to) = (passed.saturating_sub(1), passed.min(points.len() - 1));
     let (a, b) = (points[from], points[to]);
     // a = b outside the points; otherwise a.value <= value < b.value.

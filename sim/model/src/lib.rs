@@ -12,6 +12,7 @@
 //! | interpolate | value at a position                                        | equations 13-14 |
 //! | gradient    | gradient at a position, normal                             | section 4.3     |
 //! | classify    | colour and opacity of a value, correction for the step     | equation 7      |
+//! | segment     | colour and opacity between two samples                     | Engel et al., 5, 6 |
 //! | shade       | Phong                                                      | equation 10     |
 //! | composite   | samples into pixels                                        | equations 4, 6  |
 //! | warp        | base plane into the viewer's image                         |                 |
@@ -29,6 +30,7 @@ mod integral;
 pub mod interpolate;
 pub mod rays;
 mod render;
+mod segment;
 pub mod shade;
 #[cfg(test)]
 mod testing;
@@ -40,6 +42,6 @@ pub mod warp;
 pub use classify::Classified;
 pub use composite::Pixel;
 pub use rays::{Geometry, Lattice};
-pub use render::{Model, ModelSample, Positions};
+pub use render::{Model, ModelSample, Place, Positions};
 pub use shade::Lights;
 pub use warp::{Affine, ModelImage};

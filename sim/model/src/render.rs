@@ -32,6 +32,17 @@ pub struct Model<'a> {
     blend: Blend,
     /// Whether samples lie at voxels.
     nearest: bool,
+    /// The smallest spacing, where the segments between samples are classified; `None`: samples are.
+    segments: Option<f64>,
+}
+
+/// What is classified on a plane of a ray, by positions in voxels along i, j, k.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The sample on the plane.
+    pub position: [f64; 3],
+    /// The one on the plane in front, where a segment ends at this one.
+    pub front: Option<[f64; 3]>,
 }
 
 /// Everything about one sample, stage by stage.
@@ -72,7 +83,17 @@ impl<'a> Model<'a> {
             lights: scene.lighting.as_ref().map(|l| Lights::new(l, &camera, &geometry)),
             blend: scene.blend,
             nearest: scene.interpolation == Interpolation::Nearest,
+            segments: None,
             geometry,
+        }
+    }
+
+    /// The same model, which classifies the segments between samples instead of samples.
+    pub fn with_segments(self, segments: bool) -> Self {
+        let reference = self.geometry.spacing.into_iter().fold(f64::INFINITY, f64::min);
+        Self {
+            segments: segments.then_some(reference),
+            ..self
         }
     }
 
@@ -137,6 +158,17 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// What is classified on a plane for pixel (u, v); `None` outside the volume, and on a ray's first plane if segments are
+    /// classified.
+    pub fn place(&self, plane: usize, u: usize, v: usize) -> Option<Place> {
+        let position = self.position(plane, u, v)?;
+        let front = match self.segments {
+            None => None,
+            Some(_) => Some(self.position(plane.checked_sub(1)?, u, v)?),
+        };
+        Some(Place { position, front })
+    }
+
     /// The value at a position inside the volume, code units.
     pub fn value_at(&self, position: [f64; 3]) -> f64 {
         value_at(&self.grid, position)
@@ -165,6 +197,26 @@ impl<'a> Model<'a> {
         self.classifier.classify(code)
     }
 
+    /// Colour and opacity of a sample, or of the segment between it and the one in front of it, over one step of the ray.
+    pub fn classify_behind(&self, front: Option<f64>, code: f64) -> Classified {
+        match (self.segments, front) {
+            (Some(reference), Some(front)) => self.classifier.segment([front, code], reference),
+            _ => self.classify(code),
+        }
+    }
+
+    /// The gradient of what is classified: of a segment the sum of those at its ends, whose length does not count.
+    pub fn gradient_of(&self, place: Place) -> [f64; 3] {
+        let gradient = self.gradient_at(place.position);
+        match place.front {
+            None => gradient,
+            Some(front) => {
+                let ahead = self.gradient_at(front);
+                [0, 1, 2].map(|a| gradient[a] + ahead[a])
+            }
+        }
+    }
+
     /// Colour and opacity of a code as the transfer function states them, the opacity over one unit distance.
     pub fn classify_as_written(&self, code: f64) -> Classified {
         self.classifier.as_written(code)
@@ -187,7 +239,7 @@ impl<'a> Model<'a> {
             .map_or(colour, |lights| lights.shade(normal, colour))
     }
 
-    /// Every stage of one sample, visible or not; `None` outside the volume.
+    /// Every stage of one sample, visible or not; `None` outside the volume. Of samples, even where segments are classified.
     pub fn sample(&self, plane: usize, u: usize, v: usize) -> Option<ModelSample> {
         let position = self.position(plane, u, v)?;
         let value = self.value_at(position);
@@ -220,16 +272,17 @@ impl<'a> Model<'a> {
         ModelImage::from_fn(self.lattice.size, |u, v| self.ray(u, v))
     }
 
-    /// Shaded colour and opacity of a sample that can be seen.
+    /// Shaded colour and opacity of what can be seen on a plane.
     fn visible(&self, plane: usize, u: usize, v: usize) -> Option<([f64; 3], f64)> {
-        let position = self.position(plane, u, v)?;
-        let Classified { colour, opacity } = self.classify(self.value_at(position));
+        let place = self.place(plane, u, v)?;
+        let front = place.front.map(|at| self.value_at(at));
+        let Classified { colour, opacity } = self.classify_behind(front, self.value_at(place.position));
         if opacity == 0.0 {
             return None;
         }
         let shaded = match &self.lights {
             None => colour,
-            Some(lights) => lights.shade(normalise(self.gradient_at(position)), colour),
+            Some(lights) => lights.shade(normalise(self.gradient_of(place)), colour),
         };
         Some((shaded, opacity))
     }
