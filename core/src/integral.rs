@@ -43,6 +43,7 @@ use crate::composite::Recurrence as _;
 use crate::exp2::{LIMIT, absorbed};
 use crate::format::Opacity;
 use crate::lanes::{Lanes, Small, Wide as _, places};
+use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::table::{Coding, ENTRIES, Neighboured};
 
@@ -133,6 +134,36 @@ pub struct Length {
     pub scaled: u32,
     /// Its fraction bits, [`LENGTH_BITS`].
     pub bits: u32,
+}
+
+impl Length {
+    /// The length of a plan's segments in smallest spacings, with as many fraction bits as fit: of the step along each axis,
+    /// divided by the axis' spacing factor, the root of the sum of squares. 30 bits of it are right for cubic voxels; a
+    /// spacing factor is itself wrong by 2^-16.
+    pub fn of(plan: &Plan) -> Self {
+        let [i, j, k] = plan.step().map(|step| step.to_bits().unsigned_abs());
+        let [fi, fj, fk] = plan.spacing().map(|factor| u64::from(factor.to_bits()));
+        // 32 fraction bits; a step is at most 1, a factor at least 2^-15.
+        let world = |step: u64, factor: u64| (step << 15).checked_div(factor).unwrap_or(0);
+        let (i, j, k) = (world(i, fi), world(j, fj), world(k, fk));
+        let spare = (i | j | k).leading_zeros().min(33);
+        let square = |side: u64| (side >> (33 - spare)) * (side >> (33 - spare));
+        let root = (square(i) + square(j) + square(k)).isqrt();
+        // log2(e), 31 fraction bits: 63 of the product, less those that were dropped.
+        let scaled = u128::from(root) * 3_098_164_009;
+        let bits_of = |bits: u32| {
+            let drop = 63 - bits - (33 - spare);
+            (scaled + (1 << drop >> 1)) >> drop
+        };
+        let mut bits = *LENGTH_BITS.end();
+        while bits > *LENGTH_BITS.start() && bits_of(bits) > u128::from(u32::MAX) {
+            bits -= 1;
+        }
+        Self {
+            scaled: bits_of(bits) as u32,
+            bits,
+        }
+    }
 }
 
 /// A classifier over lists of nodes: borrowed ones (`&[u32]`) where memory is the caller's, or owned ones.

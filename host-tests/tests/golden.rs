@@ -90,6 +90,9 @@ fn two_lights(highlight: Highlight, exponent_log2: u32) -> Option<Material> {
     })
 }
 
+/// A segment of one reference length: log2(e), 27 fraction bits.
+const SEGMENT: u32 = 193_635_251;
+
 /// The named frames, in `Compact`.
 fn frames() -> Vec<(&'static str, Frame)> {
     let head = head_table();
@@ -187,6 +190,30 @@ fn frames() -> Vec<(&'static str, Frame)> {
             },
         ),
         ("ripples-half-vector", ripples.clone()),
+        (
+            "ripples-segments",
+            Frame {
+                segments: Some(SEGMENT),
+                ..ripples.clone()
+            },
+        ),
+        (
+            "head-segments",
+            Frame {
+                segments: Some(SEGMENT),
+                direction: [500, 866, -174],
+                ..head.clone()
+            },
+        ),
+        (
+            "head-segments-back-to-front",
+            Frame {
+                segments: Some(SEGMENT),
+                planes_per_voxel: 2,
+                blend: Blend::BackToFront,
+                ..lit([300, 500, 1000])
+            },
+        ),
         (
             "ripples-fine-colours",
             Frame {

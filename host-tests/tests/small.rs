@@ -3,11 +3,12 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
+use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, Channel as _, FrontToBack, Order};
 use slicecast::lanes::Small;
-use slicecast::locate::{cell, plane};
+use slicecast::locate::plane;
 use slicecast::plan::Plan;
-use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, scratch_len};
+use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, near_slice, scratch_len};
 use slicecast::precision::Precision;
 use slicecast::project::{Maximum, Minimum};
 use slicecast::shade::{Shader, Unlit};
@@ -37,7 +38,7 @@ fn folded<L: Pipeline>(plan: &Plan, slices: &[Slice<'_>], pipeline: &L) -> Bits 
             };
             let plane = plane(plan, plan.phase(number as u32), index);
             let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
-            let Some(window) = Window::at(cell(plane.z).index, slice) else {
+            let Some(window) = Window::at(near_slice::<L>(plan, index), slice) else {
                 continue;
             };
             let at = At {
@@ -61,13 +62,13 @@ fn folded<L: Pipeline>(plan: &Plan, slices: &[Slice<'_>], pipeline: &L) -> Bits 
     places.map(bits).collect()
 }
 
-fn composited<P: Precision, S: Shader<P>, O: Order>(
+fn composited<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order>(
     p: P,
     prepared: &Prepared<'_>,
     slices: &[Slice<'_>],
-    shader: S,
+    (classifier, shader): (C, S),
 ) -> Bits {
-    let mut pipeline = Composite::<P, _, S, O>::new(p, prepared.table.classifier(), shader);
+    let mut pipeline = Composite::<P, _, S, O>::new(p, classifier, shader);
     if let Some(bits) = prepared.scene.early_termination {
         pipeline = pipeline.with_early_termination(bits);
     }
@@ -76,17 +77,32 @@ fn composited<P: Precision, S: Shader<P>, O: Order>(
 
 fn small<P: Precision>(p: P, prepared: &Prepared<'_>, slices: &[Slice<'_>]) -> Bits {
     let (plan, table) = (&prepared.setup.plan, prepared.table.classifier());
-    match (prepared.scene.blend, &prepared.setup.material) {
-        (Blend::FrontToBack, Some(material)) => {
-            composited::<_, _, FrontToBack>(p, prepared, slices, material.phong(p).unwrap())
-        }
-        (Blend::FrontToBack, None) => composited::<_, _, FrontToBack>(p, prepared, slices, Unlit),
-        (Blend::BackToFront, Some(material)) => {
-            composited::<_, _, BackToFront>(p, prepared, slices, material.phong(p).unwrap())
-        }
-        (Blend::BackToFront, None) => composited::<_, _, BackToFront>(p, prepared, slices, Unlit),
+    match (prepared.scene.blend, &prepared.integrals) {
         (Blend::Maximum, _) => folded(plan, slices, &Project::<_, _, Maximum>::new(p, table)),
         (Blend::Minimum, _) => folded(plan, slices, &Project::<_, _, Minimum>::new(p, table)),
+        (_, Some(integrals)) => classified(p, prepared, slices, integrals.clone()),
+        (_, None) => classified(p, prepared, slices, table),
+    }
+}
+
+fn classified<P: Precision, C: Classifier<P>>(
+    p: P,
+    prepared: &Prepared<'_>,
+    slices: &[Slice<'_>],
+    classifier: C,
+) -> Bits {
+    let back_to_front = prepared.scene.blend == Blend::BackToFront;
+    match (back_to_front, &prepared.setup.material) {
+        (false, Some(material)) => {
+            let phong = material.phong(p).unwrap();
+            composited::<_, _, _, FrontToBack>(p, prepared, slices, (classifier, phong))
+        }
+        (false, None) => composited::<_, _, _, FrontToBack>(p, prepared, slices, (classifier, Unlit)),
+        (true, Some(material)) => {
+            let phong = material.phong(p).unwrap();
+            composited::<_, _, _, BackToFront>(p, prepared, slices, (classifier, phong))
+        }
+        (true, None) => composited::<_, _, _, BackToFront>(p, prepared, slices, (classifier, Unlit)),
     }
 }
 

@@ -1,6 +1,9 @@
 use super::*;
+use crate::format::{Direction, Intensity};
+use crate::plan::{Plan, Sampling, Spacing};
 use crate::precision::{Compact, Wide};
 use crate::slice::RowRange;
+use crate::view::View;
 use proptest::prelude::*;
 use std::vec::Vec;
 
@@ -255,5 +258,53 @@ proptest! {
         prop_assert!((found - exact).abs() < 310.0 / 2_147_483_648.0 + unit, "{found} {exact}");
         let [less, more] = [1.0 - 1.0 / 32768.0, 1.0].map(|d| opacity(&table, s - 0.5, s - 0.5 + d));
         prop_assert!((less - more).abs() < 2e-4, "{less} {more}");
+    }
+}
+
+/// The length that a plan's own numbers have, in f64.
+fn measured(plan: &Plan) -> f64 {
+    let sides = plan.step().into_iter().zip(plan.spacing());
+    let square = |side: f64| side * side;
+    sides
+        .map(|(step, factor)| square(step.to_bits() as f64 / 4_294_967_296.0 * 32_768.0 / f64::from(factor.to_bits())))
+        .sum::<f64>()
+        .sqrt()
+}
+
+fn value(length: Length) -> f64 {
+    f64::from(length.scaled) / f64::from(length.bits).exp2() / std::f64::consts::LOG2_E
+}
+
+proptest! {
+    #[test]
+    fn a_plan_has_its_segments_length(
+        direction in prop::array::uniform3(-(1i64 << 58)..=1 << 58),
+        factors in prop::array::uniform3(1u16..=32_768),
+        planes_per_voxel in 1u32..=16,
+    ) {
+        let Ok(view) = View::new(direction.map(Direction::from_bits)) else { return Ok(()) };
+        let sampling = Sampling { planes_per_voxel, rays_per_voxel: 1 };
+        let spacing = Spacing(factors.map(Intensity::from_bits));
+        let plan = Plan::new(view, [4, 5, 6], spacing, sampling).unwrap();
+        let (length, exact) = (Length::of(&plan), measured(&plan));
+        prop_assert!((value(length) / exact - 1.0).abs() < 1.5e-9 + 1.0 / f64::from(length.scaled), "{length:?} {exact}");
+        prop_assert!(length.bits == 27 || length.scaled > 1 << 31);
+    }
+}
+
+/// Straight on and along the diagonal of a cube.
+#[test]
+fn lengths_of_simple_views() {
+    for (direction, exact) in [
+        ([0, 0, 1], 1.0),
+        ([0, -1, 0], 1.0),
+        ([1, 1, 1], 3f64.sqrt()),
+        ([1, 0, -1], 2f64.sqrt()),
+    ] {
+        let view = View::new(direction.map(|c: i64| Direction::from_bits(c << 58))).unwrap();
+        let plan = Plan::new(view, [9; 3], Spacing::CUBIC, Sampling::default()).unwrap();
+        let length = Length::of(&plan);
+        assert_eq!(length.bits, 27);
+        assert!((value(length) - exact).abs() < 5e-9, "{} {exact}", value(length));
     }
 }

@@ -153,7 +153,7 @@ where
             plane_in_front = locate::plane(plan, plane.phase, index);
             extents = Extent::of_slab(plan, [&plane_in_front, plane]);
             let [front, back] = extents;
-            let Some(behind) = window_behind(window, &front, &back) else {
+            let Some(behind) = window_behind(window, [&front, &back], S::LIT) else {
                 return Ok(());
             };
             (back, behind, Some(front))

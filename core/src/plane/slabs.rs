@@ -17,15 +17,16 @@ use crate::shade::Shader;
 use crate::slice::Window;
 
 /// The window of a plane, given that of the plane in front of it: the same, or one slice further. `None` where the volume
-/// has no such slice.
-pub(super) fn window_behind<'w>(window: &Window<'w>, front: &Extent, back: &Extent) -> Option<Window<'w>> {
+/// has no such slice. In the second of its slices only gradients read the one behind it; others must not look at it, because
+/// a ring has it no longer, or not yet, and the same rows are to be left out everywhere.
+pub(super) fn window_behind<'w>(window: &Window<'w>, [front, back]: [&Extent; 2], lit: bool) -> Option<Window<'w>> {
     if back.z.index == front.z.index {
         return Some(*window);
     }
     Some(Window {
         before: Some(window.near),
         near: window.far?,
-        far: window.after,
+        far: window.after.filter(|_| lit),
         // Its weight is zero.
         after: None,
     })

@@ -11,6 +11,7 @@ mod machines;
 mod proofs;
 mod reference;
 mod scenes;
+mod segments;
 mod shell;
 mod toolchain;
 
@@ -27,6 +28,7 @@ use crate::images::{Case, Report, Workshop, execute, first_difference, parse};
 use crate::machines::{BUILT_ONLY, MACHINES, Machine};
 use crate::reference::{Counts, Sums, reference};
 use crate::scenes::{Kind, Named};
+use crate::segments::Segments;
 use crate::shell::{Failure, fail};
 use crate::toolchain::{Toolchain, need_program};
 
@@ -75,7 +77,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let scenes = scenes::all()?;
     let references = references(&scenes)?;
-    let source = scenes::source(&scenes, |named, kind| references[&(named.name, kind)].0.image)?;
+    let segments = Segments::new(&scenes)?;
+    let mut source = scenes::source(&scenes, |named, kind| references[&(named.name, kind)].0.image)?;
+    source.push_str(&segments.source()?);
     let workshop = Workshop {
         toolchain,
         scenes: directory.join("scenes.rs"),
@@ -112,8 +116,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     for machine in &machines {
-        let programs = workshop.images(machine, "release", &["bits", "bands", "queue"])?;
+        let programs = workshop.images(machine, "release", &["bits", "segments", "bands", "queue"])?;
         failed += bits(&programs, machine, &references)?;
+        failed += segments.check(&programs, machine)?;
         failed += bands(&programs, machine, &references)?;
         failed += queue(&programs, machine, &references)?;
         let library = proofs::library(

@@ -50,15 +50,23 @@ pub fn reference(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {
     let scene = named.of_kind(kind);
     let words = |error: &dyn std::error::Error| Failure(format!("{}: {error}", named.name));
     let prepared = Prepared::new(&scene, &named.volume).map_err(|e| words(&e))?;
-    let frame = prepared.render(Layer::Stream, &|_, _| ()).map_err(|e| words(&e))?;
+    sums(&prepared).map_err(|e| words(&e))
+}
+
+/// The host's sums and counts of a frame.
+///
+/// # Errors
+/// If it cannot be rendered.
+pub fn sums(prepared: &Prepared<'_>) -> Result<(Sums, Counts), RenderError> {
+    let frame = prepared.render(Layer::Stream, &|_, _| ())?;
     let mut picture = Sum::new();
     for pixel in frame.picture.bytes.chunks_exact(3) {
         add_rgb(&mut picture, [pixel[0], pixel[1], pixel[2]]);
     }
     let view = prepared.setup.plan.view();
-    let mut turned = Turned::new(&named.volume, view);
-    let slices = turned.slices().map_err(|e| words(&e))?;
-    let (planes, image, counts) = folded(&prepared, &slices).map_err(|e| words(&e))?;
+    let mut turned = Turned::new(prepared.volume, view);
+    let slices = turned.slices()?;
+    let (planes, image, counts) = folded(prepared, &slices)?;
     let sums = Sums {
         planes,
         image,

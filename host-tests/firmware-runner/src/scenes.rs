@@ -119,7 +119,7 @@ colour = [0.2, 0.3, 0.5]
 "##;
 
 /// The scene of the program's own picture, at one plane and one ray per voxel.
-const LARGE: &str = r##"
+pub const LARGE: &str = r##"
 [view]
 azimuth = 30.0
 elevation = 10.0
@@ -146,6 +146,11 @@ direction = [1.0, 0.2, 0.8]
 colour = [0.25, 0.25, 0.25]
 "##;
 
+/// A scene's name as a constant's.
+pub fn constant_name(name: &str) -> String {
+    name.to_uppercase().replace('-', "_")
+}
+
 /// The scenes, in the order in which images render them.
 ///
 /// # Errors
@@ -168,7 +173,7 @@ pub fn all() -> Result<Vec<Named>, Failure> {
     ])
 }
 
-fn crop(volume: &Volume, first: [usize; 3], sides: [usize; 3]) -> Result<Volume, Failure> {
+pub fn crop(volume: &Volume, first: [usize; 3], sides: [usize; 3]) -> Result<Volume, Failure> {
     if (0..3).any(|a| first[a] + sides[a] > volume.dims[a]) {
         return fail(format!(
             "a crop of {sides:?} at {first:?} does not fit {:?}",
@@ -214,7 +219,7 @@ impl Named {
     }
 
     /// The numbers that the pipeline reads.
-    fn numbers(&self) -> Result<Numbers, Failure> {
+    pub fn numbers(&self) -> Result<Numbers, Failure> {
         let words = |error: &dyn std::error::Error| Failure(format!("{}: {error}", self.name));
         let prepared = Prepared::new(&self.scene, &self.volume).map_err(|e| words(&e))?;
         let (setup, spacing) = (&prepared.setup, self.volume.spacing);
@@ -257,10 +262,10 @@ impl Named {
     }
 
     /// The scene as a Rust constant.
-    fn rust(&self) -> Result<String, Failure> {
+    pub fn rust(&self) -> Result<String, Failure> {
         let n = self.numbers()?;
         let mut out = String::new();
-        let upper = self.name.to_uppercase();
+        let upper = constant_name(self.name);
         let text = |out: &mut String, name: &str, kind: &str, len: usize, list: String| {
             // A section of its own, so that a scene's data can be told from a program's constants.
             let _ = writeln!(out, "#[unsafe(link_section = \".scene\")]");
@@ -273,13 +278,21 @@ impl Named {
         let wide = &n.table_wide;
         text(&mut out, "ENTRIES_WIDE", "u32", 4096, format!("{:?}", wide.entries));
         text(&mut out, "COLOURS_WIDE", "[u8; 3]", 4096, format!("{:?}", wide.colours));
+        out.push_str(&self.constant(&n, &upper));
+        Ok(out)
+    }
+
+    /// The scene as a Rust constant that names the data of a scene.
+    pub fn constant(&self, n: &Numbers, data: &str) -> String {
+        let mut out = String::new();
+        let upper = constant_name(self.name);
         let rates = &self.scene.sampling;
         let _ = writeln!(
             out,
             "/// Written by the runner.\npub static {upper}: &SceneData = &SceneData {{ name: {:?}, direction: {:?}, dims: \
-             {:?}, spacing: {:?}, sampling: {:?}, voxels: &{upper}_VOXELS, entries8: &{upper}_ENTRIES8, entries16: \
-             &{upper}_ENTRIES16, plane16: &{upper}_PLANE16, entries_wide: &{upper}_ENTRIES_WIDE, colours_wide: \
-             &{upper}_COLOURS_WIDE, picture: {:?}, warp: {:?}, lighting: Lighting {{ ambient: \
+             {:?}, spacing: {:?}, sampling: {:?}, voxels: &{data}_VOXELS, entries8: &{data}_ENTRIES8, entries16: \
+             &{data}_ENTRIES16, plane16: &{data}_PLANE16, entries_wide: &{data}_ENTRIES_WIDE, colours_wide: \
+             &{data}_COLOURS_WIDE, picture: {:?}, warp: {:?}, lighting: Lighting {{ ambient: \
              {:?}, viewer: {:?}, half_vector: {}, exponent_log2: {}, lights: &{:?} }} }};",
             self.name,
             n.direction,
@@ -294,7 +307,7 @@ impl Named {
             n.exponent_log2,
             n.lights,
         );
-        Ok(out)
+        out
     }
 
     /// The scene as a C header.
@@ -348,10 +361,11 @@ impl Named {
 type LightBits = ([i32; 3], [i32; 3], [u32; 3], [u32; 3]);
 
 /// A scene in the pipeline's formats.
-struct Numbers {
+pub struct Numbers {
     direction: [i64; 3],
     spacing: [u16; 3],
-    voxels: Vec<u16>,
+    /// Voxels in the order in which the view meets the slices.
+    pub voxels: Vec<u16>,
     table8: Table,
     table16: Table,
     table_wide: Table,

@@ -3,6 +3,7 @@
 use slicecast::classify::{AlphaCode, Colour16, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::{ChannelFormat, FrontToBack, Recurrence};
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
+use slicecast::integral::{Colours, Integral, IntegralError, Length};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::plane::Composite;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
@@ -71,6 +72,8 @@ pub enum SceneError {
     Plan(PlanError),
     /// The lights.
     Phong(PhongError),
+    /// The integrals.
+    Integral(IntegralError),
 }
 
 impl SceneData {
@@ -93,6 +96,36 @@ impl SceneData {
     pub fn warp(&self) -> Warp {
         let [origin, right, down] = self.warp.map(|v| v.map(Step::from_bits));
         Warp { origin, right, down }
+    }
+}
+
+/// A table of integrals, whatever the view.
+#[derive(Debug)]
+pub struct IntegralData {
+    /// Integrals of extinction.
+    pub extinction: &'static [u32],
+    /// Integrals of extinction times red, green, blue; or one colour, 1.31.
+    pub colours: Colours<&'static [u32]>,
+    /// log2 of the codes of a bin.
+    pub grain: u32,
+    /// log2 of what the integrals were multiplied by.
+    pub exponent: u32,
+}
+
+impl IntegralData {
+    /// The classifier of a view: only the segments' length depends on it.
+    ///
+    /// # Errors
+    /// [`SceneError::Integral`] if the numbers are no such table.
+    pub fn classifier(&self, plan: &Plan) -> Result<Integral<&'static [u32]>, SceneError> {
+        Integral::new(
+            self.extinction,
+            self.colours,
+            self.grain,
+            self.exponent,
+            Length::of(plan),
+        )
+        .map_err(SceneError::Integral)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the bare-metal programs share.
 #![no_std]
 
+pub mod boundaries;
 pub mod float;
 pub mod frame;
 pub mod machine;

@@ -1,5 +1,6 @@
 //! A scene on a volume, and the frame that it renders to.
 
+use slicecast::integral::Length;
 use slicecast_scene::{Classification, Scene};
 use slicecast_volume::Volume;
 
@@ -7,7 +8,7 @@ use crate::camera::{CameraError, Setup, set_up};
 use crate::error::RenderError;
 use crate::fineness;
 use crate::image::Frame;
-use crate::integrals::{Cumulative, Integrals, length};
+use crate::integrals::{Cumulative, Integrals};
 use crate::oriented::{Oriented, Turned};
 use crate::pipelines::{compile, rendering, rendering_of_segments};
 use crate::rendering::Framing;
@@ -59,7 +60,7 @@ impl<'a> Prepared<'a> {
         let integrals = segments.then(|| {
             let reference = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
             let cumulative = Cumulative::compile(&scene.transfer, &volume.mapping, reference, 0);
-            cumulative.classifier(length(setup.step_length / reference))
+            cumulative.classifier(Length::of(&setup.plan))
         });
         Ok(Self {
             table: compile(scene, &volume.mapping, setup.step_length),

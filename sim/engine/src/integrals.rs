@@ -5,7 +5,7 @@
 //! the transfer function's points and integrated by Gauss's rule on each part. Nodes are rounded as sums, not as increments,
 //! under the largest exponent that holds the last.
 
-use slicecast::integral::{Colours, EXPONENTS, EXTINCTION_MAX, GRAINS, Integral, LENGTH_BITS, Length, NODE_MAX, nodes};
+use slicecast::integral::{Colours, EXPONENTS, EXTINCTION_MAX, GRAINS, Integral, Length, NODE_MAX, nodes};
 use slicecast::table::ENTRIES;
 use slicecast_scene::TransferFunction;
 use slicecast_volume::Mapping;
@@ -73,7 +73,7 @@ impl Cumulative {
     /// The classifier for segments of a length, in reference lengths.
     ///
     /// # Panics
-    /// Never: [`Cumulative::compile`] and [`length`] keep core's ranges.
+    /// Never: [`Cumulative::compile`] and [`Length::of`] keep core's ranges.
     pub fn classifier(self, length: Length) -> Integrals {
         let colours = match self.colours {
             Colours::One(colour) => Colours::One(colour),
@@ -90,17 +90,6 @@ impl Cumulative {
             Colours::Each(_) => 4,
         };
         4 * lists * self.extinction.len()
-    }
-}
-
-/// A length of segments as the classifier takes it: with as many fraction bits as fit.
-pub fn length(reference_lengths: f64) -> Length {
-    let scaled = |bits: u32| (reference_lengths * std::f64::consts::LOG2_E * f64::from(bits).exp2()).round();
-    let fits = |bits: &u32| scaled(*bits) <= f64::from(u32::MAX);
-    let bits = LENGTH_BITS.rev().find(fits).unwrap_or(*LENGTH_BITS.start());
-    Length {
-        scaled: scaled(bits) as u32,
-        bits,
     }
 }
 
@@ -160,6 +149,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
     use slicecast::classify::{Classifier, Slab};
+    use slicecast::integral::LENGTH_BITS;
     use slicecast::lanes::{Kernel, Lanes};
     use slicecast::precision::{Compact, Precision, Wide};
     use slicecast_scene::Point;
@@ -212,11 +202,14 @@ mod tests {
         assert!(green[4096] > red[4096]);
     }
 
-    #[test]
-    fn lengths_keep_as_many_bits_as_fit() {
-        assert_eq!((length(1.0).bits, length(1.0).scaled), (27, 193_635_251));
-        assert_eq!((length(22.0).bits, length(22.3).bits), (27, 26));
-        assert!(LENGTH_BITS.contains(&length(56_756.0).bits));
+    fn length(reference_lengths: f64) -> Length {
+        let scaled = |bits: u32| (reference_lengths * std::f64::consts::LOG2_E * f64::from(bits).exp2()).round();
+        let fits = |bits: &u32| scaled(*bits) <= f64::from(u32::MAX);
+        let bits = LENGTH_BITS.rev().find(fits).expect("a length that has bits");
+        Length {
+            scaled: scaled(bits) as u32,
+            bits,
+        }
     }
 
     struct Rows<'a, P>(P, &'a Integrals, &'a [i32], &'a [i32]);

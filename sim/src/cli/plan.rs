@@ -1,9 +1,10 @@
 //! `slicecast plan`.
 
 use serde::Serialize;
+use slicecast::integral::Length;
 use slicecast::view::Axis;
 use slicecast_engine::camera::{Material, plan};
-use slicecast_engine::integrals::{Cumulative, length};
+use slicecast_engine::integrals::Cumulative;
 use slicecast_engine::pipelines::{compile, rendering, rendering_of_segments};
 use slicecast_scene::{Blend, Classification};
 use slicecast_volume::Mapping;
@@ -70,7 +71,7 @@ impl Args {
         let rendering = if scene.classification == Classification::Integral {
             let integrals = Cumulative::compile(&scene.transfer, &codes, 1.0, 0);
             table_bytes = integrals.bytes();
-            rendering_of_segments(&scene, &integrals.classifier(length(1.0)), lights.as_ref(), plan)
+            rendering_of_segments(&scene, &integrals.classifier(Length::of(&plan)), lights.as_ref(), plan)
         } else {
             rendering(&scene, &table, lights.as_ref(), plan)
         };

@@ -10,6 +10,7 @@ pub mod gradients;
 pub mod location;
 pub mod sampling;
 mod scenes;
+pub mod segments;
 pub mod sphere;
 pub mod transfer;
 pub mod views;
@@ -112,7 +113,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 8] = [
+    let groups: [Group; 9] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -121,6 +122,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         transfer::cases,
         views::cases,
         sampling::cases,
+        segments::cases,
     ];
     let mut cases = Vec::new();
     for (done, group) in groups.iter().enumerate() {

@@ -1,0 +1,228 @@
+//! Classified segments: one table of integrals on the device, seen from three views.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use slicecast::integral::{Colours, Length};
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::integrals::Cumulative;
+use slicecast_scene::file::parse;
+use slicecast_scene::{Classification, PrecisionName, Scene};
+use slicecast_volume::mapping::Window;
+use slicecast_volume::open::load;
+
+use crate::images::{execute, first_difference, parse as parse_report};
+use crate::line;
+use crate::machines::Machine;
+use crate::reference::{Counts, Sums, sums};
+use crate::scenes::{Kind, LARGE, Named, constant_name, crop};
+use crate::shell::{Failure, fail};
+
+/// Codes of a bin on a device, log2: lists of 1025 nodes, 4 KiB each.
+const GRAIN: u32 = 2;
+
+/// Instructions that a dense unlit sample may take on a Cortex-M4.
+const DENSE_UNLIT_MAX: f64 = 400.0;
+
+/// What the host knows.
+#[derive(Debug)]
+pub struct Segments {
+    turns: Vec<Named>,
+    dense: Named,
+    /// Of every turn and kind,
+    references: Vec<(String, Sums)>,
+    /// and of the dense scene.
+    counted: Vec<(String, Sums, Counts)>,
+}
+
+/// The precisions that are shown.
+fn kinds() -> impl Iterator<Item = Kind> {
+    Kind::all().filter(|kind| kind.precision() != PrecisionName::Paper)
+}
+
+/// The integrals of a scene for a device.
+fn cumulative(scene: &Scene, named: &Named) -> Cumulative {
+    let reference = named.volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    Cumulative::compile(&scene.transfer, &named.volume.mapping, reference, GRAIN)
+}
+
+fn of_kind(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {
+    let words = |error: &dyn std::error::Error| Failure(format!("{}: {error}", named.name));
+    let scene = Scene {
+        classification: Classification::Integral,
+        ..named.of_kind(kind)
+    };
+    let mut prepared = Prepared::new(&scene, &named.volume).map_err(|e| words(&e))?;
+    let length = Length::of(&prepared.setup.plan);
+    prepared.integrals = Some(cumulative(&scene, named).classifier(length));
+    sums(&prepared).map_err(|e| words(&e))
+}
+
+impl Segments {
+    /// Renders all that devices will render.
+    ///
+    /// # Errors
+    /// If a scene cannot be rendered.
+    pub fn new(scenes: &[Named]) -> Result<Self, Failure> {
+        let head = load(None, Window::Auto)
+            .map_err(|error| Failure(error.to_string()))?
+            .volume;
+        let volume = crop(&head, [16, 4, 34], [32; 3])?;
+        let views = [
+            ("turn-0", "30.0", "10.0"),
+            ("turn-1", "22.0", "-25.0"),
+            ("turn-2", "40.5", "31.0"),
+        ];
+        let turn = |(name, azimuth, elevation): (&'static str, &str, &str)| -> Result<Named, Failure> {
+            let text = LARGE
+                .replacen("azimuth = 30.0", &format!("azimuth = {azimuth}"), 1)
+                .replacen("elevation = 10.0", &format!("elevation = {elevation}"), 1)
+                .replacen("size = [96, 96]", "size = [48, 48]", 1);
+            Ok(Named {
+                name,
+                scene: parse(&text, name).map_err(|error| Failure(error.to_string()))?,
+                volume: volume.clone(),
+            })
+        };
+        let turns = views.into_iter().map(turn).collect::<Result<Vec<_>, _>>()?;
+        let Some(dense) = scenes.iter().find(|named| named.name == "dense") else {
+            return fail("there is no dense scene");
+        };
+        let dense = Named {
+            name: dense.name,
+            scene: dense.scene.clone(),
+            volume: dense.volume.clone(),
+        };
+        let mut references = Vec::new();
+        for named in &turns {
+            for kind in kinds() {
+                references.push((format!("{} {}", named.name, kind.name()), of_kind(named, kind)?.0));
+            }
+        }
+        let mut counted = Vec::new();
+        for kind in kinds().filter(|kind| kind.precision() == PrecisionName::Compact) {
+            let (sums, counts) = of_kind(&dense, kind)?;
+            counted.push((format!("{} {}", dense.name, kind.name()), sums, counts));
+        }
+        Ok(Self {
+            turns,
+            dense,
+            references,
+            counted,
+        })
+    }
+
+    /// Rust source of the scenes and tables.
+    ///
+    /// # Errors
+    /// If a view meets the slices in another order than the first.
+    pub fn source(&self) -> Result<String, Failure> {
+        let mut out = String::new();
+        let Some((first, others)) = self.turns.split_first() else {
+            return fail("there are no turns");
+        };
+        out.push_str(&first.rust()?);
+        let data = constant_name(first.name);
+        let voxels = first.numbers()?.voxels;
+        for other in others {
+            let numbers = other.numbers()?;
+            if numbers.voxels != voxels {
+                return fail(format!("{} meets the slices in another order", other.name));
+            }
+            out.push_str(&other.constant(&numbers, &data));
+        }
+        for (name, named) in [("TURN", first), ("DENSE", &self.dense)] {
+            out.push_str(&table(name, &cumulative(&named.scene, named)));
+        }
+        let names: Vec<String> = self.turns.iter().map(|named| constant_name(named.name)).collect();
+        let images: Vec<u32> = self.references.iter().map(|(_, sums)| sums.image).collect();
+        let images: Vec<&[u32]> = images.chunks(kinds().count()).collect();
+        let _ = writeln!(
+            out,
+            "/// One table, several views.\npub static TURNS: [&SceneData; {}] = [{}];\n\
+             /// The sums that their images must have.\npub static TURNS_EXPECTED: [[u32; {}]; {}] = {images:?};",
+            names.len(),
+            names.join(", "),
+            kinds().count(),
+            names.len(),
+        );
+        Ok(out)
+    }
+
+    /// Holds a machine to the host; returns the number of failures.
+    ///
+    /// # Errors
+    /// If the program does not run.
+    pub fn check(&self, programs: &Path, machine: &Machine) -> Result<u32, Failure> {
+        let finished = execute(machine, &programs.join("segments"), true)?;
+        let report = parse_report(&finished.out)?;
+        let find = |name: &String| report.cases.iter().find(|case| case.name == *name);
+        let mut failed = 0;
+        for (name, host) in &self.references {
+            let verdict = match find(name) {
+                Some(case) => first_difference(&case.sums, host),
+                None => Some("did not run".to_owned()),
+            };
+            failed += line(
+                machine,
+                &format!("segments {name}"),
+                &format!("{:08x}", host.image),
+                verdict,
+            );
+        }
+        for (name, host, counts) in &self.counted {
+            let case = find(name);
+            let instructions = case.and_then(|case| case.instructions).unwrap_or(u64::MAX);
+            let per_sample = instructions as f64 / counts.places as f64;
+            let bounded = machine.core == "Cortex-M4" && name.ends_with("unlit");
+            let verdict = if case.is_none_or(|case| case.sums.image != host.image) {
+                Some(format!("image {:08x?}", case.map(|case| case.sums.image)))
+            } else if bounded && per_sample > DENSE_UNLIT_MAX {
+                Some(format!(
+                    "{per_sample:.1} instructions per sample, more than {DENSE_UNLIT_MAX}"
+                ))
+            } else {
+                None
+            };
+            failed += line(
+                machine,
+                &format!("segments {name}"),
+                &format!("{:08x}", host.image),
+                verdict,
+            );
+            println!("    {per_sample:.1} instructions per sample");
+        }
+        let verdict = (!finished.passed || !report.verdict).then(|| "its own verdict: fail".to_owned());
+        failed += line(machine, "segments exit", "", verdict);
+        Ok(failed)
+    }
+}
+
+/// A table as Rust constants.
+fn table(name: &str, table: &Cumulative) -> String {
+    let mut out = String::new();
+    let list = |out: &mut String, part: &str, nodes: &[u32]| {
+        let _ = writeln!(
+            out,
+            "#[unsafe(link_section = \".scene\")]\nstatic {name}_{part}: [u32; {}] = {nodes:?};",
+            nodes.len()
+        );
+    };
+    list(&mut out, "EXTINCTION", &table.extinction);
+    let colours = match &table.colours {
+        Colours::One(colour) => format!("Colours::One({colour:?})"),
+        Colours::Each([red, green, blue]) => {
+            for (part, nodes) in [("RED", red), ("GREEN", green), ("BLUE", blue)] {
+                list(&mut out, part, nodes);
+            }
+            format!("Colours::Each([&{name}_RED, &{name}_GREEN, &{name}_BLUE])")
+        }
+    };
+    let _ = writeln!(
+        out,
+        "/// Written by the runner.\npub static {name}_INTEGRALS: &IntegralData = &IntegralData {{ extinction: \
+         &{name}_EXTINCTION, colours: {colours}, grain: {}, exponent: {} }};",
+        table.grain, table.exponent,
+    );
+    out
+}

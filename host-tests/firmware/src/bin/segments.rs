@@ -1,0 +1,112 @@
+//! Classified segments: one table of integrals, and views that turn without a new one. Prints the sums of every stage
+//! boundary as `bits` does, and what a frame of the dense scene costs.
+#![no_std]
+#![no_main]
+
+use semihosting::println;
+use slicecast::composite::Unorm16;
+use slicecast::plane::{ChannelOf, Composite};
+use slicecast::precision::{Compact, Wide};
+use slicecast::shade::{Phong, Unlit};
+use slicecast::stream::{Memory, Stream};
+use slicecast_firmware::boundaries::show;
+use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
+use slicecast_firmware::memory::{Reserved, with_image};
+use slicecast_firmware::scenes::{DENSE, DENSE_INTEGRALS, TURN_INTEGRALS, TURNS, TURNS_EXPECTED};
+use slicecast_firmware::stack;
+use slicecast_firmware_shared::image;
+use slicecast_firmware_shared::scene::{IntegralData, Lights, Model, SceneData, SceneError};
+use slicecast_firmware_shared::sum::Sum;
+use static_cell::ConstStaticCell;
+
+#[cfg(target_arch = "arm")]
+use cortex_m_rt::entry;
+#[cfg(target_arch = "riscv32")]
+use riscv_rt::entry;
+
+/// Pixels of the largest base plane.
+const PIXELS: usize = 128 * 128;
+
+/// Rows of scratch memory of two planes, lit, and one to spare.
+const SCRATCH: usize = 28 * 66;
+
+static NARROW: ConstStaticCell<Reserved<Unorm16, { 4 * 64 * 64 }, 256, SCRATCH, { 4 * PIXELS }>> =
+    ConstStaticCell::new(Reserved::new(Unorm16(0)));
+static BROAD: ConstStaticCell<Reserved<u32, 0, 0, 0, { 4 * PIXELS }>> = ConstStaticCell::new(Reserved::new(0));
+
+#[entry]
+fn main() -> ! {
+    stack::paint();
+    start_counter();
+    let narrow = NARROW.take();
+    let broad = BROAD.take().lend().image;
+    let mut passed = true;
+    for (scene, expected) in TURNS.iter().zip(&TURNS_EXPECTED) {
+        let mut images = [0; 4];
+        let [cu, cl, wu, wl] = &mut images;
+        *cu = shown::<Compact, Unlit>(scene, narrow.lend());
+        *cl = shown::<Compact, Phong<Compact>>(scene, narrow.lend());
+        *wu = shown::<Wide, Unlit>(scene, with_image(narrow.lend(), broad));
+        *wl = shown::<Wide, Phong<Wide>>(scene, with_image(narrow.lend(), broad));
+        passed &= images == *expected;
+    }
+    counted::<Compact, Unlit>(narrow.lend());
+    counted::<Compact, Phong<Compact>>(narrow.lend());
+    println!("stack {}", stack::high_water());
+    finish(passed)
+}
+
+/// The pipeline of a scene with a table of integrals.
+type Segmented<P, S> =
+    Composite<P, slicecast::integral::Integral<&'static [u32]>, S, slicecast::composite::FrontToBack>;
+
+fn pipeline<P: Model, S: Lights<P>>(scene: &SceneData, table: &IntegralData) -> Result<Segmented<P, S>, SceneError> {
+    let (precision, plan) = (P::default(), scene.plan()?);
+    let classifier = table.classifier(&plan)?;
+    Ok(Composite::new(
+        precision,
+        classifier,
+        S::of(precision, &scene.lighting)?,
+    ))
+}
+
+/// Renders a turned scene; the sum of its image, 0 if it cannot.
+#[inline(never)]
+fn shown<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, ChannelOf<P>>) -> u32 {
+    println!("case {} {} {}", scene.name, P::NAME, S::NAME);
+    match pipeline::<P, S>(scene, TURN_INTEGRALS) {
+        Ok(pipeline) => show(scene, &pipeline, memory),
+        Err(error) => {
+            println!("error {error:?}");
+            0
+        }
+    }
+}
+
+/// Counts the instructions of a frame of the dense scene.
+#[inline(never)]
+fn counted<P: Model, S: Lights<P>>(memory: Memory<'_, ChannelOf<P>>) {
+    println!("case {} {} {}", DENSE.name, P::NAME, S::NAME);
+    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline::<P, S>(DENSE, DENSE_INTEGRALS)) else {
+        println!("error the scene is out of range");
+        return;
+    };
+    let Ok(mut stream) = Stream::new(plan, &pipeline, memory) else {
+        println!("error too little memory");
+        return;
+    };
+    let [width, height, _] = plan.dims();
+    let mut total = 0u64;
+    for slice in DENSE.voxels.chunks_exact((width * height) as usize) {
+        let before = ticks();
+        let pushed = stream.push(slice);
+        total += u64::from(ticks_between(before, ticks()));
+        if pushed.is_err() {
+            println!("error slice refused");
+        }
+    }
+    println!("instructions {}", total * instructions_a_tick());
+    let mut sum = Sum::new();
+    image::add_rows(&mut sum, stream.image());
+    println!("image {:08x}", sum.get());
+}
