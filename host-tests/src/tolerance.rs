@@ -189,3 +189,32 @@ pub const TABLE: [Allowance; 27] = [
         reason: "truncated once given the light taken; where the floor hides it, truncated twice: proved",
     },
 ];
+
+/// The lines of classified segments, which differ from those of samples: opacity and colour of the segments between samples
+/// against their integrals in f64.
+pub const SEGMENTS: [Allowance; 4] = [
+    Allowance {
+        stage: Stage::Opacity,
+        precision: PrecisionName::Compact,
+        ulp: 1.0,
+        reason: "measured",
+    },
+    Allowance {
+        stage: Stage::Opacity,
+        precision: PrecisionName::Wide,
+        ulp: 1.0,
+        reason: "measured",
+    },
+    Allowance {
+        stage: Stage::Colour,
+        precision: PrecisionName::Compact,
+        ulp: 1.0,
+        reason: "measured",
+    },
+    Allowance {
+        stage: Stage::Colour,
+        precision: PrecisionName::Wide,
+        ulp: 1.0,
+        reason: "measured",
+    },
+];

@@ -140,7 +140,7 @@ pub fn cases(size: Size) -> Result<Vec<Case>, RenderError> {
     Ok(vec![
         thin(side, 3.0)?,
         thin(side, 1.0)?,
-        arithmetic("shells 3 codes wide", &shells(&[[2599.5, 2602.5]], 0.999), &ball)?,
+        arithmetic("shells 3 codes wide", &shells(&[[3199.5, 3202.5]], 0.999), &ball)?,
         arithmetic("teeth of 5 codes every 16", &shells(&comb, 0.1), &ball)?,
         arithmetic("teeth of 5 codes every 16, jumps of 4095", &shells(&comb, 0.1), &jumps)?,
         arithmetic(
