@@ -45,11 +45,12 @@ fn away(scene: &Scene, volume: &Volume, converged: &ModelImage) -> Result<f64, R
 /// Shells of some width, by samples of many planes and by segments of few.
 fn thin(side: usize, width: f64) -> Result<Case, RenderError> {
     let ball = sphere(side);
-    let low = 2600.5 - (width / 2.0).floor();
-    let mut scene = shells(
-        &[[low, low + width], [low + 400.0, low + 400.0 + width]],
-        1.0 - (-24f64).exp(),
-    );
+    // Well inside: rays that enter by a side lose a part of a segment there.
+    let shell = |share: f64| {
+        let low = (3800.0 - 60.0 * share * side as f64).floor() - 0.5 - (width / 2.0).floor();
+        [low, low + width]
+    };
+    let mut scene = shells(&[shell(0.4), shell(0.25)], 1.0 - (-24f64).exp());
     let converged = {
         let prepared = Prepared::new(&scene, &ball)?;
         model(&prepared, ModelPositions::Exact).render_integral()
