@@ -77,6 +77,7 @@ extern crate std;
 
 pub mod classify;
 pub mod composite;
+mod error;
 pub mod format;
 pub mod gradient;
 pub mod interpolate;
@@ -89,6 +90,7 @@ pub mod precision;
 pub mod project;
 pub mod root;
 mod rows;
+pub mod screen;
 pub mod seen;
 pub mod shade;
 pub mod slice;
@@ -98,3 +100,5 @@ pub mod table;
 pub mod tap;
 pub mod view;
 pub mod warp;
+
+pub use error::Error;

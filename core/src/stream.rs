@@ -9,8 +9,11 @@
 //! An image that does not fit is rendered in bands of rows ([`Stream::band`]), each with a stream of its own over the
 //! same slices and the same memory: the same bits again, for one more reading of the volume a band.
 
+mod reserved;
+
 use core::ops::Range;
 
+pub use self::reserved::Reserved;
 use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::Native;
 use crate::locate::{cell, plane};
