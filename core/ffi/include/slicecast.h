@@ -9,6 +9,10 @@
 // Version of the structures in this header. Write it to `slicecast_scene.version`.
 #define SLICECAST_VERSION 2
 
+// Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
+// ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
+#define SLICECAST_STATE_BYTES 1024
+
 // Done.
 #define SLICECAST_OK 0
 
@@ -71,6 +75,12 @@
 
 // The interpolation is neither 0 (linear) nor 1 (nearest): `given`.
 #define SLICECAST_INTERPOLATION -19
+
+// A side of the picture is 0 or above `needed`: `given` pixels.
+#define SLICECAST_PICTURE -20
+
+// From one picture pixel to the next there are more than `needed` voxels along an axis: `given`, both s31.32.
+#define SLICECAST_PIXEL -21
 
 // The description of a pipeline. Opaque; the functions named after pipelines return one.
 typedef struct SlicecastPipeline SlicecastPipeline;
@@ -176,6 +186,16 @@ typedef struct SlicecastError {
   uint32_t column;
 } SlicecastError;
 
+// Where the pixels of the viewer's picture lie in the volume: the picture's middle is the volume's.
+typedef struct SlicecastScreen {
+  // Pixels across and down, 1 to 16384 each.
+  uint32_t size[2];
+  // One picture pixel to the right, in voxels along x, y, z, s31.32; no component beyond -1024 to 1024.
+  int64_t right[3];
+  // One picture pixel down, likewise.
+  int64_t down[3];
+} SlicecastScreen;
+
 // Where the pixels of the viewer's picture look at the base plane: u along i and v along j, in base-plane pixels of all
 // phases, s31.32.
 typedef struct SlicecastWarp {
@@ -262,6 +282,18 @@ int32_t slicecast_image(const struct SlicecastStream *stream,
                         const void **image,
                         size_t *bytes,
                         struct SlicecastError *error);
+
+// Makes the warp of a view: where the pixels of a picture look at the base plane of a scene (its dims, direction and rates).
+//
+// `screen`: where the pixels lie in the volume. `warp` receives the answer, for `slicecast_picture_row`. Returns SLICECAST_OK
+// or an error code.
+//
+// # Safety
+// `scene` and `screen` are readable, `warp` and `error` (if not null) writable, as C structures of their types.
+int32_t slicecast_warp(const struct SlicecastScene *scene,
+                       const struct SlicecastScreen *screen,
+                       struct SlicecastWarp *warp,
+                       struct SlicecastError *error);
 
 // Makes a row of the viewer's picture from a finished whole image.
 //

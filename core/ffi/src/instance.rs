@@ -16,7 +16,7 @@ use slicecast::warp::in_front_of;
 
 use crate::error::{SLICECAST_COMPLETE, SlicecastError};
 use crate::scene::{SlicecastNeeds, SlicecastScene, SlicecastWarp};
-use crate::{SlicecastStream, check};
+use crate::{SLICECAST_STATE_BYTES, SlicecastStream, check};
 
 /// "SLCP" and "SLCS": marks of a description and of a stream.
 const PIPELINE_MARK: u32 = 0x534c_4350;
@@ -64,6 +64,7 @@ impl Layout {
     const ALIGN: usize = 8;
 
     fn of<L: Pipeline + 'static>(plan: &Plan, rows: u32) -> Self {
+        const { assert!(size_of::<Held<L>>() <= SLICECAST_STATE_BYTES) };
         let needs = Needs::of_band::<L>(plan, rows);
         let mut total = size_of::<Held<L>>().next_multiple_of(Self::ALIGN);
         let parts = needs.bytes().map(|bytes| {

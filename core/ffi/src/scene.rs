@@ -3,6 +3,7 @@
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::precision::Precision;
+use slicecast::screen::Screen;
 use slicecast::shade::{Highlight, LIGHTS_MAX, Light, Phong};
 use slicecast::table::ENTRIES;
 use slicecast::view::View;
@@ -116,6 +117,18 @@ pub struct SlicecastWarp {
     pub down: [i64; 2],
 }
 
+/// Where the pixels of the viewer's picture lie in the volume: the picture's middle is the volume's.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SlicecastScreen {
+    /// Pixels across and down, 1 to 16384 each.
+    pub size: [u32; 2],
+    /// One picture pixel to the right, in voxels along x, y, z, s31.32; no component beyond -1024 to 1024.
+    pub right: [i64; 3],
+    /// One picture pixel down, likewise.
+    pub down: [i64; 3],
+}
+
 impl SlicecastScene {
     /// The frame's geometry.
     pub(crate) fn plan(&self) -> Result<Plan, SlicecastError> {
@@ -210,6 +223,23 @@ impl SlicecastScene {
             highlight,
             lighting.exponent_log2,
         )?)
+    }
+}
+
+impl SlicecastScreen {
+    /// Where its pixels look at the base plane of a scene.
+    pub(crate) fn warp(&self, scene: &SlicecastScene) -> Result<SlicecastWarp, SlicecastError> {
+        let screen = Screen {
+            size: self.size,
+            right: self.right.map(Step::from_bits),
+            down: self.down.map(Step::from_bits),
+        };
+        let Warp { origin, right, down } = screen.warp(&scene.plan()?)?;
+        Ok(SlicecastWarp {
+            origin: origin.map(Step::to_bits),
+            right: right.map(Step::to_bits),
+            down: down.map(Step::to_bits),
+        })
     }
 }
 
