@@ -4,11 +4,11 @@
 //! standard output, errors and progress to standard error.
 
 mod cli;
-mod export;
 mod framing;
 mod labels;
 mod legend;
 mod lettering;
+mod losses;
 mod presets;
 mod projection;
 mod raster;

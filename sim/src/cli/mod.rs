@@ -5,6 +5,7 @@ mod chosen;
 mod compare;
 mod default;
 mod explain;
+mod export;
 mod hard;
 mod inputs;
 mod inspect;
@@ -98,6 +99,7 @@ enum Command {
     Plan(plan::Args),
     Inspect(inspect::Args),
     Table(table::Args),
+    Export(Box<export::Args>),
     Turntable(Box<turntable::Args>),
     Sweep(sweep::Args),
     SweepMerge(sweep::MergeArgs),
@@ -131,6 +133,7 @@ impl Cli {
             Some(Command::Plan(args)) => args.run(),
             Some(Command::Inspect(args)) => args.run(),
             Some(Command::Table(args)) => args.run(),
+            Some(Command::Export(args)) => args.run(),
             Some(Command::Turntable(args)) => args.run(),
             Some(Command::Sweep(args)) => args.run(),
             Some(Command::SweepMerge(args)) => args.run(),
