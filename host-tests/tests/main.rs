@@ -2,6 +2,7 @@
 
 mod contract;
 mod exhaustive;
+mod exported;
 mod frames;
 mod golden;
 mod hard_cases;
