@@ -4,6 +4,7 @@
 
 mod c;
 mod cost;
+mod exported;
 mod faults;
 mod footprint;
 mod images;
@@ -82,6 +83,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         root,
     };
     write_if_changed(&workshop.scenes, &source)?;
+    let head = exported::write(&workshop)?;
     if arguments.cost {
         return cost::write(&workshop, &machines, &references);
     }
@@ -112,7 +114,10 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     for machine in &machines {
-        let programs = workshop.images(machine, "release", &["bits", "bands", "queue"])?;
+        let renders_head = machine.name == exported::MACHINE;
+        let mut names = vec!["bits", "bands", "queue"];
+        names.extend(renders_head.then_some("exported"));
+        let programs = workshop.images(machine, "release", &names)?;
         failed += bits(&programs, machine, &references)?;
         failed += bands(&programs, machine, &references)?;
         failed += queue(&programs, machine, &references)?;
@@ -125,6 +130,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         )?;
         failed += proofs::prove(&workshop, machine, &library)?;
         failed += c::on_machine(&workshop, machine, &library)?;
+        if renders_head {
+            failed += exported::on_machine(&workshop, machine, &programs, &library, head)?;
+        }
     }
     failed += c::on_host(&workshop)?;
     for target in BUILT_ONLY {
@@ -159,7 +167,7 @@ fn root() -> Result<PathBuf, Failure> {
     }
 }
 
-fn write_if_changed(path: &Path, text: &str) -> Result<(), Failure> {
+pub(crate) fn write_if_changed(path: &Path, text: &str) -> Result<(), Failure> {
     if fs::read_to_string(path).is_ok_and(|old| old == text) {
         return Ok(());
     }
