@@ -210,6 +210,10 @@ impl View {
 
 /// Sine and cosine of an angle in radians.
 #[cfg(feature = "angles")]
+#[expect(
+    clippy::float_arithmetic,
+    reason = "set-up of a view on a device, not part of the pipeline"
+)]
 pub(crate) fn sine_and_cosine(angle: f32) -> Result<(f32, f32), ViewError> {
     // NaN is in no range.
     if (-ANGLE_MAX..=ANGLE_MAX).contains(&angle) {
