@@ -362,7 +362,7 @@ fn voxels(numbers: &Numbers<'_>, voxels: &[u16]) -> String {
     let [width, height, depth] = numbers.plan.dims();
     let _ = writeln!(
         out,
-        "\n/// {depth} slices of {width} x {height} voxels, nearest first, rows one after the other.\npub static VOXELS: [u16; {}] = [",
+        "\n/// {depth} slices of {width} x {height} voxels, nearest first, rows one after the other.\n#[rustfmt::skip]\npub static VOXELS: [u16; {}] = [",
         voxels.len()
     );
     for line in voxels.chunks(20) {

@@ -53,13 +53,17 @@ struct Bits {
 }
 
 fn rust(out: &mut String, table: &Table, name: &str, what: &str, bits: Bits) -> std::fmt::Result {
-    writeln!(out, "/// {what}\npub static {name}: [u32; {}] = [", table.entries.len())?;
+    writeln!(
+        out,
+        "/// {what}\n#[rustfmt::skip]\npub static {name}: [u32; {}] = [",
+        table.entries.len()
+    )?;
     words(out, &table.entries[..])?;
     writeln!(out, "];")?;
     if bits.root == 16 {
         writeln!(
             out,
-            "\n/// Low bytes of the square roots.\npub static {name}_LOW: [u8; {}] = [",
+            "\n/// Low bytes of the square roots.\n#[rustfmt::skip]\npub static {name}_LOW: [u8; {}] = [",
             table.plane.len()
         )?;
         bytes(out, &table.plane[..])?;
@@ -68,7 +72,7 @@ fn rust(out: &mut String, table: &Table, name: &str, what: &str, bits: Bits) -> 
     if bits.colour == 16 {
         writeln!(
             out,
-            "\n/// Low bytes of the colours.\npub static {name}_COLOURS: [[u8; 3]; {}] = [",
+            "\n/// Low bytes of the colours.\n#[rustfmt::skip]\npub static {name}_COLOURS: [[u8; 3]; {}] = [",
             table.colours.len()
         )?;
         triples(out, &table.colours[..], ['[', ']'])?;
