@@ -77,12 +77,16 @@ extern crate std;
 
 pub mod classify;
 pub mod composite;
+#[cfg(feature = "embedded-graphics")]
+pub mod display;
 mod error;
 pub mod format;
 pub mod gradient;
 pub mod interpolate;
 pub mod lanes;
 pub mod locate;
+#[cfg(feature = "defmt")]
+mod log;
 pub mod normalise;
 pub mod plan;
 pub mod plane;

@@ -17,6 +17,7 @@ pub const RAYS_PER_VOXEL_MAX: u32 = 8;
 
 /// Sampling rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sampling {
     /// Sample planes per voxel along the major axis, 1 to [`PLANES_PER_VOXEL_MAX`].
     pub planes_per_voxel: u32,
@@ -69,6 +70,7 @@ pub struct Plan {
 
 /// Why a scene has no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlanError {
     /// A side of the volume is 0 or above [`SIDE_MAX`].
     Side {

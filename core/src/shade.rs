@@ -146,6 +146,7 @@ struct Source {
 
 /// Why lights and material are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PhongError {
     /// More than [`LIGHTS_MAX`] lights.
     Lights {

@@ -26,6 +26,7 @@ use crate::tap::Tap;
 
 /// Memory that a stream needs, in elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Needs {
     /// Voxels of the ring, 2 bytes each.
     pub slices: usize,
@@ -97,6 +98,7 @@ pub struct Memory<'m, E> {
 
 /// A part of [`Memory`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Part {
     /// `slices`.
     Slices,
@@ -110,6 +112,7 @@ pub enum Part {
 
 /// Why a stream does not go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StreamError {
     /// A part of the memory is too small.
     Memory {

@@ -23,6 +23,7 @@ use crate::format::{Direction, Step};
 
 /// One of the volume's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Axis {
     /// The first axis (fastest in memory).
     X,
@@ -45,6 +46,7 @@ pub struct View {
 
 /// Why a direction is not a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ViewError {
     /// All three components are zero.
     NoDirection,

@@ -3,7 +3,7 @@
 
 use core::ffi::c_void;
 
-use slicecast::classify::{Colour16, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
+use slicecast::classify::{Classifier, Colour16, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::FrontToBack;
 use slicecast::format::Intensity;
 use slicecast::plan::Plan;
@@ -314,60 +314,45 @@ type Fine16 = PointTable<'static, Sqrt16, Linear>;
 /// The same with colours of 16 bits.
 type Colours16 = PointTable<'static, Colour16, Linear>;
 
-impl<S: Lights<Paper>> Instance for Composite<Paper, Paper8, S, FrontToBack> {
+/// A table that can be made from a C scene.
+trait Table: Sized + 'static {
+    /// # Safety
+    /// As for [`Instance::of`].
+    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError>;
+}
+
+impl Table for Paper8 {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(Paper, Paper8::new(scene.entries()?, ()), S::of(Paper, scene)?) })
+        Ok(Self::new(unsafe { scene.entries()? }, ()))
     }
 }
 
-impl<S: Lights<Compact>> Instance for Composite<Compact, Fine16, S, FrontToBack> {
+impl Table for Fine16 {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe {
-            Self::new(
-                Compact,
-                Fine16::new(scene.entries()?, scene.low_roots()?),
-                S::of(Compact, scene)?,
-            )
-        })
+        Ok(unsafe { Self::new(scene.entries()?, scene.low_roots()?) })
     }
 }
 
-impl<S: Lights<Wide>> Instance for Composite<Wide, Fine16, S, FrontToBack> {
+impl Table for Colours16 {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe {
-            Self::new(
-                Wide,
-                Fine16::new(scene.entries()?, scene.low_roots()?),
-                S::of(Wide, scene)?,
-            )
-        })
+        Ok(unsafe { Self::new(scene.entries()?, (scene.low_roots()?, scene.low_colours()?)) })
     }
 }
 
-impl<S: Lights<Compact>> Instance for Composite<Compact, Colours16, S, FrontToBack> {
+impl<P, T, S> Instance for Composite<P, T, S, FrontToBack>
+where
+    P: Precision + Default,
+    T: Classifier<P> + Table,
+    S: Lights<P>,
+    Self: Pictured,
+{
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+        let precision = P::default();
         // SAFETY: the caller's promise.
-        Ok(unsafe {
-            let planes = (scene.low_roots()?, scene.low_colours()?);
-            Self::new(
-                Compact,
-                Colours16::new(scene.entries()?, planes),
-                S::of(Compact, scene)?,
-            )
-        })
-    }
-}
-
-impl<S: Lights<Wide>> Instance for Composite<Wide, Colours16, S, FrontToBack> {
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
-        // SAFETY: the caller's promise.
-        Ok(unsafe {
-            let planes = (scene.low_roots()?, scene.low_colours()?);
-            Self::new(Wide, Colours16::new(scene.entries()?, planes), S::of(Wide, scene)?)
-        })
+        Ok(unsafe { Self::new(precision, T::of(scene)?, S::of(precision, scene)?) })
     }
 }
 

@@ -107,10 +107,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     for arm in [true, false] {
         if let Some(machine) = machines.iter().find(|m| m.is_arm() == arm) {
             workshop.lint(machine)?;
-            println!(
-                "{:<11} {:<10} lints                            good",
-                machine.name, machine.core
-            );
+            line(machine, "lints", "", None);
+            proofs::all_features(&workshop, machine)?;
+            line(machine, "core with all features", "", None);
         }
     }
     for machine in &machines {
