@@ -10,3 +10,4 @@ mod lock_step;
 mod packages;
 mod small;
 mod tolerance;
+mod vectors;

@@ -21,6 +21,7 @@ mod sweep_table;
 mod table;
 mod tables;
 mod turntable;
+mod vectors;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
@@ -105,6 +106,7 @@ enum Command {
     Explain(explain::Args),
     Report(report::Args),
     Bench(Box<bench::Args>),
+    Vectors(Box<vectors::Args>),
 }
 
 impl Cli {
@@ -138,6 +140,7 @@ impl Cli {
             Some(Command::Explain(args)) => args.run(),
             Some(Command::Report(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),
+            Some(Command::Vectors(args)) => args.run(),
         }
     }
 }

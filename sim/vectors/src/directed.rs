@@ -5,14 +5,14 @@
 //! contract that could be read in two ways have vectors on which the readings differ
 //! (`host-tests/src/second/mistakes.rs` lists the readings that must be found).
 
-mod classification;
-mod compositing;
-mod gradient;
-mod interpolation;
+pub(crate) mod classification;
+pub(crate) mod compositing;
+pub(crate) mod gradient;
+pub(crate) mod interpolation;
 mod location;
-mod normalisation;
+pub(crate) mod normalisation;
 mod picture;
-mod shading;
+pub(crate) mod shading;
 
 use slicecast::composite::{Channel, ChannelFormat, Recurrence};
 use slicecast::precision::{Compact, Paper, Precision, Wide};

@@ -3,7 +3,7 @@
 use slicecast::composite::Recurrence as _;
 use slicecast::format::{Coefficient, Cosine, Vector};
 use slicecast::normalise::Normal;
-use slicecast::precision::Precision;
+use slicecast::precision::{Precision, Shading};
 use slicecast::shade::{self, Highlight, Light, Phong, dot, keep, keep_vector, reflected};
 
 use super::normalisation::{normal, normals};
@@ -55,9 +55,11 @@ fn vectors() -> Vec<[i64; 3]> {
     for z in (0..ONE).step_by(49_382_715) {
         let x = root(((1_i64 << 60) - z * z) / 2);
         all.extend([[x, x, z], [x, z, x], [-x, -x, -z]]);
+        // As good by their length, and one of them nearer.
+        all.extend([[x + 3000, x - 3000, z], [x - 5000, z, x + 5000]]);
     }
     let mut numbers = Numbers(7);
-    while all.len() < 200 {
+    while all.len() < 280 {
         let sign = numbers.of(&[-1, 1]);
         let (x, y) = (numbers.within(-ONE, ONE), numbers.within(-ONE, ONE));
         all.extend(if (x / 2).pow(2) + (y / 2).pow(2) < 1 << 58 { unit(x, y, sign) } else { None });
@@ -139,6 +141,15 @@ const COSINES: [i64; 12] = [
     1 << 31,
 ];
 
+/// A cosine with the bits that a precision has of it.
+fn had<P: Precision>(p: P, cosine: i64) -> i64 {
+    if p.formats().shading == Shading::Truncated16 {
+        cosine >> 15 << 15
+    } else {
+        cosine
+    }
+}
+
 /// Reflections.
 pub fn reflection<P: Precision>(p: P) -> Set {
     let mut inputs = vec![u("cosine_nv", 32, "2^-31"), u("cosine_nl", 32, "2^-31")];
@@ -147,6 +158,14 @@ pub fn reflection<P: Precision>(p: P) -> Set {
     let about = "R . L = 2 (N.V)(N.L) - V.L, held to 0 and 1; 0 where a cosine is 0";
     let mut set = Set::new(Some(P::NAME), "reflection", about, inputs, vec![u("cosine", 32, "2^-31")]);
     let mut push = |nv: i64, nl: i64, viewer: [i64; 3], light: [i64; 3]| {
+        let [nv, nl] = [had(p, nv), had(p, nl)];
+        // Three unit vectors never reach 2, and the contract does not say what 2 would be.
+        let along: i64 = viewer.iter().zip(light).map(|(v, l)| v * l).sum();
+        let bits = p.formats().shading.vector_bits();
+        let along = if bits == 15 { 2 * along } else { along >> 29 };
+        if (i128::from(nv) * i128::from(nl) >> 30) - i128::from(along) >= (1 << 32) - 8 {
+            return;
+        }
         let [a, b] = [nv, nl].map(|c| Cosine::from_bits(c as u32));
         let reflection = reflected(p, a, b, viewer.map(|c| c as i32), light.map(|c| c as i32));
         let inputs = [&[nv, nl][..], &viewer, &light].concat();
@@ -185,6 +204,7 @@ pub fn power<P: Precision>(p: P) -> Set {
     // x * x = 2^30 + m 2^31 exactly: a half of the rounding.
     let halves = [1 << 15, 3 << 15, 5 << 15, 32767 << 15];
     for x in COSINES.into_iter().chain(halves).chain(some).chain(near) {
+        let x = had(p, x);
         for n in 0..=8 {
             let power = shade::power(p, Cosine::from_bits(x as u32), n as u32);
             set.push(&[x, n], &[power.to_bits().into()]);
@@ -318,8 +338,8 @@ pub fn shading<P: Precision>(p: P) -> Set {
         let count = [1, 1, 2, 3, 8][round % 5];
         let mut lamps = Vec::new();
         for light in 0..count {
-            let direction = if light == 0 { first } else { vectors[numbers.within(0, 199) as usize] };
-            let half = vectors[numbers.within(0, 199) as usize];
+            let direction = if light == 0 { first } else { vectors[numbers.within(0, vectors.len() as i64 - 1) as usize] };
+            let half = vectors[numbers.within(0, vectors.len() as i64 - 1) as usize];
             let mut coefficients = || {
                 let grey = numbers.of(&[one, one / 2, 1 << 16, numbers_end(round)]);
                 if round % 3 == 0 { [grey; 3] } else { [(); 3].map(|()| numbers.within(0, grey)) }
