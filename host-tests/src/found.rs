@@ -41,7 +41,9 @@ pub fn departures(set: &Set, mistake: Option<Mistake>) -> Vec<usize> {
     let second = Second::new(width(set), mistake);
     let departs = |index: &usize| {
         let outputs = second.outputs(set.stage, &Inputs::of(set, *index));
-        !outputs.into_iter().eq(set.outputs.row(*index).iter().copied().map(i128::from))
+        !outputs
+            .into_iter()
+            .eq(set.outputs.row(*index).iter().copied().map(i128::from))
     };
     (0..set.len()).filter(departs).collect()
 }
@@ -91,9 +93,16 @@ pub fn table(found: &[Found]) -> String {
         ..
     } in found
     {
-        let first = first.as_ref().map_or("none".into(), |(set, index)| format!("`{set}` {index}"));
+        let first = first
+            .as_ref()
+            .map_or("none".into(), |(set, index)| format!("`{set}` {index}"));
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "| {} | {} | {vectors} | {first} |", mistake.stage(), mistake.words());
+        let _ = writeln!(
+            text,
+            "| {} | {} | {vectors} | {first} |",
+            mistake.stage(),
+            mistake.words()
+        );
     }
     text
 }

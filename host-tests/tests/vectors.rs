@@ -19,7 +19,11 @@ fn the_second_model_meets_every_directed_vector() {
 #[test]
 fn directed_vectors_find_every_mistake() {
     let found = mutations();
-    let missed: Vec<_> = found.iter().filter(|found| found.vectors == 0).map(|found| found.mistake).collect();
+    let missed: Vec<_> = found
+        .iter()
+        .filter(|found| found.vectors == 0)
+        .map(|found| found.mistake)
+        .collect();
     assert!(missed.is_empty(), "not found: {missed:?}");
     assert!(found.len() >= 90, "{}", found.len());
     assert_eq!(table(&found).lines().count(), found.len() + 2);

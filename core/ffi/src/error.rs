@@ -48,6 +48,8 @@ pub const SLICECAST_VOXEL: i32 = -17;
 pub const SLICECAST_HIGHLIGHT: i32 = -18;
 /// The interpolation is neither 0 (linear) nor 1 (nearest): `given`.
 pub const SLICECAST_INTERPOLATION: i32 = -19;
+/// A number given to a stage is out of its range: `argument`; `needed` is the end of the range that it passes; `given`.
+pub const SLICECAST_RANGE: i32 = -20;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]
@@ -95,6 +97,10 @@ impl SlicecastError {
 
     pub(crate) const fn length(argument: u32, needed: usize, given: usize) -> Self {
         Self::numbers(SLICECAST_LENGTH, needed as i64, given as i64).at(argument)
+    }
+
+    pub(crate) const fn range(argument: u32, needed: i64, given: i64) -> Self {
+        Self::numbers(SLICECAST_RANGE, needed, given).at(argument)
     }
 
     pub(crate) const fn foreign(argument: u32) -> Self {

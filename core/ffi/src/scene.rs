@@ -173,20 +173,29 @@ impl SlicecastScene {
     /// `lighting`, and the lights in it, are null, misaligned or readable.
     pub(crate) unsafe fn phong<P: Precision>(&self, precision: P) -> Result<Phong<P>, SlicecastError> {
         // SAFETY: the caller's promise.
-        let lighting = unsafe { read(self.lighting, 2)? };
-        let highlight = match lighting.highlight {
+        unsafe { read(self.lighting, 2)?.phong(precision) }
+    }
+}
+
+impl SlicecastLighting {
+    /// The shader of these lights.
+    ///
+    /// # Safety
+    /// The lights are null, misaligned or readable.
+    pub(crate) unsafe fn phong<P: Precision>(&self, precision: P) -> Result<Phong<P>, SlicecastError> {
+        let highlight = match self.highlight {
             0 => Highlight::Reflection,
             1 => Highlight::HalfVector,
             given => return Err(SlicecastError::numbers(SLICECAST_HIGHLIGHT, 1, given.into())),
         };
-        let given: &[SlicecastLight] = if lighting.count == 0 {
+        let given: &[SlicecastLight] = if self.count == 0 {
             &[]
-        } else if lighting.count > LIGHTS_MAX {
-            let (needed, given) = (LIGHTS_MAX as i64, lighting.count as i64);
+        } else if self.count > LIGHTS_MAX {
+            let (needed, given) = (LIGHTS_MAX as i64, self.count as i64);
             return Err(SlicecastError::numbers(SLICECAST_LIGHTS, needed, given));
         } else {
             // SAFETY: the caller's promise.
-            unsafe { slice(lighting.lights, lighting.count, 2)? }
+            unsafe { slice(self.lights, self.count, 2)? }
         };
         let mut lights = [Light {
             direction: [Vector::ZERO; 3],
@@ -204,11 +213,11 @@ impl SlicecastScene {
         }
         Ok(Phong::new(
             precision,
-            lighting.ambient.map(Coefficient::from_bits),
+            self.ambient.map(Coefficient::from_bits),
             lights.get(..given.len()).unwrap_or(&[]),
-            lighting.viewer.map(Vector::from_bits),
+            self.viewer.map(Vector::from_bits),
             highlight,
-            lighting.exponent_log2,
+            self.exponent_log2,
         )?)
     }
 }

@@ -10,5 +10,9 @@ fn main() -> ExitCode {
     print!("{}", table(&found));
     let missed = found.iter().filter(|found| found.vectors == 0).count();
     println!("\n{} mistakes, {missed} not found.", found.len());
-    if missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if missed == 0 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
 }

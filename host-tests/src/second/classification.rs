@@ -32,7 +32,11 @@ impl Second {
     fn root(&self, code: i128, entry: &Entry) -> i128 {
         let high = entry.word >> 24;
         if code == 0 {
-            if self.makes(Mistake::ByteTimes256) { 256 * high } else { 257 * high }
+            if self.makes(Mistake::ByteTimes256) {
+                256 * high
+            } else {
+                257 * high
+            }
         } else if self.makes(Mistake::LowRootLeftOut) {
             256 * high
         } else {
@@ -49,8 +53,16 @@ impl Second {
     fn colours(&self, code: i128, entry: &Entry) -> [i128; 3] {
         let byte = |channel: usize| entry.word >> (8 * channel) & 0xff;
         [0, 1, 2].map(|channel| {
-            let high = byte(if self.makes(Mistake::BlueFirst) { 2 - channel } else { channel });
-            let low = entry.low[if self.makes(Mistake::LowBlueFirst) { 2 - channel } else { channel }];
+            let high = byte(if self.makes(Mistake::BlueFirst) {
+                2 - channel
+            } else {
+                channel
+            });
+            let low = entry.low[if self.makes(Mistake::LowBlueFirst) {
+                2 - channel
+            } else {
+                channel
+            }];
             let o = if code == 2 { 256 * high + low } else { 257 * high };
             let half = i128::from(!self.makes(Mistake::ColourTruncated));
             let c15 = (o + half) >> 1;
@@ -69,21 +81,40 @@ impl Second {
         let roots = [self.root(code, &entries[0]), self.root(code, &entries[1])];
         let colours = [self.colours(code, &entries[0]), self.colours(code, &entries[1])];
         if !linear {
-            let half = if self.makes(Mistake::NearestTruncated) { 0 } else { 1 << (bits - 1) };
+            let half = if self.makes(Mistake::NearestTruncated) {
+                0
+            } else {
+                1 << (bits - 1)
+            };
             let at = usize::from((f + half) >> bits == 1);
             return (self.squared(roots[at]), colours[at]);
         }
         let mix = |a: i128, b: i128| {
-            let half = if self.makes(Mistake::LinearTruncated) { 0 } else { 1 << (bits - 1) };
-            let f = if self.makes(Mistake::NextIndexed) { (1 << bits) - f } else { f };
+            let half = if self.makes(Mistake::LinearTruncated) {
+                0
+            } else {
+                1 << (bits - 1)
+            };
+            let f = if self.makes(Mistake::NextIndexed) {
+                (1 << bits) - f
+            } else {
+                f
+            };
             let product = (b - a) * f + half;
-            a + if self.makes(Mistake::LinearTowardsZero) { towards_zero(product, bits) } else { product >> bits }
+            a + if self.makes(Mistake::LinearTowardsZero) {
+                towards_zero(product, bits)
+            } else {
+                product >> bits
+            }
         };
         let opacity = if self.makes(Mistake::RootsMixed) {
             self.squared(mix(roots[0], roots[1]))
         } else {
             mix(self.squared(roots[0]), self.squared(roots[1]))
         };
-        (opacity, [0, 1, 2].map(|channel| mix(colours[0][channel], colours[1][channel])))
+        (
+            opacity,
+            [0, 1, 2].map(|channel| mix(colours[0][channel], colours[1][channel])),
+        )
     }
 }

@@ -9,7 +9,12 @@ impl Second {
         if self.makes(Mistake::DithersExchanged) {
             dither.reverse();
         }
-        (inputs.pixel("before"), inputs.get("opacity"), inputs.rgb("colour"), dither)
+        (
+            inputs.pixel("before"),
+            inputs.get("opacity"),
+            inputs.rgb("colour"),
+            dither,
+        )
     }
 
     pub(super) fn front_to_back(&self, inputs: &dyn Numbers) -> [i128; 4] {
@@ -24,7 +29,11 @@ impl Second {
 
     /// w of `Compact`.
     fn taken(&self, t: i128, a: i128, dither_t: i128) -> i128 {
-        let a = if self.makes(Mistake::OpacityOf16Bits) { (a + (1 << 14)) >> 15 << 15 } else { a };
+        let a = if self.makes(Mistake::OpacityOf16Bits) {
+            (a + (1 << 14)) >> 15 << 15
+        } else {
+            a
+        };
         if self.makes(Mistake::TakenRounded) {
             return (t * a + (1 << 30)) >> 31;
         }
@@ -35,7 +44,11 @@ impl Second {
     /// t and A of `Paper`.
     fn step_of_paper(&self, a: i128) -> [i128; 2] {
         let taken = a >> 15;
-        let t = if self.makes(Mistake::OpacityUncut) { ((1 << 31) - a) >> 16 } else { ((1 << 16) - taken) >> 1 };
+        let t = if self.makes(Mistake::OpacityUncut) {
+            ((1 << 31) - a) >> 16
+        } else {
+            ((1 << 16) - taken) >> 1
+        };
         [t, taken]
     }
 
@@ -53,7 +66,11 @@ impl Second {
             Width::Compact => {
                 let w = self.taken(t, a, dither_t);
                 let light = if self.makes(Mistake::ColourAfter) { t - w } else { w };
-                let offset = if self.makes(Mistake::ColourUndithered) { 0 } else { dither_c };
+                let offset = if self.makes(Mistake::ColourUndithered) {
+                    0
+                } else {
+                    dither_c
+                };
                 (Box::new(move |c| (c * light + offset) >> 15), t - w)
             }
             Width::Paper => {
@@ -82,10 +99,22 @@ impl Second {
             Width::Wide if self.makes(Mistake::BackInOneProduct) => old + (((c - old) * a) >> 31),
             Width::Wide => old - ((old * a) >> 31) + ((c * a) >> 31),
             Width::Compact => {
-                let half = if self.makes(Mistake::ScaledTruncated) { 0 } else { 1 << 14 };
-                let scaled = if self.makes(Mistake::ScaledTwice) { 2 * c } else { (c * 65535 + half) >> 15 };
+                let half = if self.makes(Mistake::ScaledTruncated) {
+                    0
+                } else {
+                    1 << 14
+                };
+                let scaled = if self.makes(Mistake::ScaledTwice) {
+                    2 * c
+                } else {
+                    (c * 65535 + half) >> 15
+                };
                 let one = i128::from(!self.makes(Mistake::ColourHalfUnit));
-                let offset = if self.makes(Mistake::ColourUndithered) { 0 } else { dither_c };
+                let offset = if self.makes(Mistake::ColourUndithered) {
+                    0
+                } else {
+                    dither_c
+                };
                 old + (((scaled - old) * a + ((2 * offset + one) << 15)) >> 31)
             }
             Width::Paper => {

@@ -11,7 +11,13 @@ impl Second {
     /// The value between the eight voxels `voxel(k, j, i)`.
     pub fn sample(&self, voxel: &dyn Fn(usize, usize, usize) -> i128, weights: [i128; 3]) -> i128 {
         let paper = self.width == Width::Paper;
-        let cut = |w: i128| if paper && !self.makes(Mistake::WeightUncut) { w & 0xfff0 } else { w };
+        let cut = |w: i128| {
+            if paper && !self.makes(Mistake::WeightUncut) {
+                w & 0xfff0
+            } else {
+                w
+            }
+        };
         let [wx, wy, wz] = weights.map(cut);
         let along_z = |j, i| (voxel(0, j, i) << 16) + (voxel(1, j, i) - voxel(0, j, i)) * wz;
         let along_y = |a0: i128, a1: i128, wy: i128| {

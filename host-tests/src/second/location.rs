@@ -14,7 +14,11 @@ impl Second {
         let planes_per_voxel = inputs.get("planes_per_voxel");
         let size = direction.map(i128::abs);
         let longest = size.into_iter().max().unwrap_or(0);
-        let order = if self.makes(Mistake::TiesToX) { [0, 1, 2] } else { [2, 1, 0] };
+        let order = if self.makes(Mistake::TiesToX) {
+            [0, 1, 2]
+        } else {
+            [2, 1, 0]
+        };
         let major = order.into_iter().find(|axis| size[*axis] == longest).unwrap_or(2);
         let [i, j] = [[1, 2], [0, 2], [0, 1]][major];
         let scale = longest * planes_per_voxel;
@@ -38,7 +42,11 @@ impl Second {
             } else {
                 ((planes - 1) * step.abs() + voxel - 1) / voxel
             };
-            let goes = if self.makes(Mistake::OriginOnOtherSide) { step < 0 } else { step > 0 };
+            let goes = if self.makes(Mistake::OriginOnOtherSide) {
+                step < 0
+            } else {
+                step > 0
+            };
             (sides[axis] + n, if goes { -n } else { 0 })
         };
         let ((columns, origin_i), (rows, origin_j)) = (base(i, step_i), base(j, step_j));
@@ -82,7 +90,11 @@ impl Second {
         };
         let position = (exact + half) >> 16;
         if at_nearest {
-            let half = if self.makes(Mistake::NearestHalvesDown) { (1 << 15) - 1 } else { 1 << 15 };
+            let half = if self.makes(Mistake::NearestHalvesDown) {
+                (1 << 15) - 1
+            } else {
+                1 << 15
+            };
             (position + half) >> 16 << 16
         } else {
             position
@@ -103,14 +115,22 @@ impl Second {
             weight &= 0xfff0;
         }
         // Cells 0 to side - 2, and side - 1 where its weight is 0.
-        let last = if weight == 0 && !self.makes(Mistake::LastVoxelLeftOut) { side - 1 } else { side - 2 };
+        let last = if weight == 0 && !self.makes(Mistake::LastVoxelLeftOut) {
+            side - 1
+        } else {
+            side - 2
+        };
         let first = (-cell).clamp(0, pixels);
         [first, (last - cell + 1).clamp(first, pixels)]
     }
 
     /// dT and dC of a plane.
     pub fn dither(&self, plane: i128) -> [i128; 2] {
-        let start = if self.makes(Mistake::DitherWithoutStart) { 0 } else { 9973 };
+        let start = if self.makes(Mistake::DitherWithoutStart) {
+            0
+        } else {
+            9973
+        };
         [(20251 * plane) % 32768, (13573 * plane + start) % 32768]
     }
 }

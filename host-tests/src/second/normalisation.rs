@@ -16,7 +16,11 @@ impl Second {
             if self.makes(Mistake::BlockHalvesUp) {
                 return ((c + (1 << (n - 16))) >> (n - 15)).clamp(-32767, 32767);
             }
-            let half = if self.makes(Mistake::BlockTruncated) { 0 } else { 1 << (n - 16) };
+            let half = if self.makes(Mistake::BlockTruncated) {
+                0
+            } else {
+                1 << (n - 16)
+            };
             let mut magnitude = (c.abs() + half) >> (n - 15);
             if !self.makes(Mistake::BlockUnsaturated) {
                 magnitude = magnitude.min(32767);
@@ -57,7 +61,11 @@ impl Second {
             if self.makes(Mistake::ExportHalvesUp) {
                 return ((c * r + (1 << 19)) >> 20).clamp(-32768, 32768);
             }
-            let half = if self.makes(Mistake::ExportTruncated) { 0 } else { 1 << 19 };
+            let half = if self.makes(Mistake::ExportTruncated) {
+                0
+            } else {
+                1 << 19
+            };
             let magnitude = ((c.abs() * r + half) >> 20).min(32768);
             let negative = (c < 0) != self.makes(Mistake::ExportReversed);
             if negative { -magnitude } else { magnitude }

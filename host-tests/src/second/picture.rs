@@ -10,7 +10,11 @@ impl Second {
         } else {
             (right, down)
         };
-        let half = if self.makes(Mistake::CoordinateTruncated) { 0 } else { 1 << 15 };
+        let half = if self.makes(Mistake::CoordinateTruncated) {
+            0
+        } else {
+            1 << 15
+        };
         // It wraps at 64 bits.
         let p = ((origin + x * right + y * down + half) as i64 >> 16) as i128;
         [p >> 16, p & 0xffff]
@@ -19,7 +23,11 @@ impl Second {
     fn mix(&self, a: i128, b: i128, w: i128) -> i128 {
         let half = if self.makes(Mistake::MixTruncated) { 0 } else { 1 << 15 };
         let product = (b - a) * w + half;
-        a + if self.makes(Mistake::MixTowardsZero) { towards_zero(product, 16) } else { product >> 16 }
+        a + if self.makes(Mistake::MixTowardsZero) {
+            towards_zero(product, 16)
+        } else {
+            product >> 16
+        }
     }
 
     pub(super) fn mixture(&self, inputs: &dyn Numbers) -> i128 {
@@ -42,7 +50,11 @@ impl Second {
 
     /// A channel in front of a background, as a byte.
     pub fn in_front(&self, c: i128, t: i128, k: i128) -> i128 {
-        let half = if self.makes(Mistake::BackgroundTruncated) { 0 } else { 1 << 14 };
+        let half = if self.makes(Mistake::BackgroundTruncated) {
+            0
+        } else {
+            1 << 14
+        };
         let sum = c + ((t * k + half) >> 15);
         // A byte that is not held wraps.
         if self.makes(Mistake::SumUnheld) {

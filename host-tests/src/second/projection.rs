@@ -6,8 +6,18 @@ use super::{Mistake, Numbers, Second, Width};
 impl Second {
     pub(super) fn projection(&self, inputs: &dyn Numbers) -> i128 {
         let [extreme, kept, sample] = ["extreme", "kept", "sample"].map(|name| inputs.get(name));
-        let unsigned = |value: i128| if self.makes(Mistake::KeptUnsigned) { value & 0xffff_ffff } else { value };
-        let keeps = if extreme == 0 { unsigned(kept) >= unsigned(sample) } else { unsigned(kept) <= unsigned(sample) };
+        let unsigned = |value: i128| {
+            if self.makes(Mistake::KeptUnsigned) {
+                value & 0xffff_ffff
+            } else {
+                value
+            }
+        };
+        let keeps = if extreme == 0 {
+            unsigned(kept) >= unsigned(sample)
+        } else {
+            unsigned(kept) <= unsigned(sample)
+        };
         if keeps { kept } else { sample }
     }
 

@@ -22,7 +22,11 @@ impl Second {
                     }
                     let square: i128 = m.iter().map(|c| c * c).sum();
                     let away: i128 = m.iter().zip(v).map(|(m, v)| ((m << 15) - v).pow(2)).sum();
-                    let away = if self.makes(Mistake::VectorByLengthAlone) { 0 } else { away };
+                    let away = if self.makes(Mistake::VectorByLengthAlone) {
+                        0
+                    } else {
+                        away
+                    };
                     let cost = [(square - (1 << 30)).abs(), away];
                     let better = best.is_none_or(|(least, _)| {
                         cost < least || (cost == least && self.makes(Mistake::VectorTieToLast))
@@ -41,7 +45,11 @@ impl Second {
         if self.width == Width::Wide {
             return k;
         }
-        let half = if self.makes(Mistake::CoefficientTruncated) { 0 } else { 1 << 15 };
+        let half = if self.makes(Mistake::CoefficientTruncated) {
+            0
+        } else {
+            1 << 15
+        };
         (k + half) >> 16
     }
 
@@ -49,15 +57,33 @@ impl Second {
     fn facing(&self, g: [i128; 3], r: i128, v: [i128; 3]) -> i128 {
         let sign = if self.makes(Mistake::NormalTowards) { 1 } else { -1 };
         let dot: i128 = g.iter().zip(v).map(|(g, v)| sign * g * v).sum();
-        let held = |x: i128| if self.makes(Mistake::CosineUnheld) { x } else { x.min(1 << 31) };
+        let held = |x: i128| {
+            if self.makes(Mistake::CosineUnheld) {
+                x
+            } else {
+                x.min(1 << 31)
+            }
+        };
         match self.width {
             Width::Compact => {
-                let half = if self.makes(Mistake::CosineTruncated) { 0 } else { 1 << 18 };
+                let half = if self.makes(Mistake::CosineTruncated) {
+                    0
+                } else {
+                    1 << 18
+                };
                 held((dot.max(0) * r + half) >> 19)
             }
             Width::Wide => {
-                let first = if self.makes(Mistake::CosineFirstShift) { 0 } else { 1 << 8 };
-                let half = if self.makes(Mistake::CosineTruncated) { 0 } else { 1 << 24 };
+                let first = if self.makes(Mistake::CosineFirstShift) {
+                    0
+                } else {
+                    1 << 8
+                };
+                let half = if self.makes(Mistake::CosineTruncated) {
+                    0
+                } else {
+                    1 << 24
+                };
                 held((((dot.max(0) + first) >> 9) * r + half) >> 25)
             }
             Width::Paper => {
@@ -74,7 +100,11 @@ impl Second {
                 } else {
                     products.map(|product| product >> 11).sum()
                 };
-                if self.makes(Mistake::CosineUnheld) { sum.max(0) } else { sum.clamp(0, 1 << 16) }
+                if self.makes(Mistake::CosineUnheld) {
+                    sum.max(0)
+                } else {
+                    sum.clamp(0, 1 << 16)
+                }
             }
         }
     }
@@ -103,7 +133,11 @@ impl Second {
             return 0;
         }
         let dot: i128 = viewer.iter().zip(light).map(|(v, l)| v * l).sum();
-        let half = if self.makes(Mistake::ReflectionTruncated) { 0 } else { 1 << 29 };
+        let half = if self.makes(Mistake::ReflectionTruncated) {
+            0
+        } else {
+            1 << 29
+        };
         let rounded = self.makes(Mistake::ViewerLightRounded);
         let (sum, one) = match self.width {
             Width::Compact => (((nv * nl + half) >> 30) - 2 * dot, 1 << 31),
@@ -116,7 +150,11 @@ impl Second {
                 (((nv * nl) >> 15) - along, 1 << 16)
             }
         };
-        if self.makes(Mistake::ReflectionUnheld) { sum.max(0) } else { sum.clamp(0, one) }
+        if self.makes(Mistake::ReflectionUnheld) {
+            sum.max(0)
+        } else {
+            sum.clamp(0, one)
+        }
     }
 
     pub(super) fn power(&self, x: i128, n: i128) -> i128 {
@@ -151,7 +189,11 @@ impl Second {
                 let x = self.facing(g, r, direction);
                 let base = if half_vector {
                     let cosine = self.facing(g, r, self.vector(inputs.ijk(&format!("light{light}_half"))));
-                    if x == 0 && !self.makes(Mistake::HighlightInShadow) { 0 } else { cosine }
+                    if x == 0 && !self.makes(Mistake::HighlightInShadow) {
+                        0
+                    } else {
+                        cosine
+                    }
                 } else {
                     self.reflected([nv, x], viewer, direction)
                 };
@@ -174,36 +216,81 @@ impl Second {
     /// The colour of a channel. Each light: cosine and power, diffuse and specular coefficient.
     fn lit(&self, o: i128, ambient: i128, lights: &[([i128; 2], [i128; 2])]) -> i128 {
         let sum = |part: usize, product: &dyn Fn(i128, i128) -> i128| -> i128 {
-            lights.iter().map(|(cosines, coefficients)| product(coefficients[part], cosines[part])).sum()
+            lights
+                .iter()
+                .map(|(cosines, coefficients)| product(coefficients[part], cosines[part]))
+                .sum()
         };
-        let wraps = |sum: i128| if self.makes(Mistake::SumWraps) { sum & 0xffff_ffff } else { sum };
-        let hold = |sum: i128, one: i128| if self.makes(Mistake::DiffuseUnheld) { sum } else { sum.min(one) };
-        let last = |sum: i128, one: i128| if self.makes(Mistake::ColourUnheld) { sum } else { sum.min(one) };
+        let wraps = |sum: i128| {
+            if self.makes(Mistake::SumWraps) {
+                sum & 0xffff_ffff
+            } else {
+                sum
+            }
+        };
+        let hold = |sum: i128, one: i128| {
+            if self.makes(Mistake::DiffuseUnheld) {
+                sum
+            } else {
+                sum.min(one)
+            }
+        };
+        let last = |sum: i128, one: i128| {
+            if self.makes(Mistake::ColourUnheld) {
+                sum
+            } else {
+                sum.min(one)
+            }
+        };
         let rounded = self.makes(Mistake::ProductsRounded);
         match self.width {
             Width::Compact => {
                 let half = if self.makes(Mistake::CosineCut) { 0 } else { 1 << 14 };
                 let product = |k: i128, x: i128| k * ((x + half) >> 15);
                 let (diffuse, specular) = (wraps((ambient << 16) + sum(0, &product)), wraps(sum(1, &product)));
-                let half = if self.makes(Mistake::DiffuseTruncated) { 0 } else { 1 << 14 };
+                let half = if self.makes(Mistake::DiffuseTruncated) {
+                    0
+                } else {
+                    1 << 14
+                };
                 let m = hold((diffuse + half) >> 15, 1 << 16);
-                let specular = if self.makes(Mistake::HighlightColoured) { (o * specular) >> 15 } else { specular };
-                let half = if self.makes(Mistake::ColourTruncatedLast) { 0 } else { 1 << 15 };
+                let specular = if self.makes(Mistake::HighlightColoured) {
+                    (o * specular) >> 15
+                } else {
+                    specular
+                };
+                let half = if self.makes(Mistake::ColourTruncatedLast) {
+                    0
+                } else {
+                    1 << 15
+                };
                 last((o * m + specular + half) >> 16, 1 << 15)
             }
             Width::Wide => {
                 let product = |k: i128, x: i128| (k * x + if rounded { 1 << 30 } else { 0 }) >> 31;
                 let diffuse = hold(wraps(ambient + sum(0, &product)), 1 << 31);
                 let specular = wraps(sum(1, &product)).min(1 << 31);
-                let specular = if self.makes(Mistake::HighlightColoured) { (o * specular) >> 31 } else { specular };
-                let half = if self.makes(Mistake::ColourTruncatedLast) { 0 } else { 1 << 30 };
+                let specular = if self.makes(Mistake::HighlightColoured) {
+                    (o * specular) >> 31
+                } else {
+                    specular
+                };
+                let half = if self.makes(Mistake::ColourTruncatedLast) {
+                    0
+                } else {
+                    1 << 30
+                };
                 last((o * diffuse + (specular << 31) + half) >> 31, 1 << 31)
             }
             Width::Paper => {
                 let product = |k: i128, x: i128| (k * x + if rounded { 1 << 14 } else { 0 }) >> 15;
                 let diffuse = hold(2 * ambient + sum(0, &product), 1 << 16);
                 let specular = sum(1, &product);
-                let specular = if self.makes(Mistake::HighlightColoured) { (o * specular) >> 15 } else { specular };
+                let specular = if self.makes(Mistake::HighlightColoured) {
+                    (o * specular) >> 15
+                } else {
+                    specular
+                };
                 let product = (o * diffuse) >> 15;
                 let sum = if self.makes(Mistake::HalvedApart) {
                     (product >> 1) + (specular >> 1)

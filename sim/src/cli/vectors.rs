@@ -39,7 +39,13 @@ pub struct Args {
     #[arg(long, conflicts_with_all = ["volume", "scene", "only_planes", "only_rows"])]
     directed: bool,
     /// Write the vectors into this folder.
-    #[arg(short, long, value_name = "DIR", required_unless_present = "compare", conflicts_with = "compare")]
+    #[arg(
+        short,
+        long,
+        value_name = "DIR",
+        required_unless_present = "compare",
+        conflicts_with = "compare"
+    )]
     output: Option<PathBuf>,
     /// Make the vectors again and compare the outputs in this folder, NAME.out.hex or NAME.out.npy, with them.
     #[arg(long, value_name = "DIR")]
@@ -72,7 +78,9 @@ enum FormatArg {
 
 /// `A:B`.
 fn range(text: &str) -> Result<Range<u32>, String> {
-    let parts = text.split_once(':').and_then(|(first, end)| Some(first.parse().ok()?..end.parse().ok()?));
+    let parts = text
+        .split_once(':')
+        .and_then(|(first, end)| Some(first.parse().ok()?..end.parse().ok()?));
     parts
         .filter(|range: &Range<u32>| !range.is_empty())
         .ok_or_else(|| "expected A:B with A below B, like 20:24".into())
@@ -109,7 +117,10 @@ impl Args {
     fn directed(&self) -> Result<Vectors, Failure> {
         let sets = directed::sets();
         let formats = self.formats();
-        let bytes: u64 = sets.iter().map(|set| set.len() as u64 * bytes_of_vector(set, &formats)).sum();
+        let bytes: u64 = sets
+            .iter()
+            .map(|set| set.len() as u64 * bytes_of_vector(set, &formats))
+            .sum();
         let count: usize = sets.iter().map(Set::len).sum();
         self.announce(&format!("{} sets, {count} vectors", sets.len()), bytes)?;
         Ok(Vectors {
@@ -182,7 +193,10 @@ impl Args {
                         known.push(set.stage);
                     }
                 }
-                return Err(Failure::input(format!("--stage {name}: no such stage here; there are: {}", known.join(", "))));
+                return Err(Failure::input(format!(
+                    "--stage {name}: no such stage here; there are: {}",
+                    known.join(", ")
+                )));
             }
         }
         if !self.stage.is_empty() {
@@ -212,7 +226,12 @@ impl Args {
         let manifest = files::manifest(&vectors.sets, &formats, &vectors.from, &vectors.constants);
         folder.write(MANIFEST, &manifest.map_err(Failure::machine)?)?;
         let count: usize = vectors.sets.iter().map(Set::len).sum();
-        println!("{}: {} sets, {count} vectors, {} files", path.display(), vectors.sets.len(), names.len());
+        println!(
+            "{}: {} sets, {count} vectors, {} files",
+            path.display(),
+            vectors.sets.len(),
+            names.len()
+        );
         Ok(())
     }
 }
@@ -220,7 +239,11 @@ impl Args {
 /// Compares what is in a folder with the outputs of the sets.
 fn compare(path: &Path, sets: &[Set]) -> Result<(), Failure> {
     let (mut departures, mut vectors, mut compared) = (Vec::new(), 0, 0);
-    for (number, set) in sets.iter().enumerate().filter(|(_, set)| !set.outputs.fields.is_empty()) {
+    for (number, set) in sets
+        .iter()
+        .enumerate()
+        .filter(|(_, set)| !set.outputs.fields.is_empty())
+    {
         for divergence in departures_of(path, set)? {
             departures.push((number, divergence));
         }
@@ -228,14 +251,19 @@ fn compare(path: &Path, sets: &[Set]) -> Result<(), Failure> {
         compared += 1;
     }
     if departures.is_empty() {
-        println!("{}: {compared} sets, {vectors} vectors, all as the pipeline has them", path.display());
+        println!(
+            "{}: {compared} sets, {vectors} vectors, all as the pipeline has them",
+            path.display()
+        );
         return Ok(());
     }
     for (_, Divergence { set, departing, of, .. }) in &departures {
         println!("{set}: {departing} of {of} vectors depart");
     }
     let first = answer::earliest(sets, &departures);
-    Err(Failure::machine(first.map_or_else(String::new, |first| first.to_string())))
+    Err(Failure::machine(
+        first.map_or_else(String::new, |first| first.to_string()),
+    ))
 }
 
 /// The first departure in each file that there is of a set.

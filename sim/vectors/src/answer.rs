@@ -137,7 +137,9 @@ fn without_comments(line: &str, commented: &mut bool) -> String {
     let (mut kept, mut rest) = (String::new(), line);
     loop {
         if *commented {
-            let Some((_, behind)) = rest.split_once("*/") else { return kept };
+            let Some((_, behind)) = rest.split_once("*/") else {
+                return kept;
+            };
             (*commented, rest) = (false, behind);
             kept.push(' ');
         }
@@ -250,7 +252,9 @@ pub fn first(set: &Set, found: &[Value]) -> Option<Divergence> {
     let departs = |at: usize| Value::Number(set.outputs.values[at].into()) != found[at];
     let at = (0..found.len()).find(|at| departs(*at))?;
     let vector = at / width;
-    let departing = (0..set.len()).filter(|row| (row * width..(row + 1) * width).any(departs)).count();
+    let departing = (0..set.len())
+        .filter(|row| (row * width..(row + 1) * width).any(departs))
+        .count();
     let place = set.inputs.fields.iter().zip(set.inputs.row(vector)).take(set.place);
     Some(Divergence {
         set: set.name.clone(),
@@ -291,7 +295,13 @@ mod tests {
     use crate::set::{s, u};
 
     fn set() -> Set {
-        let mut set = Set::new(None, "stage", "about", vec![u("a", 5, "1")], vec![s("b", 9, "1"), u("c", 4, "1")]);
+        let mut set = Set::new(
+            None,
+            "stage",
+            "about",
+            vec![u("a", 5, "1")],
+            vec![s("b", 9, "1"), u("c", 4, "1")],
+        );
         for (a, b, c) in [(1, -256, 15), (2, 255, 0), (31, -1, 7)] {
             set.push(&[a], &[b, c]);
         }
@@ -325,7 +335,10 @@ mod tests {
         }
         let unknown = hex_of("f00_f\n0xx_0\nfff_7").unwrap();
         let divergence = first(&set(), &unknown).unwrap();
-        assert_eq!((divergence.vector, divergence.found, divergence.departing), (1, Value::Unknown, 1));
+        assert_eq!(
+            (divergence.vector, divergence.found, divergence.departing),
+            (1, Value::Unknown, 1)
+        );
     }
 
     #[test]
@@ -350,7 +363,10 @@ mod tests {
             read(&set().outputs, Format::Npy, &npy[..npy.len() - 1]),
             Err(AnswerError::Npy(_))
         ));
-        assert!(matches!(read(&set().outputs, Format::Npy, b"no"), Err(AnswerError::Npy(_))));
+        assert!(matches!(
+            read(&set().outputs, Format::Npy, b"no"),
+            Err(AnswerError::Npy(_))
+        ));
         let inputs = contents(&set().inputs, Format::Npy).unwrap();
         assert!(matches!(
             read(&set().outputs, Format::Npy, &inputs),

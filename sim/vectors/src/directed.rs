@@ -76,7 +76,11 @@ pub(crate) fn colour<P: Precision>(p: P, name: &str) -> Field {
 
 /// The unit of a sample.
 pub(crate) fn sample_unit<P: Precision>(p: P) -> &'static str {
-    if p.formats().sample_bits == 15 { "2^-15 code" } else { "2^-12 code" }
+    if p.formats().sample_bits == 15 {
+        "2^-15 code"
+    } else {
+        "2^-12 code"
+    }
 }
 
 /// Numbers that are the same on every machine (SplitMix64).

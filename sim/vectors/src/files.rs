@@ -81,7 +81,11 @@ fn hex(side: &Side) -> String {
     for row in side.values.chunks_exact(side.fields.len()) {
         for (at, (field, value)) in side.fields.iter().zip(row).enumerate() {
             let digits = digits(field);
-            let mask = if digits == 16 { u64::MAX } else { (1 << (4 * digits)) - 1 };
+            let mask = if digits == 16 {
+                u64::MAX
+            } else {
+                (1 << (4 * digits)) - 1
+            };
             let gap = if at == 0 { "" } else { "_" };
             // Writing to a string cannot fail.
             let _ = write!(text, "{gap}{:0digits$x}", *value as u64 & mask);
@@ -154,7 +158,10 @@ pub fn manifest(
                 precision: set.precision,
                 about: set.about,
                 vectors: set.len(),
-                place: set.inputs.fields[..set.place].iter().map(|field| field.name.as_str()).collect(),
+                place: set.inputs.fields[..set.place]
+                    .iter()
+                    .map(|field| field.name.as_str())
+                    .collect(),
                 inputs: set.inputs.fields.iter().map(line).collect(),
                 outputs: set.outputs.fields.iter().map(line).collect(),
                 files: files.collect(),

@@ -70,7 +70,11 @@ pub struct FrameSets {
 /// The most that a part of a frame takes: samples, and bytes of its files.
 pub fn at_most(prepared: &Prepared<'_>, part: &Part, formats: &[Format]) -> [u64; 2] {
     let (plan, sets) = (&prepared.setup.plan, Sets::of(prepared));
-    let samples: u64 = part.planes.clone().map(|index| samples_of(plan, index, &part.rows)).sum();
+    let samples: u64 = part
+        .planes
+        .clone()
+        .map(|index| samples_of(plan, index, &part.rows))
+        .sum();
     let line = |set: &Set| bytes_of_vector(set, formats);
     let of_sample: u64 = sets.stages().iter().map(|set| line(set)).sum();
     let planes = u64::from(plan.phases()) * part.planes.len() as u64;
@@ -214,8 +218,20 @@ impl Sets {
                 vec![u("voxel", 12, "code")],
                 Vec::new(),
             ),
-            table: set("table", "the table's memories, by code", Vec::new(), classification::entry("entry"), Vec::new()),
-            location: set("location", "where a plane's samples lie", of_plane(), Vec::new(), location),
+            table: set(
+                "table",
+                "the table's memories, by code",
+                Vec::new(),
+                classification::entry("entry"),
+                Vec::new(),
+            ),
+            location: set(
+                "location",
+                "where a plane's samples lie",
+                of_plane(),
+                Vec::new(),
+                location,
+            ),
             interpolation: set_of_sample(
                 "interpolation",
                 "a sample from the voxels around it, voxel_kji",
@@ -230,7 +246,12 @@ impl Sets {
                 Vec::new(),
                 gradient::outputs(p),
             ),
-            normal: set_of_sample("normal", "direction of a gradient", gradient::outputs(p), normalisation::normal()),
+            normal: set_of_sample(
+                "normal",
+                "direction of a gradient",
+                gradient::outputs(p),
+                normalisation::normal(),
+            ),
             shading: set_of_sample(
                 "shading",
                 "colour under the frame's lights",
@@ -338,7 +359,9 @@ fn unsigned<const N: usize>(rows: &[&dyn Bits]) -> Vec<[i64; N]> {
 /// Numbers with one.
 fn signed<const N: usize>(rows: &[&dyn Bits]) -> Vec<[i64; N]> {
     let mut all = unsigned(rows);
-    all.iter_mut().flatten().for_each(|value| *value = i64::from(*value as u32 as i32));
+    all.iter_mut()
+        .flatten()
+        .for_each(|value| *value = i64::from(*value as u32 as i32));
     all
 }
 
@@ -486,17 +509,31 @@ fn constants<P: Precision>(p: P, prepared: &Prepared<'_>) -> Vec<(Field, i64)> {
         Axis::Z => 2,
     };
     all.push((u("major", 2, "0 x, 1 y, 2 z"), major));
-    all.push((u("reversed", 1, "1: slices are read from the far end"), plan.view().reversed().into()));
+    all.push((
+        u("reversed", 1, "1: slices are read from the far end"),
+        plan.view().reversed().into(),
+    ));
     three(&mut all, ijk(&u("side", 14, "voxels")), plan.dims().map(i64::from));
-    three(&mut all, ijk(&s("step", 34, "2^-32 voxel")), plan.step().map(|step| step.to_bits()));
-    three(&mut all, ijk(&u("factor", 16, "2^-15")), plan.spacing().map(|factor| factor.to_bits().into()));
+    three(
+        &mut all,
+        ijk(&s("step", 34, "2^-32 voxel")),
+        plan.step().map(|step| step.to_bits()),
+    );
+    three(
+        &mut all,
+        ijk(&u("factor", 16, "2^-15")),
+        plan.spacing().map(|factor| factor.to_bits().into()),
+    );
     let ([columns, rows], [origin_i, origin_j]) = (plan.base().map(i64::from), plan.origin().map(i64::from));
     all.push((u("columns", 15, "pixels of a phase"), columns));
     all.push((u("rows", 15, "pixels of a phase"), rows));
     all.push((s("origin_i", 14, "voxels"), origin_i));
     all.push((s("origin_j", 14, "voxels"), origin_j));
     all.push((u("planes", 16, "planes"), plan.planes().into()));
-    all.push((u("planes_per_voxel", 5, "planes"), plan.sampling().planes_per_voxel.into()));
+    all.push((
+        u("planes_per_voxel", 5, "planes"),
+        plan.sampling().planes_per_voxel.into(),
+    ));
     all.push((u("rays_per_voxel", 4, "rays"), plan.sampling().rays_per_voxel.into()));
     let nearest = scene.interpolation == Interpolation::Nearest;
     all.push((u("nearest", 1, "1: samples lie at voxels"), nearest.into()));
@@ -514,7 +551,10 @@ fn constants<P: Precision>(p: P, prepared: &Prepared<'_>) -> Vec<(Field, i64)> {
         Blend::Maximum => 2,
         Blend::Minimum => 3,
     };
-    all.push((u("blend", 2, "0 front to back, 1 back to front, 2 maximum, 3 minimum"), order));
+    all.push((
+        u("blend", 2, "0 front to back, 1 back to front, 2 maximum, 3 minimum"),
+        order,
+    ));
     let (own, one) = (p.pixel().floor().bits(), p.pixel().one().bits());
     let floor = scene.early_termination.map_or(own, |bits| own.max(one >> bits));
     // Back to front there is none.
@@ -524,9 +564,16 @@ fn constants<P: Precision>(p: P, prepared: &Prepared<'_>) -> Vec<(Field, i64)> {
         all.extend(shading::scene_fields().into_iter().zip(lights(material)));
     }
     let warp = prepared.setup.picture.warp;
-    for (name, steps) in [("warp_origin", warp.origin), ("warp_right", warp.right), ("warp_down", warp.down)] {
+    for (name, steps) in [
+        ("warp_origin", warp.origin),
+        ("warp_right", warp.right),
+        ("warp_down", warp.down),
+    ] {
         for (axis, step) in ["u", "v"].into_iter().zip(steps) {
-            all.push((s(format!("{name}_{axis}"), 64, "2^-32 base-plane pixel"), step.to_bits()));
+            all.push((
+                s(format!("{name}_{axis}"), 64, "2^-32 base-plane pixel"),
+                step.to_bits(),
+            ));
         }
     }
     let behind = background(scene).map(|channel| i64::from(channel.to_bits()));

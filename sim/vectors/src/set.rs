@@ -156,7 +156,11 @@ impl Set {
 
     /// Number of vectors.
     pub fn len(&self) -> usize {
-        self.inputs.values.len().checked_div(self.inputs.fields.len()).unwrap_or(0)
+        self.inputs
+            .values
+            .len()
+            .checked_div(self.inputs.fields.len())
+            .unwrap_or(0)
     }
 
     /// Whether there is no vector.

@@ -64,7 +64,12 @@ fn samples<P: Precision>(p: P, mut each: impl FnMut([i64; 4], i64, [i64; 3], i64
     for t in [0, 1, 2, one / 2, one - 1, one] {
         for opacity in OPACITIES {
             for plane in PLANES {
-                each([0, (one - t) / 2, one - t, t], opacity, [full, full / 2, full - 1], plane);
+                each(
+                    [0, (one - t) / 2, one - t, t],
+                    opacity,
+                    [full, full / 2, full - 1],
+                    plane,
+                );
                 each([one - t, 0, 0, t], opacity, [0, 1, full], plane);
             }
         }
@@ -99,7 +104,9 @@ pub fn front_to_back<P: Precision>(p: P) -> Set {
         set.push(&inputs, &values(after));
     };
     let (one, own) = (i64::from(p.pixel().one().bits()), i64::from(p.pixel().floor().bits()));
-    samples(p, |before, opacity, colour, plane| push(before, opacity, colour, plane, own));
+    samples(p, |before, opacity, colour, plane| {
+        push(before, opacity, colour, plane, own)
+    });
     // Both sides of the floor, its own and those of early termination.
     for floor in [own, one >> 8, one >> 1] {
         for t in [floor - 1, floor, floor + 1] {
@@ -114,7 +121,13 @@ pub fn front_to_back<P: Precision>(p: P) -> Set {
 /// Under.
 pub fn back_to_front<P: Precision>(p: P) -> Set {
     let about = "a pixel with one more sample in front of it; no floor";
-    let mut set = Set::new(Some(P::NAME), "compositing-back", about, sample_fields(p), pixel(p, "after"));
+    let mut set = Set::new(
+        Some(P::NAME),
+        "compositing-back",
+        about,
+        sample_fields(p),
+        pixel(p, "after"),
+    );
     samples(p, |before, opacity, colour, plane| {
         let dither = Dither::of_plane(plane as u32);
         let opaque = Opacity::from_bits(opacity as u32);
@@ -148,7 +161,11 @@ pub fn projection<P: Precision>(p: P) -> Set {
         for kept in [EMPTY[extreme as usize], 0, 1, end / 2, end - 1, end] {
             for sample in [0, 1, end / 2, end / 2 + 1, end - 1, end] {
                 let (a, b) = (kept as i32, sample as i32);
-                let after = if extreme == 0 { Maximum::keep(a, b) } else { Minimum::keep(a, b) };
+                let after = if extreme == 0 {
+                    Maximum::keep(a, b)
+                } else {
+                    Minimum::keep(a, b)
+                };
                 set.push(&[extreme, kept, sample], &[after.into()]);
             }
         }
@@ -190,7 +207,12 @@ impl Memories {
     /// The pixel of a kept sample.
     fn resolved<P: Precision>(&self, p: P, code: i64, extreme: i64, kept: i32) -> [i64; 4] {
         use slicecast::classify::{Colour16, Linear, PointTable, Sqrt8, Sqrt16};
-        fn of<P: Precision>(p: P, extreme: i64, kept: i32, table: &impl slicecast::classify::Classifier<P>) -> [i64; 4] {
+        fn of<P: Precision>(
+            p: P,
+            extreme: i64,
+            kept: i32,
+            table: &impl slicecast::classify::Classifier<P>,
+        ) -> [i64; 4] {
             values(if extreme == 0 {
                 resolve::<P, Maximum>(p, kept, table)
             } else {

@@ -16,7 +16,9 @@ pub fn outputs<P: Precision>(p: P) -> Vec<Field> {
 pub fn gradient<P: Precision>(p: P) -> Set {
     let bits = p.formats().sample_bits;
     let sample = |name| s(name, 14 + bits, sample_unit(p));
-    let mut inputs = ["next_i", "previous_i", "next_j", "previous_j", "along_k"].map(sample).to_vec();
+    let mut inputs = ["next_i", "previous_i", "next_j", "previous_j", "along_k"]
+        .map(sample)
+        .to_vec();
     inputs.extend(ijk(&u("factor", 16, "2^-15")));
     let about = "differences of neighbouring samples, the interpolated difference along k, and their spacing factors";
     let mut set = Set::new(Some(P::NAME), "gradient", about, inputs, outputs(p));

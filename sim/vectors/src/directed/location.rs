@@ -38,7 +38,9 @@ pub fn plan() -> Set {
     let mut set = Set::new(None, "plan", "axes, steps and base plane of a view", inputs, outputs);
     let one = 1_i64 << 58;
     let mut push = |direction: [i64; 3], dims: [i64; 3], planes: i64| {
-        let Some(plan) = planned(direction, dims, planes, 1) else { return };
+        let Some(plan) = planned(direction, dims, planes, 1) else {
+            return;
+        };
         let major = match plan.view().major() {
             Axis::X => 0,
             Axis::Y => 1,
@@ -116,7 +118,9 @@ pub fn start() -> Set {
     let one = 1 << 50;
     for depth in [1, 2, 100, 8192] {
         for rays in 1..=8 {
-            let Some(plan) = planned([one, 0, one], [2, 2, depth], 1, rays) else { continue };
+            let Some(plan) = planned([one, 0, one], [2, 2, depth], 1, rays) else {
+                continue;
+            };
             for u in 0..rays {
                 let [start, _] = plan.start(Phase { u: u as u32, v: 0 });
                 set.push(&[plan.origin()[0].into(), u, rays], &[start.to_bits()]);

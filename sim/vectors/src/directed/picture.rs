@@ -44,7 +44,11 @@ pub fn coordinate() -> Set {
     push([i64::MIN, -1, -1], 16383, 16383);
     let mut numbers = Numbers(14);
     for _ in 0..64 {
-        let map = [numbers.within(-400 * one, 400 * one), numbers.within(-one, one), numbers.within(-one, one)];
+        let map = [
+            numbers.within(-400 * one, 400 * one),
+            numbers.within(-one, one),
+            numbers.within(-one, one),
+        ];
         push(map, numbers.within(0, 16383), numbers.within(0, 16383));
     }
     set
@@ -126,7 +130,13 @@ pub fn background<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(p: P)
 /// A channel as a byte.
 pub fn output<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(p: P) -> Set {
     let about = "a channel to the nearest 8 bits";
-    let mut set = Set::new(Some(P::NAME), "output", about, vec![channel(p, "channel")], vec![u("byte", 8, "1/255")]);
+    let mut set = Set::new(
+        Some(P::NAME),
+        "output",
+        about,
+        vec![channel(p, "channel")],
+        vec![u("byte", 8, "1/255")],
+    );
     let one = i64::from(ChannelOf::<P>::ONE.bits());
     let mut push = |bits: i64| set.push(&[bits], &[to_byte(ChannelOf::<P>::from_bits(bits as u32)).into()]);
     push(0);

@@ -62,7 +62,11 @@ fn vectors() -> Vec<[i64; 3]> {
     while all.len() < 280 {
         let sign = numbers.of(&[-1, 1]);
         let (x, y) = (numbers.within(-ONE, ONE), numbers.within(-ONE, ONE));
-        all.extend(if (x / 2).pow(2) + (y / 2).pow(2) < 1 << 58 { unit(x, y, sign) } else { None });
+        all.extend(if (x / 2).pow(2) + (y / 2).pow(2) < 1 << 58 {
+            unit(x, y, sign)
+        } else {
+            None
+        });
     }
     all
 }
@@ -87,11 +91,22 @@ pub fn coefficient<P: Precision>(p: P) -> Set {
     let bits = p.formats().shading.coefficient_bits();
     let outputs = vec![u("kept", bits + 1, if bits == 15 { "2^-15" } else { "2^-31" })];
     let about = "a coefficient, material times light, with the bits that are kept";
-    let mut set = Set::new(Some(P::NAME), "coefficient", about, vec![u("coefficient", 32, "2^-31")], outputs);
+    let mut set = Set::new(
+        Some(P::NAME),
+        "coefficient",
+        about,
+        vec![u("coefficient", 32, "2^-31")],
+        outputs,
+    );
     let halves = [0_i64, 1, 2, 3, 16383, 32767].map(|k| (k << 16) + (1 << 15));
     let mut numbers = Numbers(8);
     let some = [(); 30].map(|()| numbers.within(0, 1 << 31));
-    for k in [0, 1, 1 << 31, (1 << 31) - 1].into_iter().chain(halves).chain(halves.map(|k| k - 1)).chain(some) {
+    for k in [0, 1, 1 << 31, (1 << 31) - 1]
+        .into_iter()
+        .chain(halves)
+        .chain(halves.map(|k| k - 1))
+        .chain(some)
+    {
         let coefficient = Coefficient::from_bits(k as u32);
         set.push(&[k], &[keep(p, coefficient).into()]);
     }
@@ -111,7 +126,11 @@ pub fn cosine<P: Precision>(p: P) -> Set {
             r: r as u32,
         };
         for round in 0..4 {
-            let vector = if round < 2 { round } else { numbers.within(6, vectors.len() as i64 - 1) };
+            let vector = if round < 2 {
+                round
+            } else {
+                numbers.within(6, vectors.len() as i64 - 1)
+            };
             let mut vector = kept(p, vectors[vector as usize]);
             // Towards the light rather than away from it, where most would be 0.
             let along: i64 = vector.iter().zip([x, y, z]).map(|(v, g)| v * g).sum();
@@ -119,7 +138,10 @@ pub fn cosine<P: Precision>(p: P) -> Set {
                 vector = vector.map(|c| -c);
             }
             let cosine = dot(p, normal, vector.map(|c| c as i32));
-            set.push(&[[x, y, z].as_slice(), &[r], &vector].concat(), &[cosine.to_bits().into()]);
+            set.push(
+                &[[x, y, z].as_slice(), &[r], &vector].concat(),
+                &[cosine.to_bits().into()],
+            );
         }
     }
     set
@@ -156,7 +178,13 @@ pub fn reflection<P: Precision>(p: P) -> Set {
     inputs.extend(kept_field(p, "viewer"));
     inputs.extend(kept_field(p, "light"));
     let about = "R . L = 2 (N.V)(N.L) - V.L, held to 0 and 1; 0 where a cosine is 0";
-    let mut set = Set::new(Some(P::NAME), "reflection", about, inputs, vec![u("cosine", 32, "2^-31")]);
+    let mut set = Set::new(
+        Some(P::NAME),
+        "reflection",
+        about,
+        inputs,
+        vec![u("cosine", 32, "2^-31")],
+    );
     let mut push = |nv: i64, nl: i64, viewer: [i64; 3], light: [i64; 3]| {
         let [nv, nl] = [had(p, nv), had(p, nl)];
         // Three unit vectors never reach 2, and the contract does not say what 2 would be.
@@ -181,14 +209,23 @@ pub fn reflection<P: Precision>(p: P) -> Set {
         }
     }
     // One unit short of the axis: `Paper`'s sum exceeds 1.
-    let short = if p.formats().shading.vector_bits() == 15 { 32767 } else { ONE - 1 };
+    let short = if p.formats().shading.vector_bits() == 15 {
+        32767
+    } else {
+        ONE - 1
+    };
     for nv in [1 << 31, (1 << 31) - 1, (1 << 31) - (1 << 15)] {
         push(nv, 1 << 31, [0, 0, short], [0, 0, short]);
     }
     for _ in 0..400 {
         let [viewer, light] = [(); 2].map(|()| pick(numbers.within(0, vectors.len() as i64 - 1)));
         push(numbers.within(0, 1 << 31), numbers.within(0, 1 << 31), viewer, light);
-        push(numbers.within(3 << 29, 1 << 31), numbers.within(3 << 29, 1 << 31), viewer, light);
+        push(
+            numbers.within(3 << 29, 1 << 31),
+            numbers.within(3 << 29, 1 << 31),
+            viewer,
+            light,
+        );
     }
     set
 }
@@ -274,7 +311,8 @@ impl Scene {
             Highlight::Reflection
         };
         let (ambient, viewer) = (coefficient(self.ambient), vector(self.viewer));
-        Phong::new(p, ambient, &lights, viewer, highlight, self.exponent_log2 as u32).expect("lights within their ranges")
+        Phong::new(p, ambient, &lights, viewer, highlight, self.exponent_log2 as u32)
+            .expect("lights within their ranges")
     }
 
     fn values(&self) -> Vec<i64> {
@@ -289,7 +327,13 @@ pub fn shading<P: Precision>(p: P) -> Set {
     inputs.extend(rgb(&colour(p, "colour")));
     inputs.extend(scene_fields());
     let about = "the colour of a sample under lights; vectors and coefficients as the caller gives them";
-    let mut set = Set::new(Some(P::NAME), "shading", about, inputs, rgb(&colour(p, "shaded")).to_vec());
+    let mut set = Set::new(
+        Some(P::NAME),
+        "shading",
+        about,
+        inputs,
+        rgb(&colour(p, "shaded")).to_vec(),
+    );
     let full = 1_i64 << p.pixel().colour_bits();
     let mut push = |scene: &Scene, gradient: [i64; 3], colour: [i64; 3]| {
         let normal = slicecast::normalise::normalise(gradient.map(|c| c as i32));
@@ -313,7 +357,11 @@ pub fn shading<P: Precision>(p: P) -> Set {
             let lamp = |direction, diffuse, specular| [direction, direction, [diffuse; 3], [specular; 3]];
             for colour in colours {
                 // No gradient, with V.L = -1 and 1; no light; ambient light of 1.
-                push(&scene([0, 0, ONE], vec![lamp(to_eye, one, one)], one / 8), [0; 3], colour);
+                push(
+                    &scene([0, 0, ONE], vec![lamp(to_eye, one, one)], one / 8),
+                    [0; 3],
+                    colour,
+                );
                 push(&scene(to_eye, vec![lamp(to_eye, one, one)], one / 8), [0; 3], colour);
                 push(&scene(to_eye, Vec::new(), one), [0, 0, 9], colour);
                 // Eight lights of 1 into the eye, each sum by itself and both.
@@ -323,11 +371,23 @@ pub fn shading<P: Precision>(p: P) -> Set {
                 }
                 // From behind, and along the surface.
                 push(&scene(to_eye, vec![lamp(to_eye, one, one)], 0), [0, 0, -1000], colour);
-                push(&scene(to_eye, vec![lamp([ONE, 0, 0], one, one)], 0), [0, 0, 1000], colour);
-                push(&scene([ONE, 0, 0], vec![lamp(to_eye, one, one)], 0), [0, 0, 1000], colour);
+                push(
+                    &scene(to_eye, vec![lamp([ONE, 0, 0], one, one)], 0),
+                    [0, 0, 1000],
+                    colour,
+                );
+                push(
+                    &scene([ONE, 0, 0], vec![lamp(to_eye, one, one)], 0),
+                    [0, 0, 1000],
+                    colour,
+                );
                 // One light of 1, and of the least coefficients.
                 push(&scene(to_eye, vec![lamp(to_eye, one, 0)], 0), [0, 0, 16385], colour);
-                push(&scene(to_eye, vec![lamp(to_eye, 1 << 15, 1 << 15)], 1 << 15), [0, 0, 16385], colour);
+                push(
+                    &scene(to_eye, vec![lamp(to_eye, 1 << 15, 1 << 15)], 1 << 15),
+                    [0, 0, 16385],
+                    colour,
+                );
             }
         }
     }
@@ -338,11 +398,19 @@ pub fn shading<P: Precision>(p: P) -> Set {
         let count = [1, 1, 2, 3, 8][round % 5];
         let mut lamps = Vec::new();
         for light in 0..count {
-            let direction = if light == 0 { first } else { vectors[numbers.within(0, vectors.len() as i64 - 1) as usize] };
+            let direction = if light == 0 {
+                first
+            } else {
+                vectors[numbers.within(0, vectors.len() as i64 - 1) as usize]
+            };
             let half = vectors[numbers.within(0, vectors.len() as i64 - 1) as usize];
             let mut coefficients = || {
                 let grey = numbers.of(&[one, one / 2, 1 << 16, numbers_end(round)]);
-                if round % 3 == 0 { [grey; 3] } else { [(); 3].map(|()| numbers.within(0, grey)) }
+                if round % 3 == 0 {
+                    [grey; 3]
+                } else {
+                    [(); 3].map(|()| numbers.within(0, grey))
+                }
             };
             lamps.push([direction, half, coefficients(), coefficients()]);
         }
