@@ -41,12 +41,12 @@ impl Width {
     }
 
     /// Fraction bits of a sample.
-    fn sample_bits(self) -> u32 {
+    pub fn sample_bits(self) -> u32 {
         if self == Self::Wide { 15 } else { 12 }
     }
 
     /// 1.0 of a channel.
-    fn one(self) -> i128 {
+    pub fn one(self) -> i128 {
         match self {
             Self::Paper => 1 << 15,
             Self::Compact => 65535,
