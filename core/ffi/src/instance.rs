@@ -15,8 +15,8 @@ use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::warp::in_front_of;
 
 use crate::error::{SLICECAST_COMPLETE, SlicecastError};
-use crate::scene::{SlicecastNeeds, SlicecastScene, SlicecastWarp};
-use crate::{SlicecastStream, check};
+use crate::scene::{SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastWarp};
+use crate::{SlicecastStream, check, read};
 
 /// "SLCP" and "SLCS": marks of a description and of a stream.
 const PIPELINE_MARK: u32 = 0x534c_4350;
@@ -286,23 +286,23 @@ impl Handle {
     }
 }
 
-/// A shader that can be made from a C scene.
-trait Lights<P: Precision>: Shader<P> + Sized + 'static {
+/// A shader that can be made from C's lights, which are argument 2 or belong to it.
+pub(crate) trait Lights<P: Precision>: Shader<P> + Sized + 'static {
     /// # Safety
-    /// As for [`Instance::of`].
-    unsafe fn of(precision: P, scene: &SlicecastScene) -> Result<Self, SlicecastError>;
+    /// `lighting`, and the lights in it, are null, misaligned or readable.
+    unsafe fn of(precision: P, lighting: *const SlicecastLighting) -> Result<Self, SlicecastError>;
 }
 
 impl<P: Precision> Lights<P> for Unlit {
-    unsafe fn of(_: P, _: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(_: P, _: *const SlicecastLighting) -> Result<Self, SlicecastError> {
         Ok(Self)
     }
 }
 
 impl<P: Precision> Lights<P> for Phong<P> {
-    unsafe fn of(precision: P, scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(precision: P, lighting: *const SlicecastLighting) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        unsafe { scene.phong(precision) }
+        unsafe { read(lighting, 2)?.phong(precision) }
     }
 }
 
@@ -316,7 +316,7 @@ type Colours16 = PointTable<'static, Colour16, Linear>;
 impl<S: Lights<Paper>> Instance for Composite<Paper, Paper8, S, FrontToBack> {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(Paper, Paper8::new(scene.entries()?, ()), S::of(Paper, scene)?) })
+        Ok(unsafe { Self::new(Paper, Paper8::new(scene.entries()?, ()), S::of(Paper, scene.lighting)?) })
     }
 }
 
@@ -327,7 +327,7 @@ impl<S: Lights<Compact>> Instance for Composite<Compact, Fine16, S, FrontToBack>
             Self::new(
                 Compact,
                 Fine16::new(scene.entries()?, scene.low_roots()?),
-                S::of(Compact, scene)?,
+                S::of(Compact, scene.lighting)?,
             )
         })
     }
@@ -340,7 +340,7 @@ impl<S: Lights<Wide>> Instance for Composite<Wide, Fine16, S, FrontToBack> {
             Self::new(
                 Wide,
                 Fine16::new(scene.entries()?, scene.low_roots()?),
-                S::of(Wide, scene)?,
+                S::of(Wide, scene.lighting)?,
             )
         })
     }
@@ -354,7 +354,7 @@ impl<S: Lights<Compact>> Instance for Composite<Compact, Colours16, S, FrontToBa
             Self::new(
                 Compact,
                 Colours16::new(scene.entries()?, planes),
-                S::of(Compact, scene)?,
+                S::of(Compact, scene.lighting)?,
             )
         })
     }
@@ -365,7 +365,11 @@ impl<S: Lights<Wide>> Instance for Composite<Wide, Colours16, S, FrontToBack> {
         // SAFETY: the caller's promise.
         Ok(unsafe {
             let planes = (scene.low_roots()?, scene.low_colours()?);
-            Self::new(Wide, Colours16::new(scene.entries()?, planes), S::of(Wide, scene)?)
+            Self::new(
+                Wide,
+                Colours16::new(scene.entries()?, planes),
+                S::of(Wide, scene.lighting)?,
+            )
         })
     }
 }

@@ -11,7 +11,7 @@ use slicecast::warp::Warp;
 use crate::error::{
     SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH, SlicecastError,
 };
-use crate::{SLICECAST_VERSION, check, read, slice};
+use crate::{SLICECAST_VERSION, check, slice};
 
 /// Everything that decides a base-plane image, apart from the voxels.
 #[repr(C)]
@@ -165,15 +165,6 @@ impl SlicecastScene {
         check(self.low_colours, 2)?;
         // SAFETY: not null; the caller's promise.
         Ok(unsafe { &*self.low_colours.cast() })
-    }
-
-    /// Lights and material.
-    ///
-    /// # Safety
-    /// `lighting`, and the lights in it, are null, misaligned or readable.
-    pub(crate) unsafe fn phong<P: Precision>(&self, precision: P) -> Result<Phong<P>, SlicecastError> {
-        // SAFETY: the caller's promise.
-        unsafe { read(self.lighting, 2)?.phong(precision) }
     }
 }
 

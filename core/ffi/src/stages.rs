@@ -14,10 +14,12 @@ use slicecast::normalise::{Normal, normalise};
 use slicecast::plan::{PLANES_MAX, SIDE_MAX};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::project::{Extreme, Maximum, Minimum, resolve};
+use slicecast::shade::Phong;
 use slicecast::table::ENTRIES;
 use slicecast::warp::{in_front_of, mix_pixels};
 
 use crate::error::SlicecastError;
+use crate::instance::Lights;
 use crate::scene::{SlicecastLighting, SlicecastWarp};
 use crate::{check, read, report, slice, write};
 
@@ -298,13 +300,13 @@ pub unsafe extern "C" fn slicecast_stage_shade(
 ) -> i32 {
     let work = || {
         // SAFETY: the caller's promise; null and misaligned pointers are refused.
-        let (lighting, g, colour) = unsafe { (read(lighting, 2)?, array::<_, 3>(g, 3)?, array::<u32, 3>(colour, 5)?) };
+        let (g, colour) = unsafe { (array::<_, 3>(g, 3)?, array::<u32, 3>(colour, 5)?) };
         all_within(3, &g, -32767, 32767)?;
         within(4, r.into(), 0, 1 << 21)?;
         let found = with_precision!(precision, p => {
             all_within(5, &colour, 0, 1 << p.pixel().colour_bits())?;
             // SAFETY: the caller's promise.
-            let phong = unsafe { lighting.phong(p)? };
+            let phong = unsafe { <Phong<_> as Lights<_>>::of(p, lighting)? };
             Ok(phong.shade(Normal { g, r }, colour))
         })?;
         // SAFETY: the caller's promise; null and misaligned pointers are refused.

@@ -33,7 +33,7 @@ use slicecast_volume::open::LoadError;
 pub struct Failure {
     /// One line for standard error.
     pub message: String,
-    /// 1: the machine failed; 2: the request or its input is at fault.
+    /// 1: the machine failed, or what was checked does not hold; 2: the request or its input is at fault.
     pub code: u8,
 }
 

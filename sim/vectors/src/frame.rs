@@ -33,7 +33,7 @@ use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::background;
 use slicecast_engine::oriented::Turned;
 use slicecast_engine::with_precision;
-use slicecast_scene::{AlphaCodeName, Blend, Interpolation, LookupName};
+use slicecast_scene::{AlphaCodeName, Blend, LookupName};
 
 use crate::directed::{self, classification, compositing, gradient, interpolation, normalisation, shading};
 use crate::files::{Format, bytes_of_vector};
@@ -535,8 +535,7 @@ fn constants<P: Precision>(p: P, prepared: &Prepared<'_>) -> Vec<(Field, i64)> {
         plan.sampling().planes_per_voxel.into(),
     ));
     all.push((u("rays_per_voxel", 4, "rays"), plan.sampling().rays_per_voxel.into()));
-    let nearest = scene.interpolation == Interpolation::Nearest;
-    all.push((u("nearest", 1, "1: samples lie at voxels"), nearest.into()));
+    all.push((u("nearest", 1, "1: samples lie at voxels"), plan.is_nearest().into()));
     let code = match prepared.table.code {
         AlphaCodeName::Sqrt8 => 0,
         AlphaCodeName::Sqrt16 => 1,
