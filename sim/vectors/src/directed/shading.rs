@@ -2,7 +2,7 @@
 
 use slicecast::composite::Recurrence as _;
 use slicecast::format::{Coefficient, Cosine, Vector};
-use slicecast::normalise::Normal;
+use slicecast::normalise::{Normal, normalise};
 use slicecast::precision::{Precision, Shading};
 use slicecast::shade::{self, Highlight, Light, Phong, dot, keep, keep_vector, reflected};
 
@@ -119,12 +119,16 @@ pub fn cosine<P: Precision>(p: P) -> Set {
     inputs.extend(kept_field(p, "vector"));
     let about = "max(0, N . L) of a normal and a kept vector";
     let mut set = Set::new(Some(P::NAME), "cosine", about, inputs, vec![u("cosine", 32, "2^-31")]);
-    let (vectors, mut numbers) = (vectors(), Numbers(9));
-    for [x, y, z, r] in normals() {
+    let mut push = |[x, y, z, r]: [i64; 4], vector: [i64; 3]| {
         let normal = Normal {
             g: [x, y, z].map(|c| c as i32),
             r: r as u32,
         };
+        let cosine = dot(p, normal, vector.map(|c| c as i32));
+        set.push(&[&[x, y, z, r], &vector[..]].concat(), &[cosine.to_bits().into()]);
+    };
+    let (vectors, mut numbers) = (vectors(), Numbers(9));
+    for normal in normals() {
         for round in 0..4 {
             let vector = if round < 2 {
                 round
@@ -133,16 +137,18 @@ pub fn cosine<P: Precision>(p: P) -> Set {
             };
             let mut vector = kept(p, vectors[vector as usize]);
             // Towards the light rather than away from it, where most would be 0.
-            let along: i64 = vector.iter().zip([x, y, z]).map(|(v, g)| v * g).sum();
+            let along: i64 = vector.iter().zip(normal).map(|(v, g)| v * g).sum();
             if along > 0 && round != 1 {
                 vector = vector.map(|c| -c);
             }
-            let cosine = dot(p, normal, vector.map(|c| c as i32));
-            set.push(
-                &[[x, y, z].as_slice(), &[r], &vector].concat(),
-                &[cosine.to_bits().into()],
-            );
+            push(normal, vector);
         }
+    }
+    // Straight into the light: a kept vector may be longer than 1, and so may be the product.
+    for vector in vectors {
+        let towards = normalise(vector.map(|c| -c as i32));
+        let [x, y, z] = towards.g.map(i64::from);
+        push([x, y, z, towards.r.into()], kept(p, vector));
     }
     set
 }
@@ -336,7 +342,7 @@ pub fn shading<P: Precision>(p: P) -> Set {
     );
     let full = 1_i64 << p.pixel().colour_bits();
     let mut push = |scene: &Scene, gradient: [i64; 3], colour: [i64; 3]| {
-        let normal = slicecast::normalise::normalise(gradient.map(|c| c as i32));
+        let normal = normalise(gradient.map(|c| c as i32));
         let shaded = scene.phong(p).shade(normal, colour.map(|c| c as u32));
         let [x, y, z] = normal.g.map(i64::from);
         let inputs = [&[x, y, z, normal.r.into()], &colour[..], &scene.values()].concat();
