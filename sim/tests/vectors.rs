@@ -192,6 +192,8 @@ fn a_frame_comes_back_and_its_first_fault_has_plane_row_and_column() {
         "{text}"
     );
     assert!(!place.path("large").exists());
+    let text = place.refuses(&format!("{frame} --stage voxels,table --compare f"));
+    assert!(text.contains("only memories are named"), "{text}");
     let text = place.refuses(&format!("{frame} --only-planes 5:99 -o part"));
     assert!(text.contains("--only-planes 5:99: the frame ends at 8"), "{text}");
     let text = place.refuses(&format!("{frame} --only-rows 4:4 -o part"));

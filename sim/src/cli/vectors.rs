@@ -98,10 +98,13 @@ impl Args {
     /// Writes or compares.
     pub fn run(self) -> Result<(), Failure> {
         let mut vectors = if self.directed { self.directed()? } else { self.frame()? };
-        self.pick(&mut vectors.sets)?;
+        self.check_stages(&vectors.sets)?;
         match (&self.output, &self.compare) {
-            (Some(path), _) => self.write(path, &vectors),
-            (None, Some(path)) => compare(path, &vectors.sets),
+            (Some(path), _) => {
+                vectors.sets.retain(|set| self.wants(set));
+                self.write(path, &vectors)
+            }
+            (None, Some(path)) => self.compare(path, &vectors.sets),
             (None, None) => Err(Failure::input("neither -o nor --compare")),
         }
     }
@@ -183,26 +186,27 @@ impl Args {
         Ok(())
     }
 
-    /// Keeps the stages that are asked for.
-    fn pick(&self, sets: &mut Vec<Set>) -> Result<(), Failure> {
-        for name in &self.stage {
-            if !sets.iter().any(|set| set.stage == name || set.name == *name) {
-                let mut known: Vec<&str> = Vec::new();
-                for set in sets.iter() {
-                    if !known.contains(&set.stage) {
-                        known.push(set.stage);
-                    }
-                }
-                return Err(Failure::input(format!(
-                    "--stage {name}: no such stage here; there are: {}",
-                    known.join(", ")
-                )));
+    /// Whether a set is of a stage that is asked for.
+    fn wants(&self, set: &Set) -> bool {
+        self.stage.is_empty() || self.stage.iter().any(|name| set.stage == name || set.name == *name)
+    }
+
+    /// Refuses names of no stage.
+    fn check_stages(&self, sets: &[Set]) -> Result<(), Failure> {
+        let known = |name: &String| sets.iter().any(|set| set.stage == name || set.name == *name);
+        let Some(unknown) = self.stage.iter().find(|name| !known(name)) else {
+            return Ok(());
+        };
+        let mut stages: Vec<&str> = Vec::new();
+        for set in sets {
+            if !stages.contains(&set.stage) {
+                stages.push(set.stage);
             }
         }
-        if !self.stage.is_empty() {
-            sets.retain(|set| self.stage.iter().any(|name| set.stage == name || set.name == *name));
-        }
-        Ok(())
+        Err(Failure::input(format!(
+            "--stage {unknown}: no such stage here; there are: {}",
+            stages.join(", ")
+        )))
     }
 
     fn write(&self, path: &Path, vectors: &Vectors) -> Result<(), Failure> {
@@ -234,36 +238,35 @@ impl Args {
         );
         Ok(())
     }
-}
 
-/// Compares what is in a folder with the outputs of the sets.
-fn compare(path: &Path, sets: &[Set]) -> Result<(), Failure> {
-    let (mut departures, mut vectors, mut compared) = (Vec::new(), 0, 0);
-    for (number, set) in sets
-        .iter()
-        .enumerate()
-        .filter(|(_, set)| !set.outputs.fields.is_empty())
-    {
-        for divergence in departures_of(path, set)? {
-            departures.push((number, divergence));
+    /// Compares what is in a folder with the outputs of the sets.
+    fn compare(&self, path: &Path, sets: &[Set]) -> Result<(), Failure> {
+        let (mut departures, mut vectors, mut compared) = (Vec::new(), 0, 0);
+        let answered = |set: &Set| !set.outputs.fields.is_empty() && self.wants(set);
+        for (number, set) in sets.iter().enumerate().filter(|(_, set)| answered(set)) {
+            for divergence in departures_of(path, set)? {
+                departures.push((number, divergence));
+            }
+            vectors += set.len();
+            compared += 1;
         }
-        vectors += set.len();
-        compared += 1;
+        if compared == 0 {
+            return Err(Failure::input(
+                "--stage: only memories are named, which have no outputs to compare",
+            ));
+        }
+        for (_, Divergence { set, departing, of, .. }) in &departures {
+            println!("{set}: {departing} of {of} vectors depart");
+        }
+        match answer::earliest(sets, &departures) {
+            Some(first) => Err(Failure::machine(first)),
+            None => {
+                let shown = path.display();
+                println!("{shown}: {compared} sets, {vectors} vectors, all as the pipeline has them");
+                Ok(())
+            }
+        }
     }
-    if departures.is_empty() {
-        println!(
-            "{}: {compared} sets, {vectors} vectors, all as the pipeline has them",
-            path.display()
-        );
-        return Ok(());
-    }
-    for (_, Divergence { set, departing, of, .. }) in &departures {
-        println!("{set}: {departing} of {of} vectors depart");
-    }
-    let first = answer::earliest(sets, &departures);
-    Err(Failure::machine(
-        first.map_or_else(String::new, |first| first.to_string()),
-    ))
 }
 
 /// The first departure in each file that there is of a set.

@@ -272,19 +272,21 @@ pub fn first(set: &Set, found: &[Value]) -> Option<Divergence> {
 /// and phase in the order of folding, and there the first stage.
 pub fn earliest(sets: &[Set], departures: &[(usize, Divergence)]) -> Option<Divergence> {
     let located = sets.iter().find(|set| set.stage == "location" && set.place == 2);
-    let moment = |divergence: &Divergence| {
-        let [(_, plane), (_, phase), ..] = divergence.place[..] else {
-            return 0;
-        };
-        let folded = located.map(|set| set.inputs.values.chunks_exact(2).position(|at| at == [plane, phase]));
-        folded.flatten().unwrap_or(0)
-    };
-    let first = departures.iter().min_by_key(|(number, divergence)| {
-        let of_plane = divergence.place.first().is_some_and(|(name, _)| name == "plane");
+    let moment = |divergence: &Divergence| match &divergence.place[..] {
+        [] => 0,
+        [(name, plane), (_, phase), ..] if name == "plane" => {
+            let planes = located.map_or(&[][..], |set| &set.inputs.values);
+            planes
+                .chunks_exact(2)
+                .position(|at| at == [*plane, *phase])
+                .unwrap_or(0)
+        }
         // What belongs to no plane, the image and the picture, comes when all are folded.
-        let last = !divergence.place.is_empty() && !of_plane;
-        (last, if of_plane { moment(divergence) } else { 0 }, *number)
-    });
+        _ => usize::MAX,
+    };
+    let first = departures
+        .iter()
+        .min_by_key(|(number, divergence)| (moment(divergence), *number));
     first.map(|(_, divergence)| divergence.clone())
 }
 
