@@ -60,7 +60,7 @@ fn paths_have_versions() {
         .lines()
         .filter(|line| line.contains("path = \"") && !line.contains("host-tests"));
     let paths: Vec<&str> = paths.collect();
-    assert_eq!(paths.len(), 8, "{paths:?}");
+    assert_eq!(paths.len(), 9, "{paths:?}");
     for line in paths {
         assert!(line.contains(&format!("version = \"{version}\"")), "{line}");
     }

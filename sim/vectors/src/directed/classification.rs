@@ -27,6 +27,9 @@ pub fn outputs<P: Precision>(p: P) -> Vec<Field> {
 /// An entry: the word, and the low bytes of root, red, green and blue.
 pub type Entry = [i64; 5];
 
+/// The low bytes of roots and of colours.
+type LowBytes<'a> = (&'a [u8; ENTRIES], &'a [[u8; 3]; ENTRIES]);
+
 /// The memories of a table, all entries 0 but some.
 pub struct Memories {
     words: Box<[u32; ENTRIES]>,
@@ -52,7 +55,7 @@ impl Memories {
     }
 
     /// Words, low bytes of the roots, and both planes of low bytes.
-    pub(super) fn memories(&self) -> (&[u32; ENTRIES], &[u8; ENTRIES], (&[u8; ENTRIES], &[[u8; 3]; ENTRIES])) {
+    pub(super) fn memories(&self) -> (&[u32; ENTRIES], &[u8; ENTRIES], LowBytes<'_>) {
         (&self.words, &self.roots, (&self.roots, &self.colours))
     }
 

@@ -197,7 +197,7 @@ pub fn reflection<P: Precision>(p: P) -> Set {
         let along: i64 = viewer.iter().zip(light).map(|(v, l)| v * l).sum();
         let bits = p.formats().shading.vector_bits();
         let along = if bits == 15 { 2 * along } else { along >> 29 };
-        if (i128::from(nv) * i128::from(nl) >> 30) - i128::from(along) >= (1 << 32) - 8 {
+        if ((i128::from(nv) * i128::from(nl)) >> 30) - i128::from(along) >= (1 << 32) - 8 {
             return;
         }
         let [a, b] = [nv, nl].map(|c| Cosine::from_bits(c as u32));
