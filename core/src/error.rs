@@ -23,6 +23,7 @@ use crate::view::ViewError;
 /// assert_eq!(plan([64, 64, 0]), Err(Error::Plan(PlanError::Side { given: 0 })));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Error {
     /// The viewing direction, or the angles and spacing that it comes from.
     View(ViewError),

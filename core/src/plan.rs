@@ -250,7 +250,7 @@ impl Plan {
     }
 
     /// Where a phase starts, voxels: its offset `u / n` rounded to 32 fraction bits.
-    pub(crate) const fn start(&self, phase: Phase) -> [Step; 2] {
+    pub const fn start(&self, phase: Phase) -> [Step; 2] {
         let n = self.sampling.rays_per_voxel;
         let [oi, oj] = self.origin;
         [

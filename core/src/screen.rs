@@ -45,6 +45,7 @@ pub struct Screen {
 
 /// Why a screen has no warp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ScreenError {
     /// A side of the picture is 0 or above [`PICTURE_SIDE_MAX`].
     Side {

@@ -1,5 +1,6 @@
 //! The regressions, as one program: what they link is linked once, and their tests share the processors.
 
+mod c_stages;
 mod contract;
 mod exhaustive;
 mod exported;
@@ -12,6 +13,7 @@ mod lock_step;
 mod packages;
 mod small;
 mod tolerance;
+mod vectors;
 
 /// Cargo takes this file alone; one beside it that is no module here would never run.
 #[test]

@@ -1,7 +1,7 @@
 //! The `slicecast` program.
 //!
-//! Exit codes: 0 done; 1 the machine failed (disk, threads); 2 the request or its input is at fault. Results go to
-//! standard output, errors and progress to standard error.
+//! Exit codes: 0 done; 1 the machine failed (disk, threads), or what was checked does not hold; 2 the request or its input
+//! is at fault. Results go to standard output, errors and progress to standard error.
 
 mod cli;
 mod framing;

@@ -49,11 +49,12 @@ pub const SLICECAST_VOXEL: i32 = -17;
 pub const SLICECAST_HIGHLIGHT: i32 = -18;
 /// The interpolation is neither 0 (linear) nor 1 (nearest): `given`.
 pub const SLICECAST_INTERPOLATION: i32 = -19;
-
 /// A side of the picture is 0 or above `needed`: `given` pixels.
 pub const SLICECAST_PICTURE: i32 = -20;
 /// From one picture pixel to the next there are more than `needed` voxels along an axis: `given`, both s31.32.
 pub const SLICECAST_PIXEL: i32 = -21;
+/// A number given to a stage is out of its range: `argument`; `needed` is the end of the range that it passes; `given`.
+pub const SLICECAST_RANGE: i32 = -22;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]
@@ -101,6 +102,10 @@ impl SlicecastError {
 
     pub(crate) const fn length(argument: u32, needed: usize, given: usize) -> Self {
         Self::numbers(SLICECAST_LENGTH, needed as i64, given as i64).at(argument)
+    }
+
+    pub(crate) const fn range(argument: u32, needed: i64, given: i64) -> Self {
+        Self::numbers(SLICECAST_RANGE, needed, given).at(argument)
     }
 
     pub(crate) const fn foreign(argument: u32) -> Self {

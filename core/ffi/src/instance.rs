@@ -15,8 +15,8 @@ use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::warp::in_front_of;
 
 use crate::error::{SLICECAST_COMPLETE, SlicecastError};
-use crate::scene::{SlicecastNeeds, SlicecastScene, SlicecastWarp};
-use crate::{SLICECAST_STATE_BYTES, SlicecastStream, check};
+use crate::scene::{SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastWarp};
+use crate::{SLICECAST_STATE_BYTES, SlicecastStream, check, read};
 
 /// "SLCP" and "SLCS": marks of a description and of a stream.
 const PIPELINE_MARK: u32 = 0x534c_4350;
@@ -287,23 +287,23 @@ impl Handle {
     }
 }
 
-/// A shader that can be made from a C scene.
-trait Lights<P: Precision>: Shader<P> + Sized + 'static {
+/// A shader that can be made from C's lights, which are argument 2 or belong to it.
+pub(crate) trait Lights<P: Precision>: Shader<P> + Sized + 'static {
     /// # Safety
-    /// As for [`Instance::of`].
-    unsafe fn of(precision: P, scene: &SlicecastScene) -> Result<Self, SlicecastError>;
+    /// `lighting`, and the lights in it, are null, misaligned or readable.
+    unsafe fn of(precision: P, lighting: *const SlicecastLighting) -> Result<Self, SlicecastError>;
 }
 
 impl<P: Precision> Lights<P> for Unlit {
-    unsafe fn of(_: P, _: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(_: P, _: *const SlicecastLighting) -> Result<Self, SlicecastError> {
         Ok(Self)
     }
 }
 
 impl<P: Precision> Lights<P> for Phong<P> {
-    unsafe fn of(precision: P, scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(precision: P, lighting: *const SlicecastLighting) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        unsafe { scene.phong(precision) }
+        unsafe { read(lighting, 2)?.phong(precision) }
     }
 }
 
@@ -352,7 +352,7 @@ where
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         let precision = P::default();
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(precision, T::of(scene)?, S::of(precision, scene)?) })
+        Ok(unsafe { Self::new(precision, T::of(scene)?, S::of(precision, scene.lighting)?) })
     }
 }
 

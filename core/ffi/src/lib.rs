@@ -6,6 +6,9 @@
 //! panic (a test looks for panic symbols in the linked object), nothing allocates, and nothing is kept beyond the block
 //! and what it borrows: the tables.
 //!
+//! Beside the stream there is a function a stage (`slicecast_stage_locate` to `slicecast_stage_warp`), for simulators and
+//! benches.
+//!
 //! There is one function a pipeline ([`slicecast_compact_lit`] and so on), which returns its description; what a program
 //! does not name is not linked.
 #![cfg_attr(target_os = "none", no_std)]
@@ -13,6 +16,7 @@
 mod error;
 mod instance;
 mod scene;
+mod stages;
 
 pub use error::*;
 pub use instance::{
@@ -21,6 +25,7 @@ pub use instance::{
     slicecast_wide_lit_colour16, slicecast_wide_unlit, slicecast_wide_unlit_colour16,
 };
 pub use scene::{SlicecastLight, SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastScreen, SlicecastWarp};
+pub use stages::*;
 
 use core::ffi::c_void;
 

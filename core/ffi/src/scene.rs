@@ -12,7 +12,7 @@ use slicecast::warp::Warp;
 use crate::error::{
     SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH, SlicecastError,
 };
-use crate::{SLICECAST_VERSION, check, read, slice};
+use crate::{SLICECAST_VERSION, check, slice};
 
 /// Everything that decides a base-plane image, apart from the voxels.
 #[repr(C)]
@@ -179,27 +179,27 @@ impl SlicecastScene {
         // SAFETY: not null; the caller's promise.
         Ok(unsafe { &*self.low_colours.cast() })
     }
+}
 
-    /// Lights and material.
+impl SlicecastLighting {
+    /// The shader of these lights.
     ///
     /// # Safety
-    /// `lighting`, and the lights in it, are null, misaligned or readable.
+    /// The lights are null, misaligned or readable.
     pub(crate) unsafe fn phong<P: Precision>(&self, precision: P) -> Result<Phong<P>, SlicecastError> {
-        // SAFETY: the caller's promise.
-        let lighting = unsafe { read(self.lighting, 2)? };
-        let highlight = match lighting.highlight {
+        let highlight = match self.highlight {
             0 => Highlight::Reflection,
             1 => Highlight::HalfVector,
             given => return Err(SlicecastError::numbers(SLICECAST_HIGHLIGHT, 1, given.into())),
         };
-        let given: &[SlicecastLight] = if lighting.count == 0 {
+        let given: &[SlicecastLight] = if self.count == 0 {
             &[]
-        } else if lighting.count > LIGHTS_MAX {
-            let (needed, given) = (LIGHTS_MAX as i64, lighting.count as i64);
+        } else if self.count > LIGHTS_MAX {
+            let (needed, given) = (LIGHTS_MAX as i64, self.count as i64);
             return Err(SlicecastError::numbers(SLICECAST_LIGHTS, needed, given));
         } else {
             // SAFETY: the caller's promise.
-            unsafe { slice(lighting.lights, lighting.count, 2)? }
+            unsafe { slice(self.lights, self.count, 2)? }
         };
         let mut lights = [Light {
             direction: [Vector::ZERO; 3],
@@ -217,11 +217,11 @@ impl SlicecastScene {
         }
         Ok(Phong::new(
             precision,
-            lighting.ambient.map(Coefficient::from_bits),
+            self.ambient.map(Coefficient::from_bits),
             lights.get(..given.len()).unwrap_or(&[]),
-            lighting.viewer.map(Vector::from_bits),
+            self.viewer.map(Vector::from_bits),
             highlight,
-            lighting.exponent_log2,
+            self.exponent_log2,
         )?)
     }
 }

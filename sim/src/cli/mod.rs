@@ -22,6 +22,7 @@ mod sweep_table;
 mod table;
 mod tables;
 mod turntable;
+mod vectors;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
@@ -33,7 +34,7 @@ use slicecast_volume::open::LoadError;
 pub struct Failure {
     /// One line for standard error.
     pub message: String,
-    /// 1: the machine failed; 2: the request or its input is at fault.
+    /// 1: the machine failed, or what was checked does not hold; 2: the request or its input is at fault.
     pub code: u8,
 }
 
@@ -107,6 +108,7 @@ enum Command {
     Explain(explain::Args),
     Report(report::Args),
     Bench(Box<bench::Args>),
+    Vectors(Box<vectors::Args>),
 }
 
 impl Cli {
@@ -141,6 +143,7 @@ impl Cli {
             Some(Command::Explain(args)) => args.run(),
             Some(Command::Report(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),
+            Some(Command::Vectors(args)) => args.run(),
         }
     }
 }
