@@ -77,6 +77,9 @@ extern crate std;
 
 pub mod classify;
 pub mod composite;
+#[cfg(feature = "embedded-graphics")]
+pub mod display;
+mod error;
 pub mod exp2;
 pub mod format;
 pub mod gradient;
@@ -84,6 +87,8 @@ pub mod integral;
 pub mod interpolate;
 pub mod lanes;
 pub mod locate;
+#[cfg(feature = "defmt")]
+mod log;
 pub mod normalise;
 pub mod plan;
 pub mod plane;
@@ -92,6 +97,7 @@ pub mod project;
 pub mod reciprocal;
 pub mod root;
 mod rows;
+pub mod screen;
 pub mod seen;
 pub mod shade;
 pub mod slice;
@@ -101,3 +107,5 @@ pub mod table;
 pub mod tap;
 pub mod view;
 pub mod warp;
+
+pub use error::Error;

@@ -17,6 +17,7 @@ pub const RAYS_PER_VOXEL_MAX: u32 = 8;
 
 /// Sampling rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sampling {
     /// Sample planes per voxel along the major axis, 1 to [`PLANES_PER_VOXEL_MAX`].
     pub planes_per_voxel: u32,
@@ -69,6 +70,7 @@ pub struct Plan {
 
 /// Why a scene has no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PlanError {
     /// A side of the volume is 0 or above [`SIDE_MAX`].
     Side {
@@ -126,13 +128,13 @@ impl Plan {
     /// Base plane: one ray per voxel of the first slice and as many more as the shear needs for every voxel of the
     /// last slice to be crossed; rays start at whole voxels (plus their phase).
     ///
+    /// A `const` plan sizes arrays: `Needs::of` (`stream`) is `const` too, and `Reserved` holds what it counts.
+    ///
     /// # Errors
     /// [`PlanError`], with the value that is out of range.
-    pub fn new(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
-        for given in dims {
-            if given == 0 || given > u32::from(SIDE_MAX) {
-                return Err(PlanError::Side { given });
-            }
+    pub const fn new(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
+        if let Some(given) = first_bad(dims, SIDE_MAX as u32) {
+            return Err(PlanError::Side { given });
         }
         let rate = sampling.planes_per_voxel;
         if rate == 0 || rate > PLANES_PER_VOXEL_MAX {
@@ -142,10 +144,10 @@ impl Plan {
         if rays == 0 || rays > RAYS_PER_VOXEL_MAX {
             return Err(PlanError::RaysPerVoxel { given: rays });
         }
-        for factor in spacing.0 {
-            if factor == Intensity::ZERO || factor > Intensity::ONE {
-                return Err(PlanError::Spacing { bits: factor.to_bits() });
-            }
+        let [fx, fy, fz] = spacing.0;
+        let factors = [fx.to_bits() as u32, fy.to_bits() as u32, fz.to_bits() as u32];
+        if let Some(bits) = first_bad(factors, Intensity::ONE.to_bits() as u32) {
+            return Err(PlanError::Spacing { bits: bits as u16 });
         }
         let dims = view.arrange(dims);
         let [width, height, depth] = dims;
@@ -154,15 +156,8 @@ impl Plan {
             return Err(PlanError::Planes { given: behind });
         }
         let [si, sj] = view.shear(rate);
-        let reach = |step: Step| {
-            let total = step.to_bits() * i64::from(behind);
-            // Whole voxels that the ray travels, rounded up; the origin moves back by as much when it travels up.
-            let voxels = (total.unsigned_abs() + 0xffff_ffff) >> 32;
-            let origin = if total > 0 { -(voxels as i32) } else { 0 };
-            (voxels as u32, origin)
-        };
-        let (more_i, origin_i) = reach(si);
-        let (more_j, origin_j) = reach(sj);
+        let (more_i, origin_i) = reach(si, behind);
+        let (more_j, origin_j) = reach(sj, behind);
         Ok(Self {
             view,
             dims,
@@ -255,7 +250,7 @@ impl Plan {
     }
 
     /// Where a phase starts, voxels: its offset `u / n` rounded to 32 fraction bits.
-    pub(crate) const fn start(&self, phase: Phase) -> [Step; 2] {
+    pub const fn start(&self, phase: Phase) -> [Step; 2] {
         let n = self.sampling.rays_per_voxel;
         let [oi, oj] = self.origin;
         [
@@ -263,6 +258,27 @@ impl Plan {
             Step::from_bits(((oj as i64) << 32) + ratio(phase.v as u64, 1, n) as i64),
         ]
     }
+}
+
+/// The first number that is 0 or above a limit.
+const fn first_bad([x, y, z]: [u32; 3], most: u32) -> Option<u32> {
+    if x == 0 || x > most {
+        Some(x)
+    } else if y == 0 || y > most {
+        Some(y)
+    } else if z == 0 || z > most {
+        Some(z)
+    } else {
+        None
+    }
+}
+
+/// Whole voxels that a ray travels in so many planes, rounded up, and its origin: back by as much where it travels up.
+const fn reach(step: Step, planes: u32) -> (u32, i32) {
+    let total = step.to_bits() * planes as i64;
+    let voxels = (total.unsigned_abs() + 0xffff_ffff) >> 32;
+    let origin = if total > 0 { -(voxels as i32) } else { 0 };
+    (voxels as u32, origin)
 }
 
 #[cfg(test)]

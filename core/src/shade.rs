@@ -89,6 +89,31 @@ pub struct Light {
     pub specular: [Coefficient; 3],
 }
 
+/// A [`Light`] with the bits that a precision keeps: the integers that shading multiplies by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KeptLight {
+    /// [`keep_vector`] of the direction.
+    pub direction: [i32; 3],
+    /// [`keep_vector`] of the half vector.
+    pub half: [i32; 3],
+    /// [`keep`] of the diffuse coefficients.
+    pub diffuse: [u32; 3],
+    /// [`keep`] of the specular coefficients.
+    pub specular: [u32; 3],
+}
+
+impl KeptLight {
+    /// What a precision keeps of a light.
+    pub fn of<P: Precision>(p: P, light: &Light) -> Self {
+        Self {
+            direction: keep_vector(p, light.direction),
+            half: keep_vector(p, light.half),
+            diffuse: light.diffuse.map(|c| keep(p, c)),
+            specular: light.specular.map(|c| keep(p, c)),
+        }
+    }
+}
+
 /// Phong illumination by up to eight lights.
 #[derive(Clone, Debug)]
 pub struct Phong<P> {
@@ -121,6 +146,7 @@ struct Source {
 
 /// Why lights and material are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PhongError {
     /// More than [`LIGHTS_MAX`] lights.
     Lights {
@@ -142,6 +168,20 @@ pub enum PhongError {
         /// The coefficient's bits, 1.31.
         bits: u32,
     },
+    /// A component of a kept vector is beyond -1 to 1.
+    KeptVector {
+        /// The component.
+        given: i32,
+        /// What 1 is in the precision.
+        one: u32,
+    },
+    /// A kept coefficient is above 1.
+    KeptCoefficient {
+        /// The coefficient.
+        given: u32,
+        /// What 1 is in the precision.
+        one: u32,
+    },
 }
 
 impl core::fmt::Display for PhongError {
@@ -153,6 +193,12 @@ impl core::fmt::Display for PhongError {
             }
             Self::Vector { bits } => write!(f, "a vector component of {bits}/2^30; accepted: -2^30 to 2^30"),
             Self::Coefficient { bits } => write!(f, "a coefficient of {bits}/2^31; accepted: at most 2^31"),
+            Self::KeptVector { given, one } => {
+                write!(f, "a kept vector component of {given}; accepted: -{one} to {one}")
+            }
+            Self::KeptCoefficient { given, one } => {
+                write!(f, "a kept coefficient of {given}; accepted: at most {one}")
+            }
         }
     }
 }
@@ -233,21 +279,68 @@ impl<P: Precision> Phong<P> {
                 });
             }
         }
-        let mut sources = Vec::new();
-        for light in lights {
-            let direction = keep_vector(p, light.direction);
-            let source = Source {
-                away: opposite(direction),
-                away_from_half: opposite(keep_vector(p, light.half)),
-                along: along(keep_vector(p, viewer), direction),
-                diffuse: light.diffuse.map(|c| keep(p, c)),
-                specular: light.specular.map(|c| keep(p, c)),
-            };
-            sources
-                .push(source)
-                .map_err(|_| PhongError::Lights { given: lights.len() })?;
+        let kept = lights.iter().map(|light| KeptLight::of(p, light));
+        Self::build(
+            p,
+            ambient.map(|c| keep(p, c)),
+            kept,
+            keep_vector(p, viewer),
+            highlight,
+            exponent_log2,
+        )
+    }
+
+    /// Lights and material as the precision keeps them, and as [`Phong::new`] finds them with [`keep`] and [`keep_vector`]
+    /// (whose search, from a vector that it has found, may find another: it is for vectors of full width).
+    ///
+    /// # Errors
+    /// [`PhongError`], with the value that is out of range.
+    pub fn of_kept(
+        p: P,
+        ambient: [u32; 3],
+        lights: &[KeptLight],
+        viewer: [i32; 3],
+        highlight: Highlight,
+        exponent_log2: u32,
+    ) -> Result<Self, PhongError> {
+        if exponent_log2 > EXPONENT_LOG2_MAX {
+            return Err(PhongError::Exponent { given: exponent_log2 });
         }
-        let ambient = ambient.map(|c| keep(p, c));
+        let shading = p.formats().shading;
+        let one = 1 << shading.vector_bits();
+        let vectors = lights.iter().flat_map(|l| [l.direction, l.half]).chain([viewer]);
+        if let Some(given) = vectors.flatten().find(|c| c.unsigned_abs() > one) {
+            return Err(PhongError::KeptVector { given, one });
+        }
+        let one = 1 << shading.coefficient_bits();
+        let coefficients = lights.iter().flat_map(|l| [l.diffuse, l.specular]).chain([ambient]);
+        if let Some(given) = coefficients.flatten().find(|c| *c > one) {
+            return Err(PhongError::KeptCoefficient { given, one });
+        }
+        Self::build(p, ambient, lights.iter().copied(), viewer, highlight, exponent_log2)
+    }
+
+    /// The shader of kept values in their ranges.
+    fn build(
+        p: P,
+        ambient: [u32; 3],
+        lights: impl ExactSizeIterator<Item = KeptLight>,
+        viewer: [i32; 3],
+        highlight: Highlight,
+        exponent_log2: u32,
+    ) -> Result<Self, PhongError> {
+        let mut sources = Vec::new();
+        let given = lights.len();
+        for light in lights {
+            let source = Source {
+                away: opposite(light.direction),
+                away_from_half: opposite(light.half),
+                along: along(viewer, light.direction),
+                diffuse: light.diffuse,
+                specular: light.specular,
+            };
+            sources.push(source).map_err(|_| PhongError::Lights { given })?;
+        }
         let equal = |[r, g, b]: [u32; 3]| r == g && g == b;
         let grey = equal(ambient) && sources.iter().all(|l| equal(l.diffuse) && equal(l.specular));
         Ok(Self {
@@ -255,7 +348,7 @@ impl<P: Precision> Phong<P> {
             grey,
             least_bright: least_bright(p, exponent_log2),
             lights: sources,
-            away_from_viewer: opposite(keep_vector(p, viewer)),
+            away_from_viewer: opposite(viewer),
             highlight,
             exponent_log2,
             precision: p,

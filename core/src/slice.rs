@@ -59,6 +59,7 @@ pub struct Slice<'a> {
 
 /// Why memory is not a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SliceError {
     /// Too few voxels for the shape.
     Voxels {

@@ -2,6 +2,7 @@
 
 /// A boundary behind a stage, in the order in which a sample passes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Stage {
     /// [`locate`](crate::locate): x, y, z of a plane, s15.16. Seen by [`Tap::plane`](crate::tap::Tap::plane).
     Location,

@@ -9,8 +9,11 @@
 //! An image that does not fit is rendered in bands of rows ([`Stream::band`]), each with a stream of its own over the
 //! same slices and the same memory: the same bits again, for one more reading of the volume a band.
 
+mod reserved;
+
 use core::ops::Range;
 
+pub use self::reserved::Reserved;
 use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::Native;
 use crate::locate::plane;
@@ -23,6 +26,7 @@ use crate::tap::Tap;
 
 /// Memory that a stream needs, in elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Needs {
     /// Voxels of the ring, 2 bytes each.
     pub slices: usize,
@@ -94,6 +98,7 @@ pub struct Memory<'m, E> {
 
 /// A part of [`Memory`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Part {
     /// `slices`.
     Slices,
@@ -107,6 +112,7 @@ pub enum Part {
 
 /// Why a stream does not go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StreamError {
     /// A part of the memory is too small.
     Memory {

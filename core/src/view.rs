@@ -23,6 +23,7 @@ use crate::format::{Direction, Step};
 
 /// One of the volume's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Axis {
     /// The first axis (fastest in memory).
     X,
@@ -45,6 +46,7 @@ pub struct View {
 
 /// Why a direction is not a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ViewError {
     /// All three components are zero.
     NoDirection,
@@ -91,14 +93,21 @@ impl View {
     ///
     /// # Errors
     /// [`ViewError`] if the direction is zero or too long; nothing is clamped.
-    pub fn new(direction: [Direction; 3]) -> Result<Self, ViewError> {
-        let [x, y, z] = direction.map(Direction::to_bits);
-        for bits in [x, y, z] {
-            if bits.unsigned_abs() > Direction::ONE.to_bits().unsigned_abs() {
-                return Err(ViewError::TooLong { bits });
-            }
+    pub const fn new(direction: [Direction; 3]) -> Result<Self, ViewError> {
+        let [x, y, z] = direction;
+        let (x, y, z) = (x.to_bits(), y.to_bits(), z.to_bits());
+        let (ax, ay, az) = (x.unsigned_abs(), y.unsigned_abs(), z.unsigned_abs());
+        let one = Direction::ONE.to_bits().unsigned_abs();
+        if ax > one || ay > one || az > one {
+            let bits = if ax > one {
+                x
+            } else if ay > one {
+                y
+            } else {
+                z
+            };
+            return Err(ViewError::TooLong { bits });
         }
-        let [ax, ay, az] = [x.unsigned_abs(), y.unsigned_abs(), z.unsigned_abs()];
         let (major, k, lateral) = if az >= ay && az >= ax {
             (Axis::Z, z, [x, y])
         } else if ay >= ax {
@@ -119,7 +128,8 @@ impl View {
 
     /// The view from angles in radians, for a device that has no better source: azimuth about +z (0 looks along +y),
     /// elevation above the xy plane, and the voxel spacing along x, y, z. Sine and cosine are `micromath`'s (single
-    /// precision, the same bits on every target); expect the direction to be off by up to 0.1 degrees.
+    /// precision, the same bits on every target); expect the direction to be off by up to 0.1 degrees. The host program works
+    /// in f64 and has other bits: `slicecast export` writes its direction, for [`View::new`].
     ///
     /// # Errors
     /// [`ViewError::Angle`] or [`ViewError::Spacing`], for the first number that is not usable.
@@ -129,18 +139,9 @@ impl View {
         reason = "set-up of a view on a device, not part of the pipeline"
     )]
     pub fn from_angles(azimuth: f32, elevation: f32, spacing: [f32; 3]) -> Result<Self, ViewError> {
-        // NaN is in no range.
-        let usable = |angle: f32| (-ANGLE_MAX..=ANGLE_MAX).contains(&angle);
-        if !usable(azimuth) || !usable(elevation) {
-            return Err(ViewError::Angle);
-        }
-        for (axis, length) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(spacing) {
-            if !(length.is_normal() && length > 0.0) {
-                return Err(ViewError::Spacing { axis });
-            }
-        }
-        let (sa, ca) = (F32Ext::sin(azimuth), F32Ext::cos(azimuth));
-        let (se, ce) = (F32Ext::sin(elevation), F32Ext::cos(elevation));
+        check_spacing(spacing)?;
+        let (sa, ca) = sine_and_cosine(azimuth)?;
+        let (se, ce) = sine_and_cosine(elevation)?;
         let [dx, dy, dz] = spacing;
         let voxels = [-sa * ce / dx, ca * ce / dy, -se / dz];
         let longest = voxels.iter().fold(0.0f32, |m, c| {
@@ -150,6 +151,23 @@ impl View {
         // 2^30 fits an f32 exactly.
         let component = |c: f32| Direction::from_bits(((c / longest * 1_073_741_824.0) as i64) << 28);
         Self::new(voxels.map(component))
+    }
+
+    /// The direction that the view was made from.
+    pub const fn direction(&self) -> [Direction; 3] {
+        let [i, j] = self.lateral;
+        let magnitude = self.axial as i64;
+        let k = if self.reversed { -magnitude } else { magnitude };
+        let (i, j, k) = (
+            Direction::from_bits(i),
+            Direction::from_bits(j),
+            Direction::from_bits(k),
+        );
+        match self.major {
+            Axis::X => [k, i, j],
+            Axis::Y => [i, k, j],
+            Axis::Z => [i, j, k],
+        }
     }
 
     /// The axis that the slices are perpendicular to.
@@ -163,7 +181,7 @@ impl View {
     }
 
     /// Reorders a triple from x, y, z to i, j, k (no sign changes): sizes, spacings.
-    pub fn arrange<T: Copy>(&self, xyz: [T; 3]) -> [T; 3] {
+    pub const fn arrange<T: Copy>(&self, xyz: [T; 3]) -> [T; 3] {
         let [x, y, z] = xyz;
         match self.major {
             Axis::X => [y, z, x],
@@ -180,13 +198,42 @@ impl View {
 
     /// The shear per sample plane along i and j, voxels, s31.32: direction_i / (direction_k * planes_per_voxel),
     /// rounded to nearest, halves away from zero, so that opposite views mirror each other exactly.
-    pub fn shear(&self, planes_per_voxel: u32) -> [Step; 2] {
-        self.lateral.map(|d| {
-            let magnitude = ratio(d.unsigned_abs(), self.axial, planes_per_voxel);
-            let bits = magnitude as i64;
-            Step::from_bits(if d < 0 { -bits } else { bits })
-        })
+    pub const fn shear(&self, planes_per_voxel: u32) -> [Step; 2] {
+        let [i, j] = self.lateral;
+        [self.along(i, planes_per_voxel), self.along(j, planes_per_voxel)]
     }
+
+    /// [`View::shear`] of a component of the direction.
+    const fn along(&self, component: i64, planes_per_voxel: u32) -> Step {
+        let bits = ratio(component.unsigned_abs(), self.axial, planes_per_voxel) as i64;
+        Step::from_bits(if component < 0 { -bits } else { bits })
+    }
+}
+
+/// Sine and cosine of an angle in radians.
+#[cfg(feature = "angles")]
+#[expect(
+    clippy::float_arithmetic,
+    reason = "set-up of a view on a device, not part of the pipeline"
+)]
+pub(crate) fn sine_and_cosine(angle: f32) -> Result<(f32, f32), ViewError> {
+    // NaN is in no range.
+    if (-ANGLE_MAX..=ANGLE_MAX).contains(&angle) {
+        Ok((F32Ext::sin(angle), F32Ext::cos(angle)))
+    } else {
+        Err(ViewError::Angle)
+    }
+}
+
+/// Refuses spacings that are no lengths.
+#[cfg(feature = "angles")]
+pub(crate) fn check_spacing(spacing: [f32; 3]) -> Result<(), ViewError> {
+    for (axis, length) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(spacing) {
+        if !(length.is_normal() && length > 0.0) {
+            return Err(ViewError::Spacing { axis });
+        }
+    }
+    Ok(())
 }
 
 /// `numerator / (denominator * times)` with 32 fraction bits, to nearest, by long division.
@@ -241,6 +288,20 @@ mod tests {
                 let exact = c / v[2].abs() / f64::from(r) * 4294967296.0;
                 assert!((s.to_bits() as f64 - exact).abs() <= 0.5 + 1e-6, "{v:?} {r}");
             }
+        }
+    }
+
+    #[test]
+    fn views_keep_their_direction() {
+        for v in [
+            [0.3, -0.2, 0.9],
+            [0.3, -0.2, -0.9],
+            [-1.0, 0.5, 0.25],
+            [1.0, 0.5, 0.25],
+            [0.1, 0.7, -0.6],
+            [0.1, -0.7, -0.6],
+        ] {
+            assert_eq!(View::new(direction(v)).unwrap().direction(), direction(v));
         }
     }
 

@@ -53,6 +53,13 @@ impl Point {
 }
 
 impl Warp {
+    /// Every picture pixel is the base-plane pixel of its number.
+    pub const IDENTITY: Self = Self {
+        origin: [Step::ZERO; 2],
+        right: [Step::ONE, Step::ZERO],
+        down: [Step::ZERO, Step::ONE],
+    };
+
     /// Where a picture pixel looks, before rounding: s31.32, (u, v). Wraps beyond 2^31 pixels.
     #[inline]
     pub fn exact(&self, x: u32, y: u32) -> [i64; 2] {

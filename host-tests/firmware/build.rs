@@ -13,6 +13,9 @@ fn main() {
     let scenes = variable("SLICECAST_SCENES");
     println!("cargo:rerun-if-changed={scenes}");
     println!("cargo:rustc-env=SLICECAST_SCENES={scenes}");
+    let exported = variable("SLICECAST_EXPORTED");
+    println!("cargo:rerun-if-changed={exported}");
+    println!("cargo:rustc-env=SLICECAST_EXPORTED={exported}");
 
     let layout = format!("memory/{machine}.x");
     println!("cargo:rerun-if-changed={layout}");

@@ -1,14 +1,14 @@
 //! The `slicecast` program.
 //!
-//! Exit codes: 0 done; 1 the machine failed (disk, threads); 2 the request or its input is at fault. Results go to
-//! standard output, errors and progress to standard error.
+//! Exit codes: 0 done; 1 the machine failed (disk, threads), or what was checked does not hold; 2 the request or its input
+//! is at fault. Results go to standard output, errors and progress to standard error.
 
 mod cli;
-mod export;
 mod framing;
 mod labels;
 mod legend;
 mod lettering;
+mod losses;
 mod presets;
 mod projection;
 mod raster;

@@ -9,6 +9,10 @@
 // Version of the structures in this header. Write it to `slicecast_scene.version`.
 #define SLICECAST_VERSION 2
 
+// Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
+// ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
+#define SLICECAST_STATE_BYTES 1024
+
 // Done.
 #define SLICECAST_OK 0
 
@@ -71,6 +75,24 @@
 
 // The interpolation is neither 0 (linear) nor 1 (nearest): `given`.
 #define SLICECAST_INTERPOLATION -19
+
+// A side of the picture is 0 or above `needed`: `given` pixels.
+#define SLICECAST_PICTURE -20
+
+// From one picture pixel to the next there are more than `needed` voxels along an axis: `given`, both s31.32.
+#define SLICECAST_PIXEL -21
+
+// A number given to a stage is out of its range: `argument`; `needed` is the end of the range that it passes; `given`.
+#define SLICECAST_RANGE -22
+
+// `precision` of the stages: widths and roundings of `paper`.
+#define SLICECAST_PAPER 0
+
+// `precision` of the stages: `compact`.
+#define SLICECAST_COMPACT 1
+
+// `precision` of the stages: `wide`.
+#define SLICECAST_WIDE 2
 
 // The description of a pipeline. Opaque; the functions named after pipelines return one.
 typedef struct SlicecastPipeline SlicecastPipeline;
@@ -176,6 +198,16 @@ typedef struct SlicecastError {
   uint32_t column;
 } SlicecastError;
 
+// Where the pixels of the viewer's picture lie in the volume: the picture's middle is the volume's.
+typedef struct SlicecastScreen {
+  // Pixels across and down, 1 to 16384 each.
+  uint32_t size[2];
+  // One picture pixel to the right, in voxels along x, y, z, s31.32; no component beyond -1024 to 1024.
+  int64_t right[3];
+  // One picture pixel down, likewise.
+  int64_t down[3];
+} SlicecastScreen;
+
 // Where the pixels of the viewer's picture look at the base plane: u along i and v along j, in base-plane pixels of all
 // phases, s31.32.
 typedef struct SlicecastWarp {
@@ -263,6 +295,18 @@ int32_t slicecast_image(const struct SlicecastStream *stream,
                         size_t *bytes,
                         struct SlicecastError *error);
 
+// Makes the warp of a view: where the pixels of a picture look at the base plane of a scene (its dims, direction and rates).
+//
+// `screen`: where the pixels lie in the volume. `warp` receives the answer, for `slicecast_picture_row`. Returns SLICECAST_OK
+// or an error code.
+//
+// # Safety
+// `scene` and `screen` are readable, `warp` and `error` (if not null) writable, as C structures of their types.
+int32_t slicecast_warp(const struct SlicecastScene *scene,
+                       const struct SlicecastScreen *screen,
+                       struct SlicecastWarp *warp,
+                       struct SlicecastError *error);
+
 // Makes a row of the viewer's picture from a finished whole image.
 //
 // `warp`: where picture pixels look at the base plane. `y`: the row. `background`: red, green, blue, 1.15. `rgb`
@@ -307,6 +351,172 @@ const struct SlicecastPipeline *slicecast_wide_unlit_colour16(void);
 
 // The pipeline of the `Wide` precision, lit, with colours of 16 bits: 16 bytes per pixel.
 const struct SlicecastPipeline *slicecast_wide_lit_colour16(void);
+
+// Location: where a plane lies along one axis. docs/contract/location.md
+//
+// `start`: s31.32, -8192 to 8192 voxels. `step`: s31.32, -1 to 1 voxels a plane. `plane`: 0 to 32768, from the eye.
+// `position` receives s15.16: the cell in the upper bits, the weight in the lower 16. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `position` and `error` (if not null) are writable.
+int32_t slicecast_stage_locate(int64_t start,
+                               int64_t step,
+                               uint32_t plane,
+                               int32_t *position,
+                               struct SlicecastError *error);
+
+// Interpolation: the value between eight voxels. docs/contract/interpolation.md
+//
+// `precision`: SLICECAST_PAPER, SLICECAST_COMPACT or SLICECAST_WIDE. `voxels`: 8 values, i fastest, then j, then k; 0 to
+// 4095, beyond a face -4095 to 8190, derivatives along k -8190 to 8190. `weights`: 3 values along i, j, k, 0.16. `sample`
+// receives 12 fraction bits, 15 in wide. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `voxels` and `weights` are readable, `sample` and `error` (if not null) writable.
+int32_t slicecast_stage_interpolate(uint32_t precision,
+                                    const int16_t *voxels,
+                                    const uint16_t *weights,
+                                    int32_t *sample,
+                                    struct SlicecastError *error);
+
+// Classification: opacity and colour of a sample. docs/contract/classification.md
+//
+// `code`: 0 roots of 8 bits, 1 roots of 16, 2 roots and colours of 16. `lookup`: 0 nearest entry, 1 linear. `sample`: 0 to
+// 4095 with 12 fraction bits, 15 in wide. `entries`, `low_roots`, `low_colours`: as in `slicecast_scene`; `low_roots` is read
+// where `code` is 1 or 2, `low_colours` where it is 2. `opacity` receives 1.31, `colour` three values, 1.15, in wide 1.31.
+// Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// The tables that are read are readable, `opacity`, three values of `colour` and `error` (if not null) writable.
+int32_t slicecast_stage_classify(uint32_t precision,
+                                 uint32_t code,
+                                 uint32_t lookup,
+                                 int32_t sample,
+                                 const uint32_t *entries,
+                                 const uint8_t *low_roots,
+                                 const uint8_t *low_colours,
+                                 uint32_t *opacity,
+                                 uint32_t *colour,
+                                 struct SlicecastError *error);
+
+// Gradient: differences and their spacing factors. docs/contract/gradient.md
+//
+// `samples`: 5 values of one precision: the samples after and before along i, those along j, and the interpolated derivative
+// along k; -8190 to 8190 in 15 fraction bits at most. `factors`: 3 values along i, j, k, 1.15, 1 to 32768. `gradient`
+// receives 3 values. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `samples` and `factors` are readable, three values of `gradient` and `error` (if not null) writable.
+int32_t slicecast_stage_gradient(const int32_t *samples,
+                                 const uint16_t *factors,
+                                 int32_t *gradient,
+                                 struct SlicecastError *error);
+
+// Normalisation: direction of a gradient. docs/contract/normalisation.md
+//
+// `gradient`: 3 values of one scale, any. `g` receives 3 values, -32767 to 32767, the largest with 15 bits; `r` receives
+// 2^35 / length of g, 22 bits, 0 for no gradient. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `gradient` is readable, three values of `g`, `r` and `error` (if not null) are writable.
+int32_t slicecast_stage_normalise(const int32_t *gradient,
+                                  int32_t *g,
+                                  uint32_t *r,
+                                  struct SlicecastError *error);
+
+// Shading: the colour of a sample under lights. docs/contract/shading.md
+//
+// `lighting`: as in a scene; its vectors are unit vectors. `g`: 3 values, -32767 to 32767, and `r`, as normalisation makes
+// them. `colour`: 3 values as classification makes them, 1.15, in wide 1.31. `shaded` receives as many, in the same format.
+// Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `lighting`, its lights, `g` and `colour` are readable, three values of `shaded` and `error` (if not null) writable.
+int32_t slicecast_stage_shade(uint32_t precision,
+                              const struct SlicecastLighting *lighting,
+                              const int32_t *g,
+                              uint32_t r,
+                              const uint32_t *colour,
+                              uint32_t *shaded,
+                              struct SlicecastError *error);
+
+// Compositing: a pixel and one more sample. docs/contract/compositing.md
+//
+// `order`: 0 front to back, 1 back to front. `plane`: the plane's number from the eye, 0 to 32768, for its offsets.
+// `floor`: transparency below it becomes 0, front to back only; the precision's own is 1, in wide 2048. `opacity`: 1.31, at
+// most 2^31. `colour`: 3 values, 1.15, in wide 1.31. `pixel`: 4 values, red, green, blue, transparency, at most 1.0 each
+// (32768 in paper, 65535 in compact, 2^31 in wide); front to back no colour and the transparency together more than 1.0.
+// It receives the pixel afterwards. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `colour` is readable, `pixel` readable and writable, `error` (if not null) writable.
+int32_t slicecast_stage_composite(uint32_t precision,
+                                  uint32_t order,
+                                  uint32_t plane,
+                                  uint32_t floor,
+                                  uint32_t opacity,
+                                  const uint32_t *colour,
+                                  uint32_t *pixel,
+                                  struct SlicecastError *error);
+
+// Projection: the larger or the smaller of a kept sample and one more. docs/contract/projection.md
+//
+// `extreme`: 0 maximum, 1 minimum. `kept` holds the kept sample, at first -1 (maximum) or 2^31 - 1 (minimum), and receives
+// the one that is kept. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `kept` is readable and writable, `error` (if not null) writable.
+int32_t slicecast_stage_project(uint32_t extreme,
+                                int32_t sample,
+                                int32_t *kept,
+                                struct SlicecastError *error);
+
+// Projection: the pixel of a kept sample, when all planes are folded. docs/contract/projection.md
+//
+// `extreme`: 0 maximum, 1 minimum. `kept`: the kept sample. `opacity` (1.31) and `colour` (3 values, 1.15, in wide 1.31):
+// what classification makes of it; they count for nothing where the ray has met nothing. `pixel` receives 4 values, red,
+// green, blue, transparency. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `colour` is readable, four values of `pixel` and `error` (if not null) writable.
+int32_t slicecast_stage_resolve(uint32_t precision,
+                                uint32_t extreme,
+                                int32_t kept,
+                                uint32_t opacity,
+                                const uint32_t *colour,
+                                uint32_t *pixel,
+                                struct SlicecastError *error);
+
+// Warp: where a picture pixel looks. docs/contract/warp.md
+//
+// `x`, `y`: the picture pixel. `pixel` receives 2 values, the base-plane pixel before the point along u and v (all phases;
+// beyond 2^31 it wraps), `weight` 2 values, the weights of the next, 0.16. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `warp` is readable, two values of `pixel` and of `weight` and `error` (if not null) are writable.
+int32_t slicecast_stage_point(const struct SlicecastWarp *warp,
+                              uint32_t x,
+                              uint32_t y,
+                              int32_t *pixel,
+                              uint16_t *weight,
+                              struct SlicecastError *error);
+
+// Warp: the mixture of four base-plane pixels, and what it is in front of a background. docs/contract/warp.md
+//
+// `corners`: 16 values, the pixels at (u, v), (u + 1, v), (u, v + 1) and (u + 1, v + 1), each red, green, blue,
+// transparency, at most 1.0. `weights`: 2 values along u and v, 0.16. `background`: 3 values, 1.15, at most 32768. `mixed`
+// receives 4 values, `rgb` 3 values of 8 bits. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `corners`, `weights` and `background` are readable, four values of `mixed`, three of `rgb` and `error` (if not null)
+// writable.
+int32_t slicecast_stage_warp(uint32_t precision,
+                             const uint32_t *corners,
+                             const uint16_t *weights,
+                             const uint16_t *background,
+                             uint32_t *mixed,
+                             uint8_t *rgb,
+                             struct SlicecastError *error);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -1,6 +1,7 @@
 //! Codes and the numbers behind them.
 
 use slicecast::plan::PlanError;
+use slicecast::screen::ScreenError;
 use slicecast::shade::PhongError;
 use slicecast::slice::SliceError;
 use slicecast::stream::StreamError;
@@ -48,6 +49,12 @@ pub const SLICECAST_VOXEL: i32 = -17;
 pub const SLICECAST_HIGHLIGHT: i32 = -18;
 /// The interpolation is neither 0 (linear) nor 1 (nearest): `given`.
 pub const SLICECAST_INTERPOLATION: i32 = -19;
+/// A side of the picture is 0 or above `needed`: `given` pixels.
+pub const SLICECAST_PICTURE: i32 = -20;
+/// From one picture pixel to the next there are more than `needed` voxels along an axis: `given`, both s31.32.
+pub const SLICECAST_PIXEL: i32 = -21;
+/// A number given to a stage is out of its range: `argument`; `needed` is the end of the range that it passes; `given`.
+pub const SLICECAST_RANGE: i32 = -22;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]
@@ -97,6 +104,10 @@ impl SlicecastError {
         Self::numbers(SLICECAST_LENGTH, needed as i64, given as i64).at(argument)
     }
 
+    pub(crate) const fn range(argument: u32, needed: i64, given: i64) -> Self {
+        Self::numbers(SLICECAST_RANGE, needed, given).at(argument)
+    }
+
     pub(crate) const fn foreign(argument: u32) -> Self {
         Self::numbers(SLICECAST_FOREIGN, 0, 0).at(argument)
     }
@@ -135,6 +146,35 @@ impl From<PhongError> for SlicecastError {
             PhongError::Exponent { given } => Self::numbers(SLICECAST_EXPONENT, EXPONENT_LOG2_MAX.into(), given.into()),
             PhongError::Vector { bits } => Self::numbers(SLICECAST_VECTOR, 1 << 30, bits.into()),
             PhongError::Coefficient { bits } => Self::numbers(SLICECAST_COEFFICIENT, 1 << 31, bits.into()),
+            // Scenes of C state vectors and coefficients of full width.
+            PhongError::KeptVector { given, one } => Self::numbers(SLICECAST_VECTOR, one.into(), given.into()),
+            PhongError::KeptCoefficient { given, one } => {
+                Self::numbers(SLICECAST_COEFFICIENT, one.into(), given.into())
+            }
+        }
+    }
+}
+
+impl From<ScreenError> for SlicecastError {
+    fn from(error: ScreenError) -> Self {
+        use slicecast::screen::{PICTURE_SIDE_MAX, PIXEL_MAX};
+        match error {
+            ScreenError::Side { given } => Self::numbers(SLICECAST_PICTURE, PICTURE_SIDE_MAX.into(), given.into()),
+            ScreenError::Pixel { bits } => Self::numbers(SLICECAST_PIXEL, i64::from(PIXEL_MAX) << 32, bits),
+            // That of screens from angles, which C does not make.
+            ScreenError::Length => Self::numbers(SLICECAST_PIXEL, i64::from(PIXEL_MAX) << 32, 0),
+        }
+    }
+}
+
+impl From<slicecast::Error> for SlicecastError {
+    fn from(error: slicecast::Error) -> Self {
+        match error {
+            slicecast::Error::View(error) => error.into(),
+            slicecast::Error::Plan(error) => error.into(),
+            slicecast::Error::Screen(error) => error.into(),
+            slicecast::Error::Phong(error) => error.into(),
+            slicecast::Error::Stream(error) => error.into(),
         }
     }
 }

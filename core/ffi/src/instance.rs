@@ -3,7 +3,7 @@
 
 use core::ffi::c_void;
 
-use slicecast::classify::{Colour16, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
+use slicecast::classify::{Classifier, Colour16, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::FrontToBack;
 use slicecast::format::Intensity;
 use slicecast::plan::Plan;
@@ -15,8 +15,8 @@ use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::warp::in_front_of;
 
 use crate::error::{SLICECAST_COMPLETE, SlicecastError};
-use crate::scene::{SlicecastNeeds, SlicecastScene, SlicecastWarp};
-use crate::{SlicecastStream, check};
+use crate::scene::{SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastWarp};
+use crate::{SLICECAST_STATE_BYTES, SlicecastStream, check, read};
 
 /// "SLCP" and "SLCS": marks of a description and of a stream.
 const PIPELINE_MARK: u32 = 0x534c_4350;
@@ -64,6 +64,7 @@ impl Layout {
     const ALIGN: usize = 8;
 
     fn of<L: Pipeline + 'static>(plan: &Plan, rows: u32) -> Self {
+        const { assert!(size_of::<Held<L>>() <= SLICECAST_STATE_BYTES) };
         let needs = Needs::of_band::<L>(plan, rows);
         let mut total = size_of::<Held<L>>().next_multiple_of(Self::ALIGN);
         let parts = needs.bytes().map(|bytes| {
@@ -286,23 +287,23 @@ impl Handle {
     }
 }
 
-/// A shader that can be made from a C scene.
-trait Lights<P: Precision>: Shader<P> + Sized + 'static {
+/// A shader that can be made from C's lights, which are argument 2 or belong to it.
+pub(crate) trait Lights<P: Precision>: Shader<P> + Sized + 'static {
     /// # Safety
-    /// As for [`Instance::of`].
-    unsafe fn of(precision: P, scene: &SlicecastScene) -> Result<Self, SlicecastError>;
+    /// `lighting`, and the lights in it, are null, misaligned or readable.
+    unsafe fn of(precision: P, lighting: *const SlicecastLighting) -> Result<Self, SlicecastError>;
 }
 
 impl<P: Precision> Lights<P> for Unlit {
-    unsafe fn of(_: P, _: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(_: P, _: *const SlicecastLighting) -> Result<Self, SlicecastError> {
         Ok(Self)
     }
 }
 
 impl<P: Precision> Lights<P> for Phong<P> {
-    unsafe fn of(precision: P, scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(precision: P, lighting: *const SlicecastLighting) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        unsafe { scene.phong(precision) }
+        unsafe { read(lighting, 2)?.phong(precision) }
     }
 }
 
@@ -313,60 +314,45 @@ type Fine16 = PointTable<'static, Sqrt16, Linear>;
 /// The same with colours of 16 bits.
 type Colours16 = PointTable<'static, Colour16, Linear>;
 
-impl<S: Lights<Paper>> Instance for Composite<Paper, Paper8, S, FrontToBack> {
+/// A table that can be made from a C scene.
+trait Table: Sized + 'static {
+    /// # Safety
+    /// As for [`Instance::of`].
+    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError>;
+}
+
+impl Table for Paper8 {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(Paper, Paper8::new(scene.entries()?, ()), S::of(Paper, scene)?) })
+        Ok(Self::new(unsafe { scene.entries()? }, ()))
     }
 }
 
-impl<S: Lights<Compact>> Instance for Composite<Compact, Fine16, S, FrontToBack> {
+impl Table for Fine16 {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe {
-            Self::new(
-                Compact,
-                Fine16::new(scene.entries()?, scene.low_roots()?),
-                S::of(Compact, scene)?,
-            )
-        })
+        Ok(unsafe { Self::new(scene.entries()?, scene.low_roots()?) })
     }
 }
 
-impl<S: Lights<Wide>> Instance for Composite<Wide, Fine16, S, FrontToBack> {
+impl Table for Colours16 {
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
-        Ok(unsafe {
-            Self::new(
-                Wide,
-                Fine16::new(scene.entries()?, scene.low_roots()?),
-                S::of(Wide, scene)?,
-            )
-        })
+        Ok(unsafe { Self::new(scene.entries()?, (scene.low_roots()?, scene.low_colours()?)) })
     }
 }
 
-impl<S: Lights<Compact>> Instance for Composite<Compact, Colours16, S, FrontToBack> {
+impl<P, T, S> Instance for Composite<P, T, S, FrontToBack>
+where
+    P: Precision + Default,
+    T: Classifier<P> + Table,
+    S: Lights<P>,
+    Self: Pictured,
+{
     unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+        let precision = P::default();
         // SAFETY: the caller's promise.
-        Ok(unsafe {
-            let planes = (scene.low_roots()?, scene.low_colours()?);
-            Self::new(
-                Compact,
-                Colours16::new(scene.entries()?, planes),
-                S::of(Compact, scene)?,
-            )
-        })
-    }
-}
-
-impl<S: Lights<Wide>> Instance for Composite<Wide, Colours16, S, FrontToBack> {
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
-        // SAFETY: the caller's promise.
-        Ok(unsafe {
-            let planes = (scene.low_roots()?, scene.low_colours()?);
-            Self::new(Wide, Colours16::new(scene.entries()?, planes), S::of(Wide, scene)?)
-        })
+        Ok(unsafe { Self::new(precision, T::of(scene)?, S::of(precision, scene.lighting)?) })
     }
 }
 

@@ -6,6 +6,9 @@
 //! panic (a test looks for panic symbols in the linked object), nothing allocates, and nothing is kept beyond the block
 //! and what it borrows: the tables.
 //!
+//! Beside the stream there is a function a stage (`slicecast_stage_locate` to `slicecast_stage_warp`), for simulators and
+//! benches.
+//!
 //! There is one function a pipeline ([`slicecast_compact_lit`] and so on), which returns its description; what a program
 //! does not name is not linked.
 #![cfg_attr(target_os = "none", no_std)]
@@ -13,6 +16,7 @@
 mod error;
 mod instance;
 mod scene;
+mod stages;
 
 pub use error::*;
 pub use instance::{
@@ -20,7 +24,8 @@ pub use instance::{
     slicecast_compact_unlit_colour16, slicecast_paper_lit, slicecast_paper_unlit, slicecast_wide_lit,
     slicecast_wide_lit_colour16, slicecast_wide_unlit, slicecast_wide_unlit_colour16,
 };
-pub use scene::{SlicecastLight, SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastWarp};
+pub use scene::{SlicecastLight, SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastScreen, SlicecastWarp};
+pub use stages::*;
 
 use core::ffi::c_void;
 
@@ -28,6 +33,10 @@ use crate::instance::{Handle, Header};
 
 /// Version of the structures in this header. Write it to `slicecast_scene.version`.
 pub const SLICECAST_VERSION: u32 = 2;
+
+/// Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
+/// ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
+pub const SLICECAST_STATE_BYTES: usize = 1024;
 
 /// A frame in the making. Opaque; it begins at the start of the block given to `slicecast_open`.
 pub struct SlicecastStream {
@@ -175,6 +184,30 @@ pub unsafe extern "C" fn slicecast_image(
     unsafe { report(work(), error) }
 }
 
+/// Makes the warp of a view: where the pixels of a picture look at the base plane of a scene (its dims, direction and rates).
+///
+/// `screen`: where the pixels lie in the volume. `warp` receives the answer, for `slicecast_picture_row`. Returns SLICECAST_OK
+/// or an error code.
+///
+/// # Safety
+/// `scene` and `screen` are readable, `warp` and `error` (if not null) writable, as C structures of their types.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn slicecast_warp(
+    scene: *const SlicecastScene,
+    screen: *const SlicecastScreen,
+    warp: *mut SlicecastWarp,
+    error: *mut SlicecastError,
+) -> i32 {
+    let work = || {
+        // SAFETY: the caller's promise; null and misaligned pointers are refused.
+        let (scene, screen, warp) = unsafe { (read(scene, 1)?, read(screen, 2)?, write(warp, 3)?) };
+        *warp = screen.warp(scene)?;
+        Ok(())
+    };
+    // SAFETY: the caller's promise for `error`.
+    unsafe { report(work(), error) }
+}
+
 /// Makes a row of the viewer's picture from a finished whole image.
 ///
 /// `warp`: where picture pixels look at the base plane. `y`: the row. `background`: red, green, blue, 1.15. `rgb`
@@ -267,6 +300,7 @@ trait Checked {
 }
 
 impl Checked for SlicecastScene {}
+impl Checked for SlicecastScreen {}
 impl Checked for SlicecastWarp {}
 impl Checked for SlicecastLighting {}
 impl Checked for SlicecastPipeline {

@@ -3,6 +3,7 @@
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::precision::Precision;
+use slicecast::screen::Screen;
 use slicecast::shade::{Highlight, LIGHTS_MAX, Light, Phong};
 use slicecast::table::ENTRIES;
 use slicecast::view::View;
@@ -11,7 +12,7 @@ use slicecast::warp::Warp;
 use crate::error::{
     SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH, SlicecastError,
 };
-use crate::{SLICECAST_VERSION, check, read, slice};
+use crate::{SLICECAST_VERSION, check, slice};
 
 /// Everything that decides a base-plane image, apart from the voxels.
 #[repr(C)]
@@ -116,6 +117,18 @@ pub struct SlicecastWarp {
     pub down: [i64; 2],
 }
 
+/// Where the pixels of the viewer's picture lie in the volume: the picture's middle is the volume's.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct SlicecastScreen {
+    /// Pixels across and down, 1 to 16384 each.
+    pub size: [u32; 2],
+    /// One picture pixel to the right, in voxels along x, y, z, s31.32; no component beyond -1024 to 1024.
+    pub right: [i64; 3],
+    /// One picture pixel down, likewise.
+    pub down: [i64; 3],
+}
+
 impl SlicecastScene {
     /// The frame's geometry.
     pub(crate) fn plan(&self) -> Result<Plan, SlicecastError> {
@@ -166,27 +179,27 @@ impl SlicecastScene {
         // SAFETY: not null; the caller's promise.
         Ok(unsafe { &*self.low_colours.cast() })
     }
+}
 
-    /// Lights and material.
+impl SlicecastLighting {
+    /// The shader of these lights.
     ///
     /// # Safety
-    /// `lighting`, and the lights in it, are null, misaligned or readable.
+    /// The lights are null, misaligned or readable.
     pub(crate) unsafe fn phong<P: Precision>(&self, precision: P) -> Result<Phong<P>, SlicecastError> {
-        // SAFETY: the caller's promise.
-        let lighting = unsafe { read(self.lighting, 2)? };
-        let highlight = match lighting.highlight {
+        let highlight = match self.highlight {
             0 => Highlight::Reflection,
             1 => Highlight::HalfVector,
             given => return Err(SlicecastError::numbers(SLICECAST_HIGHLIGHT, 1, given.into())),
         };
-        let given: &[SlicecastLight] = if lighting.count == 0 {
+        let given: &[SlicecastLight] = if self.count == 0 {
             &[]
-        } else if lighting.count > LIGHTS_MAX {
-            let (needed, given) = (LIGHTS_MAX as i64, lighting.count as i64);
+        } else if self.count > LIGHTS_MAX {
+            let (needed, given) = (LIGHTS_MAX as i64, self.count as i64);
             return Err(SlicecastError::numbers(SLICECAST_LIGHTS, needed, given));
         } else {
             // SAFETY: the caller's promise.
-            unsafe { slice(lighting.lights, lighting.count, 2)? }
+            unsafe { slice(self.lights, self.count, 2)? }
         };
         let mut lights = [Light {
             direction: [Vector::ZERO; 3],
@@ -204,12 +217,29 @@ impl SlicecastScene {
         }
         Ok(Phong::new(
             precision,
-            lighting.ambient.map(Coefficient::from_bits),
+            self.ambient.map(Coefficient::from_bits),
             lights.get(..given.len()).unwrap_or(&[]),
-            lighting.viewer.map(Vector::from_bits),
+            self.viewer.map(Vector::from_bits),
             highlight,
-            lighting.exponent_log2,
+            self.exponent_log2,
         )?)
+    }
+}
+
+impl SlicecastScreen {
+    /// Where its pixels look at the base plane of a scene.
+    pub(crate) fn warp(&self, scene: &SlicecastScene) -> Result<SlicecastWarp, SlicecastError> {
+        let screen = Screen {
+            size: self.size,
+            right: self.right.map(Step::from_bits),
+            down: self.down.map(Step::from_bits),
+        };
+        let Warp { origin, right, down } = screen.warp(&scene.plan()?)?;
+        Ok(SlicecastWarp {
+            origin: origin.map(Step::to_bits),
+            right: right.map(Step::to_bits),
+            down: down.map(Step::to_bits),
+        })
     }
 }
 

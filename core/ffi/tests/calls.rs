@@ -501,3 +501,74 @@ fn misused_streams_are_refused_and_go_on() {
 fn the_library_tells_its_version() {
     assert_eq!(slicecast_version(), SLICECAST_VERSION);
 }
+
+/// The warp of a view is core's, and what is out of range comes back as a number.
+#[test]
+fn warps_of_views_are_cores() {
+    use slicecast::format::Step;
+    use slicecast::screen::Screen;
+    let data = Data::new();
+    let scene = data.scene();
+    let screen = SlicecastScreen {
+        size: [40, 30],
+        right: [1 << 31, 1 << 29, -(1 << 30)],
+        down: [3, -(1 << 31), 1 << 28],
+    };
+    let mut warp = SlicecastWarp {
+        origin: [0; 2],
+        right: [0; 2],
+        down: [0; 2],
+    };
+    let mut error = no_error();
+    let mut made = |screen: &SlicecastScreen, error: &mut SlicecastError| {
+        // SAFETY: good pointers.
+        unsafe { slicecast_warp(&scene, screen, &mut warp, error) }
+    };
+    assert_eq!(made(&screen, &mut error), SLICECAST_OK);
+    let wide = SlicecastScreen {
+        size: [40, 16385],
+        ..screen
+    };
+    assert_eq!(made(&wide, &mut error), SLICECAST_PICTURE);
+    assert_eq!((error.needed, error.given), (16384, 16385));
+    let coarse = SlicecastScreen {
+        down: [0, 0, i64::MIN],
+        ..screen
+    };
+    assert_eq!(made(&coarse, &mut error), SLICECAST_PIXEL);
+    assert_eq!((error.needed, error.given), (1024 << 32, i64::MIN));
+    // SAFETY: null is refused.
+    let code = unsafe { slicecast_warp(&scene, null(), &mut warp, &mut error) };
+    assert_eq!((code, error.argument), (SLICECAST_NULL, 2));
+
+    let view = View::new(scene.direction.map(Direction::from_bits)).unwrap();
+    let sampling = Sampling {
+        planes_per_voxel: 2,
+        rays_per_voxel: 2,
+    };
+    let plan = Plan::new(view, DIMS, Spacing(scene.spacing.map(Intensity::from_bits)), sampling).unwrap();
+    let expected = Screen {
+        size: screen.size,
+        right: screen.right.map(Step::from_bits),
+        down: screen.down.map(Step::from_bits),
+    };
+    let expected = expected.warp(&plan).unwrap();
+    assert_eq!(warp.origin.map(Step::from_bits), expected.origin);
+    assert_eq!(warp.right.map(Step::from_bits), expected.right);
+    assert_eq!(warp.down.map(Step::from_bits), expected.down);
+}
+
+/// Codes are numbers that programs have compiled: they stay.
+#[test]
+fn one_error_has_the_codes_of_its_steps() {
+    use slicecast::plan::PlanError;
+    use slicecast::shade::PhongError;
+    use slicecast::stream::StreamError;
+    use slicecast::view::ViewError;
+    let code = |error: slicecast::Error| SlicecastError::from(error).code;
+    assert_eq!(code(ViewError::NoDirection.into()), -6);
+    assert_eq!(code(PlanError::Side { given: 0 }.into()), -7);
+    assert_eq!(code(PhongError::Lights { given: 9 }.into()), -12);
+    assert_eq!(code(StreamError::Complete.into()), 1);
+    assert_eq!(code(slicecast::screen::ScreenError::Side { given: 0 }.into()), -20);
+}

@@ -400,3 +400,61 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(make(&[long], 0, 0), Some(PhongError::Vector { bits: -(1 << 30) - 1 }));
     assert_eq!(make(&[light; 8], one, 8), None);
 }
+
+/// What a precision keeps, given back to it, makes the same shader, also where the search from a kept vector would go on to
+/// another.
+fn given_back<P: Precision>(p: P, scene: &Scene) {
+    let (ambient, lights, viewer, highlight, exponent_log2) = scene;
+    let lights: StdVec<_> = lights.iter().map(|light| KeptLight::of(p, light)).collect();
+    let ambient = ambient.map(|c| keep(p, c));
+    let back = Phong::of_kept(p, ambient, &lights, keep_vector(p, *viewer), *highlight, *exponent_log2);
+    assert_eq!(
+        std::format!("{:?}", back.unwrap()),
+        std::format!("{:?}", make(p, scene))
+    );
+}
+
+proptest! {
+    #[test]
+    fn kept_values_make_the_same_shader(scene in scene(3)) {
+        given_back(Paper, &scene);
+        given_back(Compact, &scene);
+        given_back(Wide, &scene);
+    }
+}
+
+#[test]
+fn kept_values_out_of_range_are_named() {
+    let light = KeptLight {
+        direction: [-32768, 0, 32768],
+        half: [0; 3],
+        diffuse: [32768; 3],
+        specular: [0; 3],
+    };
+    let made = |lights: &[KeptLight], ambient, viewer, exponent_log2| {
+        Phong::of_kept(
+            Compact,
+            [ambient; 3],
+            lights,
+            [viewer, 0, 0],
+            Highlight::Reflection,
+            exponent_log2,
+        )
+        .err()
+    };
+    assert_eq!(made(&[light; 8], 32768, -32768, 8), None);
+    assert_eq!(made(&[light; 9], 0, 0, 0), Some(PhongError::Lights { given: 9 }));
+    assert_eq!(made(&[], 0, 0, 9), Some(PhongError::Exponent { given: 9 }));
+    let vector = |given| Some(PhongError::KeptVector { given, one: 32768 });
+    assert_eq!(made(&[], 0, i32::MIN, 0), vector(i32::MIN));
+    let long = KeptLight {
+        half: [0, 32769, 0],
+        ..light
+    };
+    assert_eq!(made(&[light, long], 0, 0, 0), vector(32769));
+    let coefficient = Some(PhongError::KeptCoefficient {
+        given: 32769,
+        one: 32768,
+    });
+    assert_eq!(made(&[], 32769, 0, 0), coefficient);
+}

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
+use crate::exported;
 use crate::images::{Workshop, execute, parse};
 use crate::machines::Machine;
 use crate::shell::{Failure, Finished, run, run_well};
@@ -17,8 +18,25 @@ const WARNINGS: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wer
 /// # Errors
 /// If it cannot be built.
 pub fn on_machine(workshop: &Workshop, machine: &Machine, library: &Path) -> Result<u32, Failure> {
+    let finished = build_and_run(workshop, machine, library, "frame.c")?;
+    Ok(verdict(
+        &format!("{:<11} {:<10}", machine.name, machine.core),
+        &finished,
+    ))
+}
+
+/// Builds a program of one source with the library, and runs it on a machine.
+///
+/// # Errors
+/// If it cannot be built.
+pub fn build_and_run(
+    workshop: &Workshop,
+    machine: &Machine,
+    library: &Path,
+    source: &str,
+) -> Result<Finished, Failure> {
     need_program(machine.gcc)?;
-    let program = workshop.directory().join(format!("{}-c.elf", machine.name));
+    let program = workshop.directory().join(format!("{}-{source}.elf", machine.name));
     let sources = workshop.root.join("host-tests/firmware");
     let mut command = Command::new(machine.gcc);
     command
@@ -29,7 +47,9 @@ pub fn on_machine(workshop: &Workshop, machine: &Machine, library: &Path) -> Res
         .arg("-I")
         .arg(workshop.root.join("core/ffi/include"))
         .arg("-I")
-        .arg(workshop.directory());
+        .arg(workshop.directory())
+        .arg("-I")
+        .arg(exported::directory(workshop));
     command.arg(format!(
         "-Wl,-T,{}",
         sources.join("c").join(format!("{}.x", machine.name)).display()
@@ -38,16 +58,12 @@ pub fn on_machine(workshop: &Workshop, machine: &Machine, library: &Path) -> Res
         .arg("-Wl,-T")
         .arg(format!("-Wl,{}", sources.join("c/bare.ld").display()));
     command
-        .arg(sources.join("c/frame.c"))
+        .arg(sources.join("c").join(source))
         .arg(sources.join("c/bare.c"))
         .arg(library);
     command.arg("-o").arg(&program);
     run_well(&mut command, LIMIT)?;
-    let finished = execute(machine, &program, false)?;
-    Ok(verdict(
-        &format!("{:<11} {:<10}", machine.name, machine.core),
-        &finished,
-    ))
+    execute(machine, &program, false)
 }
 
 /// Builds and runs the example on the host; returns the number of failures.

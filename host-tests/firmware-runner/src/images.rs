@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use slicecast::stage::Stage;
 
+use crate::exported;
 use crate::machines::Machine;
 use crate::reference::Sums;
 use crate::shell::{Failure, Finished, fail, run};
@@ -63,6 +64,7 @@ impl Workshop {
             .arg("--locked")
             .env("SLICECAST_MACHINE", machine.name)
             .env("SLICECAST_SCENES", &self.scenes)
+            .env("SLICECAST_EXPORTED", exported::directory(self))
     }
 }
 

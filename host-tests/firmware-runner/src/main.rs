@@ -4,6 +4,7 @@
 
 mod c;
 mod cost;
+mod exported;
 mod faults;
 mod footprint;
 mod images;
@@ -86,6 +87,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         root,
     };
     write_if_changed(&workshop.scenes, &source)?;
+    let head = exported::write(&workshop)?;
     if arguments.cost {
         return cost::write(&workshop, &machines, &references);
     }
@@ -109,14 +111,16 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     for arm in [true, false] {
         if let Some(machine) = machines.iter().find(|m| m.is_arm() == arm) {
             workshop.lint(machine)?;
-            println!(
-                "{:<11} {:<10} lints                            good",
-                machine.name, machine.core
-            );
+            line(machine, "lints", "", None);
+            proofs::all_features(&workshop, machine)?;
+            line(machine, "core with all features", "", None);
         }
     }
     for machine in &machines {
-        let programs = workshop.images(machine, "release", &["bits", "segments", "bands", "queue"])?;
+        let renders_head = machine.name == exported::MACHINE;
+        let mut names = vec!["bits", "segments", "bands", "queue"];
+        names.extend(renders_head.then_some("exported"));
+        let programs = workshop.images(machine, "release", &names)?;
         failed += bits(&programs, machine, &references)?;
         failed += segments.check(&programs, machine)?;
         failed += bands(&programs, machine, &references)?;
@@ -130,6 +134,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         )?;
         failed += proofs::prove(&workshop, machine, &library)?;
         failed += c::on_machine(&workshop, machine, &library)?;
+        if renders_head {
+            failed += exported::on_machine(&workshop, machine, &programs, &library, head)?;
+        }
     }
     failed += c::on_host(&workshop)?;
     for target in BUILT_ONLY {
@@ -164,7 +171,7 @@ fn root() -> Result<PathBuf, Failure> {
     }
 }
 
-fn write_if_changed(path: &Path, text: &str) -> Result<(), Failure> {
+pub(crate) fn write_if_changed(path: &Path, text: &str) -> Result<(), Failure> {
     if fs::read_to_string(path).is_ok_and(|old| old == text) {
         return Ok(());
     }

@@ -41,6 +41,20 @@ pub fn library(
     Ok(directory.join("libslicecast_ffi.a"))
 }
 
+/// Builds core with all its features for a machine: none of them may need what only a host has.
+///
+/// # Errors
+/// With what the compiler said.
+pub fn all_features(workshop: &Workshop, machine: &Machine) -> Result<(), Failure> {
+    let (mut command, _) = workshop
+        .toolchain
+        .cargo("build", "firmware", machine.target, machine.cpu);
+    command
+        .current_dir(&workshop.root)
+        .args(["-p", "slicecast", "--lib", "--all-features"]);
+    build(&mut command)
+}
+
 /// Links one pipeline of a library.
 ///
 /// # Errors

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
+pub use slicecast::screen::PICTURE_SIDE_MAX;
 use slicecast::shade::{self, Phong, PhongError};
 use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
@@ -43,9 +44,6 @@ pub enum CameraError {
         height: u32,
     },
 }
-
-/// The longest side of a picture, pixels.
-pub const PICTURE_SIDE_MAX: u32 = 16384;
 
 /// Distances between voxels: lengths of steps and pixels are computed from them, and must be numbers too.
 pub const SPACING: RangeInclusive<f64> = 1e-100..=1e100;

@@ -20,10 +20,10 @@ use super::tables;
 /// Measure frames: the pipeline at each precision, vector width and number of threads, the same pipeline in f32, and the
 /// definitions ray by ray.
 ///
-/// Synthetic fog, in which nothing can be skipped, and a volume (the built-in head, or the one given) as bone. All
-/// subjects of a section take turns, and the shortest time of each counts; how far the others scatter is shown beside it.
-/// A frame is all sample planes folded into the
-/// base plane: no reading, no preparation, no final warp. Samples are all that lie in the volume, skipped or not.
+/// Synthetic fog, in which nothing can be skipped, and a volume: the built-in head as bone, or the one given under the scene
+/// that is named or chosen for it. All subjects of a section take turns, and the shortest time of each counts; how far the
+/// others scatter is shown beside it. A frame is all sample planes folded into the base plane: no reading, no preparation, no
+/// final warp. Samples are all that lie in the volume, skipped or not.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast bench

@@ -5,6 +5,7 @@ mod chosen;
 mod compare;
 mod default;
 mod explain;
+mod export;
 mod hard;
 mod inputs;
 mod inspect;
@@ -21,6 +22,7 @@ mod sweep_table;
 mod table;
 mod tables;
 mod turntable;
+mod vectors;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
@@ -32,7 +34,7 @@ use slicecast_volume::open::LoadError;
 pub struct Failure {
     /// One line for standard error.
     pub message: String,
-    /// 1: the machine failed; 2: the request or its input is at fault.
+    /// 1: the machine failed, or what was checked does not hold; 2: the request or its input is at fault.
     pub code: u8,
 }
 
@@ -98,6 +100,7 @@ enum Command {
     Plan(plan::Args),
     Inspect(inspect::Args),
     Table(table::Args),
+    Export(Box<export::Args>),
     Turntable(Box<turntable::Args>),
     Sweep(sweep::Args),
     SweepMerge(sweep::MergeArgs),
@@ -105,6 +108,7 @@ enum Command {
     Explain(explain::Args),
     Report(report::Args),
     Bench(Box<bench::Args>),
+    Vectors(Box<vectors::Args>),
 }
 
 impl Cli {
@@ -131,6 +135,7 @@ impl Cli {
             Some(Command::Plan(args)) => args.run(),
             Some(Command::Inspect(args)) => args.run(),
             Some(Command::Table(args)) => args.run(),
+            Some(Command::Export(args)) => args.run(),
             Some(Command::Turntable(args)) => args.run(),
             Some(Command::Sweep(args)) => args.run(),
             Some(Command::SweepMerge(args)) => args.run(),
@@ -138,6 +143,7 @@ impl Cli {
             Some(Command::Explain(args)) => args.run(),
             Some(Command::Report(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),
+            Some(Command::Vectors(args)) => args.run(),
         }
     }
 }

@@ -19,7 +19,7 @@ use crate::framing::{Framing, Stated};
 use crate::raster::{Depth, Finish, Raster};
 
 /// `WxH`.
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn size(text: &str) -> Result<[u32; 2], String> {
     let size: [u32; 2] = numbers(text, 'x', "512x512")?;
     if size.iter().all(|side| IMAGE_SIDE.contains(&i64::from(*side))) {
         Ok(size)

@@ -17,9 +17,11 @@ Errors: steps of 1/255 on the base plane against the f64 model at the positions 
 stage with the fewest right bits on its own inputs. Speeds: fastest frame of several, rendered by the host with these
 lanes and taken in turns with `compact`; `speed` is the median of the rounds' ratios, and `± %` half the distance between
 their quartiles. Widths of studies are values: such a row stands beside `compact` with its widths as values, and its
-speed is that of the arithmetic, not of the memory. Front: no configuration is at least as fast and at least as exact in the mean, and clearly better in one of the
-two; speeds that differ by no more than they scatter (at least 1 %) are one speed. `~` would be on the front if they
-were exact.";
+speed is that of the arithmetic, not of the memory. Tables have colours of 8 bits, those of `compact` and `wide` too, as
+with `--table sqrt16`: where a scene's colours change with the value, other commands give these two colours of 16 bits.
+Front: no configuration is at least as fast and at least as exact in the mean, and clearly better in one of the two;
+speeds that differ by no more than they scatter (at least 1 %) are one speed. `~` would be on the front if they were
+exact.";
 
 /// What the columns of several views mean.
 const ENSEMBLE: &str = "\

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::export::{self, Language, Losses};
+use crate::losses::{Losses, losses};
 use clap::ValueEnum;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::table::Correction;
+use slicecast_export::table::{self, Language};
 
 use crate::visibility;
 
@@ -62,7 +63,7 @@ impl Args {
         }
         let step = prepared.setup.step_length;
         let mapping = &loaded.volume.mapping;
-        let losses = export::losses(
+        let losses = losses(
             &prepared.table,
             &scene.transfer,
             mapping,
@@ -87,7 +88,7 @@ impl Args {
                 Format::C => Language::C,
                 Format::Hex => Language::Readmemh,
             };
-            let text = export::table(&prepared.table, &self.name, language);
+            let text = table::table(&prepared.table, &self.name, language);
             write_file(path, self.force, text.as_bytes())?;
             println!("{}: {} bytes", path.display(), text.len());
         }

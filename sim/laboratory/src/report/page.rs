@@ -263,7 +263,9 @@ fn sweep(rows: &[Row]) -> Result<Markup, String> {
                 "One point a configuration. On the line, and with a dot in the table: nothing is at least as fast and at least as exact in "
                 "the mean, and clearly better in one of the two. Speeds that differ by no more than they scatter (±, at least "
                 "1 %) are one speed; ~ would be on the line if they were exact. Errors are of " (views) ". Frames were timed on "
-                (threads) " with " (lanes.join(", ")) ", each in turn with one of compact; speed is the median of their ratios."
+                (threads) " with " (lanes.join(", ")) ", each in turn with one of compact; speed is the median of their ratios. "
+                "Tables have colours of 8 bits here, those of compact and wide too; above, these two have colours of 16 bits where "
+                "the scene's change with the value."
             }
             (PreEscaped(plot))
             div.scroll tabindex="0" role="region" aria-label="All configurations" {

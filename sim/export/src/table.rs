@@ -1,10 +1,9 @@
-//! Compiled tables for other programs: Rust, C, and Verilog's `$readmemh`; and what compiling lost.
+//! Compiled tables for other programs: Rust, C, and Verilog's `$readmemh`.
 
 use std::fmt::Write;
 
-use slicecast_engine::table::{Correction, Table};
-use slicecast_scene::{AlphaCodeName, TransferFunction};
-use slicecast_volume::Mapping;
+use slicecast_engine::table::Table;
+use slicecast_scene::AlphaCodeName;
 
 /// The languages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,13 +53,17 @@ struct Bits {
 }
 
 fn rust(out: &mut String, table: &Table, name: &str, what: &str, bits: Bits) -> std::fmt::Result {
-    writeln!(out, "/// {what}\npub static {name}: [u32; {}] = [", table.entries.len())?;
+    writeln!(
+        out,
+        "/// {what}\n#[rustfmt::skip]\npub static {name}: [u32; {}] = [",
+        table.entries.len()
+    )?;
     words(out, &table.entries[..])?;
     writeln!(out, "];")?;
     if bits.root == 16 {
         writeln!(
             out,
-            "\n/// Low bytes of the square roots.\npub static {name}_LOW: [u8; {}] = [",
+            "\n/// Low bytes of the square roots.\n#[rustfmt::skip]\npub static {name}_LOW: [u8; {}] = [",
             table.plane.len()
         )?;
         bytes(out, &table.plane[..])?;
@@ -69,7 +72,7 @@ fn rust(out: &mut String, table: &Table, name: &str, what: &str, bits: Bits) -> 
     if bits.colour == 16 {
         writeln!(
             out,
-            "\n/// Low bytes of the colours.\npub static {name}_COLOURS: [[u8; 3]; {}] = [",
+            "\n/// Low bytes of the colours.\n#[rustfmt::skip]\npub static {name}_COLOURS: [[u8; 3]; {}] = [",
             table.colours.len()
         )?;
         triples(out, &table.colours[..], ['[', ']'])?;
@@ -153,54 +156,12 @@ fn identifier(name: &str) -> String {
     }
 }
 
-/// What compiling a transfer function to a table lost.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Losses {
-    /// Entries with an opacity above 0.
-    pub visible: usize,
-    /// Visible entries that the table makes invisible.
-    pub underflows: usize,
-    /// Visible entries whose opacity is off by more than the share asked about, underflows included.
-    pub coarse: usize,
-    /// The greatest relative error of an opacity, 1 for an underflow; more where an entry makes up for its neighbours'
-    /// underflow.
-    pub worst: f64,
-    /// The data value where it is.
-    pub worst_value: f64,
-}
-
-/// Compares a table with the function that it was compiled from; `share` is the relative error of an opacity from which
-/// on an entry counts as coarse.
-pub fn losses(
-    table: &Table,
-    transfer: &TransferFunction,
-    mapping: &Mapping,
-    correction: Correction,
-    share: f64,
-) -> Losses {
-    let mut losses = Losses::default();
-    for index in 0..table.entries.len() {
-        let value = mapping.value(index as f64);
-        let exact = correction.apply(transfer.evaluate(value).1, transfer.unit_distance);
-        if exact <= 0.0 {
-            continue;
-        }
-        losses.visible += 1;
-        let decoded = f64::from(table.opacity(index).to_bits()) / f64::from(1_u32 << 31);
-        let error = (decoded - exact).abs() / exact;
-        losses.underflows += usize::from(decoded == 0.0);
-        losses.coarse += usize::from(error > share);
-        if error > losses.worst {
-            (losses.worst, losses.worst_value) = (error, value);
-        }
-    }
-    losses
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slicecast_scene::{LookupName, Point};
+    use slicecast_engine::table::Correction;
+    use slicecast_scene::{LookupName, Point, TransferFunction};
+    use slicecast_volume::Mapping;
 
     const MAPPING: Mapping = Mapping {
         scale: 1.0,
@@ -219,16 +180,14 @@ mod tests {
         }
     }
 
-    fn compiled(opacity: f64, code: AlphaCodeName) -> (Table, Losses) {
-        let table = Table::compile(&fog(opacity), &MAPPING, Correction::None, code, LookupName::Nearest);
-        let losses = losses(&table, &fog(opacity), &MAPPING, Correction::None, 0.05);
-        (table, losses)
+    fn compiled(opacity: f64, code: AlphaCodeName) -> Table {
+        Table::compile(&fog(opacity), &MAPPING, Correction::None, code, LookupName::Nearest)
     }
 
     #[test]
     fn exports_hold_the_tables_own_numbers() {
-        let (eight, _) = compiled(0.25, AlphaCodeName::Sqrt8);
-        let (sixteen, _) = compiled(0.25, AlphaCodeName::Sqrt16);
+        let eight = compiled(0.25, AlphaCodeName::Sqrt8);
+        let sixteen = compiled(0.25, AlphaCodeName::Sqrt16);
         let lines: Vec<String> = table(&eight, "x", Language::Readmemh)
             .lines()
             .map(str::to_owned)
@@ -252,7 +211,7 @@ mod tests {
             let numbers = text.matches("0x").count();
             assert_eq!(numbers, 2 * 4096);
         }
-        let (fine, _) = compiled(0.25, AlphaCodeName::Colour16);
+        let fine = compiled(0.25, AlphaCodeName::Colour16);
         let text = table(&fine, "x", Language::Readmemh);
         let last = u64::from_str_radix(text.lines().last().unwrap(), 16).unwrap();
         let [r, g, b] = fine.colour(4095);
@@ -269,21 +228,5 @@ mod tests {
             assert_eq!(text.matches("0x").count(), 5 * 4096);
         }
         assert_eq!(["", "1", "a b"].map(identifier), ["table", "t1", "a_b"]);
-    }
-
-    #[test]
-    fn underflow_and_coarse_steps_are_counted() {
-        // (1/255 / 2)^2 is the least opacity that an 8-bit root shows.
-        let (_, lost) = compiled(3e-6, AlphaCodeName::Sqrt8);
-        // Errors are passed on from entry to entry: some show the least opacity in the others' place.
-        assert_eq!(lost.visible, 3072);
-        assert!(
-            lost.underflows > 1500 && lost.coarse == 3072 && lost.worst >= 1.0,
-            "{lost:?}"
-        );
-        let (_, kept) = compiled(3e-6, AlphaCodeName::Sqrt16);
-        assert_eq!((kept.underflows, kept.coarse), (0, 0));
-        let (_, fine) = compiled(0.5, AlphaCodeName::Sqrt8);
-        assert!(fine.worst < 0.01 && fine.coarse == 0, "{fine:?}");
     }
 }
