@@ -17,7 +17,7 @@ const LOWEST: f64 = 1.0 / 16.0;
 const PEAKS: usize = 32;
 
 /// About how many pairs of voxels are looked at along each axis.
-const PAIRS: usize = 200_000;
+const PAIRS: usize = 20_000;
 
 /// Pairs that must meet a peak before anything is said about it.
 const PAIRS_LEAST: u32 = 16;
