@@ -70,8 +70,8 @@ impl Segments {
         let volume = crop(&head, [16, 4, 34], [32; 3])?;
         let views = [
             ("turn-0", "30.0", "10.0"),
-            ("turn-1", "22.0", "-25.0"),
-            ("turn-2", "40.5", "31.0"),
+            ("turn-1", "22.0", "-15.0"),
+            ("turn-2", "40.5", "12.0"),
         ];
         let turn = |(name, azimuth, elevation): (&'static str, &str, &str)| -> Result<Named, Failure> {
             let text = LARGE
