@@ -102,7 +102,7 @@ const FAULTS: [Fault; 13] = [
     },
     Fault {
         what: "a float that slips in",
-        file: "core/src/classify.rs",
+        file: "core/src/classify/code.rs",
         from: "Opacity::from_bits((root as u32 * root as u32 + 1) >> 1)",
         to: "Opacity::from_bits(((root as f32 * root as f32 + 1.0) * 0.5) as u32)",
         finder: Finder::Proof("float"),
