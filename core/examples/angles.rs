@@ -70,11 +70,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let mut slice = Vec::new();
             for j in 0..rows {
                 for i in 0..columns {
-                    slice.push(voxel(match plan.view().major() {
-                        slicecast::view::Axis::X => [k, i, j],
-                        slicecast::view::Axis::Y => [i, k, j],
-                        slicecast::view::Axis::Z => [i, j, k],
-                    }));
+                    slice.push(voxel(plan.view().restore([i, j, k])));
                 }
             }
             stream.push(&slice)?;

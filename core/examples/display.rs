@@ -155,11 +155,7 @@ fn slice(plan: &Plan, number: u32) -> Vec<u16> {
     let mut voxels = Vec::new();
     for j in 0..VOXELS {
         for i in 0..VOXELS {
-            voxels.push(voxel(match plan.view().major() {
-                slicecast::view::Axis::X => [k, i, j],
-                slicecast::view::Axis::Y => [i, k, j],
-                slicecast::view::Axis::Z => [i, j, k],
-            }));
+            voxels.push(voxel(plan.view().restore([i, j, k])));
         }
     }
     voxels

@@ -158,16 +158,11 @@ impl View {
         let [i, j] = self.lateral;
         let magnitude = self.axial as i64;
         let k = if self.reversed { -magnitude } else { magnitude };
-        let (i, j, k) = (
+        self.restore([
             Direction::from_bits(i),
             Direction::from_bits(j),
             Direction::from_bits(k),
-        );
-        match self.major {
-            Axis::X => [k, i, j],
-            Axis::Y => [i, k, j],
-            Axis::Z => [i, j, k],
-        }
+        ])
     }
 
     /// The axis that the slices are perpendicular to.
@@ -187,6 +182,16 @@ impl View {
             Axis::X => [y, z, x],
             Axis::Y => [x, z, y],
             Axis::Z => [x, y, z],
+        }
+    }
+
+    /// Puts a triple in i, j, k back into x, y, z (no sign changes): undoes [`View::arrange`].
+    pub const fn restore<T: Copy>(&self, ijk: [T; 3]) -> [T; 3] {
+        let [i, j, k] = ijk;
+        match self.major {
+            Axis::X => [k, i, j],
+            Axis::Y => [i, k, j],
+            Axis::Z => [i, j, k],
         }
     }
 

@@ -2,30 +2,13 @@
 #include "head.h"
 #include "head_voxels.h"
 
+#include "print.h"
 #include "sums.h"
-
-/* Each platform brings its own. */
-void put(const char *text);
-int verdict(int passed);
 
 /* The compiler has counted it. */
 static uint64_t memory[HEAD_BYTES / 8];
 
 static uint8_t row[3 * HEAD_COLUMNS];
-
-static void put_hex(uint32_t word) {
-  char text[9];
-  for (int i = 0; i < 8; ++i) {
-    text[i] = "0123456789abcdef"[(word >> (28 - 4 * i)) & 15];
-  }
-  text[8] = 0;
-  put(text);
-}
-
-/* The checksum that the Rust programs use. */
-static uint32_t add(uint32_t sum, uint32_t word) {
-  return ((sum << 5 | sum >> 27) ^ word) * 0x9e3779b1u;
-}
 
 static int32_t frame(uint32_t *image_sum, uint32_t *picture_sum) {
   SlicecastStream *stream;

@@ -1,27 +1,10 @@
 /* A frame rendered from C: the same program on bare metal and on the host. */
 #include "slicecast.h"
 
+#include "print.h"
 #include "scene.h"
 
-/* Each platform brings its own. */
-void put(const char *text);
-int verdict(int passed);
-
 static uint64_t memory[(640 << 10) / 8];
-
-static void put_hex(uint32_t word) {
-  char text[9];
-  for (int i = 0; i < 8; ++i) {
-    text[i] = "0123456789abcdef"[(word >> (28 - 4 * i)) & 15];
-  }
-  text[8] = 0;
-  put(text);
-}
-
-/* The checksum that the Rust programs use. */
-static uint32_t add(uint32_t sum, uint32_t word) {
-  return ((sum << 5 | sum >> 27) ^ word) * 0x9e3779b1u;
-}
 
 static int check(int32_t code, const SlicecastError *error) {
   if (code >= 0) {

@@ -129,9 +129,9 @@ static const SlicecastWarp {lower}_warp = {{
 }};
 static const uint16_t {lower}_background[3] = {background};
 ",
-        dims = braces(numbers.xyz(plan.dims())),
+        dims = braces(plan.view().restore(plan.dims())),
         direction = braces(plan.view().direction().map(|c| c.to_bits())),
-        spacing = braces(numbers.xyz(plan.spacing()).map(Intensity::to_bits)),
+        spacing = braces(plan.view().restore(plan.spacing()).map(Intensity::to_bits)),
         planes = sampling.planes_per_voxel,
         rays = sampling.rays_per_voxel,
         nearest = u8::from(plan.is_nearest()),

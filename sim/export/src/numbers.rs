@@ -110,15 +110,6 @@ impl<'a> Numbers<'a> {
         })
     }
 
-    /// Takes a triple from i, j, k back to x, y, z (no sign changes).
-    pub fn xyz<T: Copy>(&self, [i, j, k]: [T; 3]) -> [T; 3] {
-        match self.plan.view().major() {
-            Axis::X => [k, i, j],
-            Axis::Y => [i, k, j],
-            Axis::Z => [i, j, k],
-        }
-    }
-
     /// Whether samples are composited, not projected.
     pub fn is_composited(&self) -> bool {
         matches!(self.blend, Blend::FrontToBack | Blend::BackToFront)

@@ -111,13 +111,13 @@ pub fn of_scene(numbers: &Numbers<'_>) -> Vec<Quantity> {
             "x, y, z",
             view.direction().map(|c| c.to_bits()),
         ),
-        quantity("dims", COUNT, "voxels", "x, y, z", numbers.xyz(plan.dims())),
+        quantity("dims", COUNT, "voxels", "x, y, z", plan.view().restore(plan.dims())),
         quantity(
             "spacing_factors",
             SHARE,
             "smallest spacing / spacing",
             "x, y, z",
-            bits(numbers.xyz(plan.spacing())),
+            bits(plan.view().restore(plan.spacing())),
         ),
         quantity(
             "planes_per_voxel",

@@ -172,8 +172,8 @@ fn from_bits<T: Debug>(kind: &str, bits: impl IntoIterator<Item = T>) -> String 
 fn geometry(out: &mut String, numbers: &Numbers<'_>) {
     let plan = &numbers.plan;
     let direction = from_bits("Direction", plan.view().direction().map(|c| c.to_bits()));
-    let spacing = from_bits("Intensity", numbers.xyz(plan.spacing()).map(Intensity::to_bits));
-    let (dims, sampling) = (numbers.xyz(plan.dims()), plan.sampling());
+    let spacing = from_bits("Intensity", plan.view().restore(plan.spacing()).map(Intensity::to_bits));
+    let (dims, sampling) = (plan.view().restore(plan.dims()), plan.sampling());
     let nearest = if plan.is_nearest() { ".with_nearest()" } else { "" };
     let step = plan.step().map(Step::to_bits);
     let ([columns, rows], [oi, oj]) = (plan.base(), plan.origin());
