@@ -28,10 +28,6 @@ pub use self::code::{
     AlphaCode, Colour16, Sqrt8, Sqrt16, colour_of_byte, colour_of_word, colour_of_words, entry, opacity_of_root,
 };
 
-pub use self::code::{
-    AlphaCode, Colour16, Sqrt8, Sqrt16, colour_of_byte, colour_of_word, colour_of_words, entry, opacity_of_root,
-};
-
 use crate::composite::Recurrence as _;
 use crate::format::Opacity;
 use crate::lanes::{Lanes, Small, Wide as _};
