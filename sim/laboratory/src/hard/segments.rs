@@ -42,7 +42,7 @@ fn away(scene: &Scene, volume: &Volume, converged: &ModelImage) -> Result<f64, R
     Ok(base_figures(&frame.base, converged).mean_lsb8)
 }
 
-/// Shells of some width, by samples of many planes and by segments of few.
+/// Shells of some width, as opaque as segments can be, by samples of many planes and by segments of few.
 fn thin(side: usize, width: f64) -> Result<Case, RenderError> {
     let ball = sphere(side);
     // Well inside: rays that enter by a side lose a part of a segment there.
@@ -50,7 +50,7 @@ fn thin(side: usize, width: f64) -> Result<Case, RenderError> {
         let low = (3800.0 - 60.0 * share * side as f64).floor() - 0.5 - (width / 2.0).floor();
         [low, low + width]
     };
-    let mut scene = shells(&[shell(0.4), shell(0.25)], 1.0 - (-24f64).exp());
+    let mut scene = shells(&[shell(0.4), shell(0.25)], 1.0 - (-16f64).exp());
     let converged = {
         let prepared = Prepared::new(&scene, &ball)?;
         model(&prepared, ModelPositions::Exact).render_integral()
