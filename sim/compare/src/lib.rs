@@ -23,7 +23,7 @@ use slicecast_engine::oriented::Turned;
 use slicecast_engine::rendering::tapped;
 use slicecast_engine::tiles::{TILE_ROWS, Tile};
 use slicecast_engine::with_precision;
-use slicecast_model::{Affine, Lattice, Model, ModelImage, Pixel, Positions};
+use slicecast_model::{Affine, Lattice, Model, ModelImage, Pixel, Positions, Segments};
 use slicecast_scene::Blend;
 use stages::{StageErrors, StageReport};
 
@@ -53,13 +53,16 @@ pub struct Comparison {
     pub model_picture: ModelImage,
 }
 
-/// The error of the pipeline split in two: what its arithmetic adds to the algorithm, and what the algorithm itself
-/// (steps, planes, border) is away from the converged integral.
+/// The error of the pipeline split: what its arithmetic adds to the algorithm, what a table of segments leaves out, and what
+/// the algorithm itself (steps, planes, border) is away from the converged integral.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct Split {
     /// The pipeline against the f64 model of the same algorithm.
     pub arithmetic: ImageFigures,
-    /// That model against the converged integral.
+    /// That model against the f64 segments of the transfer function as it is written; `None` where samples are classified.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<ImageFigures>,
+    /// That model, or those segments, against the converged integral.
     pub algorithm: ImageFigures,
     /// The pipeline against the converged integral.
     pub both: ImageFigures,
@@ -81,18 +84,23 @@ pub fn split(
     let exact = model(prepared, ModelPositions::Exact);
     let size = exact.lattice().size;
     let begun = AtomicUsize::new(0);
+    let written = (prepared.integrals.is_some())
+        .then(|| model(prepared, ModelPositions::Exact).with_segments(Segments::Exact));
+    let images = if written.is_some() { 3 } else { 2 };
     let image = |pixel: &(dyn Fn(usize, usize) -> Pixel + Sync)| {
         ModelImage::from_fn(size, |u, v| {
             if u == 0 {
-                progress(begun.fetch_add(1, Ordering::Relaxed), 2 * size[1]);
+                progress(begun.fetch_add(1, Ordering::Relaxed), images * size[1]);
             }
             pixel(u, v)
         })
     };
     let (discrete, converged) = (image(&|u, v| exact.ray(u, v)), image(&|u, v| exact.integral(u, v)));
+    let written = written.map(|written| image(&|u, v| written.ray(u, v)));
     Ok(Split {
         arithmetic: base_figures(&comparison.frame.base, &discrete),
-        algorithm: image::model_figures(&discrete, &converged),
+        table: written.as_ref().map(|written| image::model_figures(&discrete, written)),
+        algorithm: image::model_figures(written.as_ref().unwrap_or(&discrete), &converged),
         both: base_figures(&comparison.frame.base, &converged),
     })
 }
@@ -128,7 +136,11 @@ pub fn model<'a>(prepared: &Prepared<'a>, positions: ModelPositions) -> Model<'a
         ModelPositions::Exact => Positions::Exact,
         ModelPositions::Pipeline => Positions::Given(Box::new(pipeline_positions(plan))),
     };
-    Model::new(prepared.scene, prepared.volume, lattice, positions).with_segments(prepared.integrals.is_some())
+    let segments = match &prepared.integrals {
+        Some(_) => Segments::Binned,
+        None => Segments::Not,
+    };
+    Model::new(prepared.scene, prepared.volume, lattice, positions).with_segments(segments)
 }
 
 /// The pipeline's positions as a function of plane and full-resolution pixel.

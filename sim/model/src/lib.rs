@@ -42,6 +42,6 @@ pub mod warp;
 pub use classify::Classified;
 pub use composite::Pixel;
 pub use rays::{Geometry, Lattice};
-pub use render::{Model, ModelSample, Place, Positions};
+pub use render::{Model, ModelSample, Place, Positions, Segments};
 pub use shade::Lights;
 pub use warp::{Affine, ModelImage};

@@ -6,6 +6,7 @@ use super::gradient::{difference_at, normalise, spacing_factors};
 use super::grid::Grid;
 use super::interpolate::value_at;
 use super::rays::{Geometry, Lattice};
+use super::segment::Bins;
 use super::shade::Lights;
 use super::warp::ModelImage;
 use slicecast_scene::{Blend, Interpolation, Scene};
@@ -32,8 +33,26 @@ pub struct Model<'a> {
     blend: Blend,
     /// Whether samples lie at voxels.
     nearest: bool,
-    /// The smallest spacing, where the segments between samples are classified; `None`: samples are.
-    segments: Option<f64>,
+    segments: Segmented,
+}
+
+/// What the model classifies, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Segments {
+    /// Samples.
+    Not,
+    /// The segments between samples, by what a table of one bin per code holds.
+    Binned,
+    /// The segments between samples, as the transfer function is written.
+    Exact,
+}
+
+/// The same, with what it needs.
+enum Segmented {
+    Not,
+    Binned(Bins),
+    /// With the smallest spacing.
+    Exact(f64),
 }
 
 /// What is classified on a plane of a ray, by positions in voxels along i, j, k.
@@ -83,16 +102,20 @@ impl<'a> Model<'a> {
             lights: scene.lighting.as_ref().map(|l| Lights::new(l, &camera, &geometry)),
             blend: scene.blend,
             nearest: scene.interpolation == Interpolation::Nearest,
-            segments: None,
+            segments: Segmented::Not,
             geometry,
         }
     }
 
-    /// The same model, which classifies the segments between samples instead of samples.
-    pub fn with_segments(self, segments: bool) -> Self {
+    /// The same model, which classifies samples or the segments between them.
+    pub fn with_segments(self, segments: Segments) -> Self {
         let reference = self.geometry.spacing.into_iter().fold(f64::INFINITY, f64::min);
         Self {
-            segments: segments.then_some(reference),
+            segments: match segments {
+                Segments::Not => Segmented::Not,
+                Segments::Binned => Segmented::Binned(self.classifier.bins(reference)),
+                Segments::Exact => Segmented::Exact(reference),
+            },
             ..self
         }
     }
@@ -163,8 +186,8 @@ impl<'a> Model<'a> {
     pub fn place(&self, plane: usize, u: usize, v: usize) -> Option<Place> {
         let position = self.position(plane, u, v)?;
         let front = match self.segments {
-            None => None,
-            Some(_) => Some(self.position(plane.checked_sub(1)?, u, v)?),
+            Segmented::Not => None,
+            _ => Some(self.position(plane.checked_sub(1)?, u, v)?),
         };
         Some(Place { position, front })
     }
@@ -199,8 +222,9 @@ impl<'a> Model<'a> {
 
     /// Colour and opacity of a sample, or of the segment between it and the one in front of it, over one step of the ray.
     pub fn classify_behind(&self, front: Option<f64>, code: f64) -> Classified {
-        match (self.segments, front) {
-            (Some(reference), Some(front)) => self.classifier.segment([front, code], reference),
+        match (&self.segments, front) {
+            (Segmented::Binned(bins), Some(front)) => bins.segment([front, code]),
+            (Segmented::Exact(reference), Some(front)) => self.classifier.segment([front, code], *reference),
             _ => self.classify(code),
         }
     }

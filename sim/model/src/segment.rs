@@ -13,6 +13,10 @@
 //!
 //! The bound on the extinction belongs to the definition (docs/contract/integral.md): an opacity of 1 would be infinite.
 //!
+//! [`Bins`] are what a table can hold of this: the integrals up to the edges of codes, straight in between, and no segment
+//! shorter than a code. What separates them from the above is the error of the table; what separates a pipeline from them is
+//! that of its arithmetic.
+//!
 //! The transfer function is cut at its points. On a straight piece the integrand is a logarithm of a straight line, which is
 //! smooth but near an opacity of 1; there it is cut once more, so that transparency changes at most twofold within a part.
 //! Gauss's rule with eight points is then right to 1e-12.
@@ -58,6 +62,32 @@ impl Classifier<'_> {
         }
     }
 
+    /// What a table of one bin per code holds of the transfer function.
+    pub fn bins(&self, reference: f64) -> Bins {
+        let bound = EXTINCTION_MAX * self.unit_distance() / reference;
+        let last = (BINS - 1) as f64;
+        let mut sums = [0.0; 4];
+        let mut nodes = vec![sums];
+        for bin in 0..BINS {
+            let code = bin as f64;
+            // Beyond the first and the last code the function is constant.
+            let inside = [(code - 0.5).max(0.0), (code + 0.5).min(last)];
+            let [a, b] = inside.map(|code| self.value(code));
+            let (low, high) = (a.min(b), a.max(b));
+            let mean = self.over([low, high], bound).map(|sum| sum / (high - low));
+            let outside = weighted(self.as_written(code), bound);
+            let share = inside[1] - inside[0];
+            for ((sum, mean), outside) in sums.iter_mut().zip(mean).zip(outside) {
+                *sum += mean * share + outside * (1.0 - share);
+            }
+            nodes.push(sums);
+        }
+        Bins {
+            nodes,
+            step_in_units: self.step_in_units(),
+        }
+    }
+
     /// Integrals from one data value to another.
     fn over(&self, [low, high]: [f64; 2], bound: f64) -> Sums {
         let corners = self.corners().filter(|value| low < *value && *value < high);
@@ -74,6 +104,49 @@ impl Classifier<'_> {
             }
         }
         sums
+    }
+}
+
+/// Bins of a table.
+const BINS: usize = 4096;
+
+/// The integrals of a transfer function up to the edges of codes: bin n reaches from n - 1/2 to n + 1/2.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bins {
+    nodes: Vec<Sums>,
+    step_in_units: f64,
+}
+
+impl Bins {
+    /// Colour and opacity of the segment, one step long, between two samples in code units: of at least one bin about its
+    /// middle.
+    pub fn segment(&self, ends: [f64; 2]) -> Classified {
+        let [front, back] = ends.map(|code| code + 0.5);
+        let (mut low, mut high) = (front.min(back), front.max(back));
+        if high - low < 1.0 {
+            low = ((low + high) / 2.0 - 0.5).clamp(0.0, (BINS - 1) as f64);
+            high = low + 1.0;
+        }
+        let (from, to) = (self.up_to(low), self.up_to(high));
+        let [extinction, colours @ ..] = [0, 1, 2, 3].map(|n| (to[n] - from[n]) / (high - low));
+        if extinction == 0.0 {
+            return Classified {
+                colour: [0.0; 3],
+                opacity: 0.0,
+            };
+        }
+        Classified {
+            colour: colours.map(|sum| sum / extinction),
+            opacity: -(-extinction * self.step_in_units).exp_m1(),
+        }
+    }
+
+    /// Integrals up to a place, in codes from the lower edge of the first bin.
+    fn up_to(&self, place: f64) -> Sums {
+        let bin = (place.floor() as usize).min(BINS - 1);
+        let share = place - bin as f64;
+        let (a, b) = (self.nodes[bin], self.nodes[bin + 1]);
+        [0, 1, 2, 3].map(|n| a[n] + (b[n] - a[n]) * share)
     }
 }
 
@@ -210,6 +283,45 @@ mod tests {
         for (whole, parts) in whole.iter().zip(parts) {
             assert!((whole - parts).abs() < 1e-9 * whole, "{whole} {parts}");
         }
+    }
+
+    /// Where edges lie half-way between codes and segments end there, bins hold all; equal samples read the mean of a code, and
+    /// segments of less than a code are widened to one.
+    #[test]
+    fn bins_are_means_over_codes() {
+        let edges = transfer(&[
+            (9.5, RED, 0.0),
+            (9.5, RED, 0.6),
+            (12.5, RED, 0.6),
+            (12.5, BLUE, 0.3),
+            (20.5, BLUE, 0.3),
+            (20.5, BLUE, 0.0),
+        ]);
+        let classifier = Classifier::new(&edges, CODES, 0.7);
+        let bins = classifier.bins(1.0);
+        let depth = |opacity: f64| -(-opacity).ln_1p();
+        for ends in [[0.5, 9.5], [8.5, 30.5], [9.5, 10.5], [20.5, 10.5], [11.5, 4000.5]] {
+            let (held, exact) = (bins.segment(ends), classifier.segment(ends, 1.0));
+            assert!((held.opacity - exact.opacity).abs() < 1e-12, "{ends:?}");
+            if exact.opacity > 0.0 {
+                for (a, b) in held.colour.iter().zip(exact.colour) {
+                    assert!((a - b).abs() < 1e-12, "{ends:?}");
+                }
+            }
+        }
+        // Half of the red of code 10 beside an edge at its middle; all of it at the code.
+        let (at, beside) = (bins.segment([10.0; 2]), bins.segment([9.5; 2]));
+        assert!((depth(beside.opacity) / depth(at.opacity) - 0.5).abs() < 1e-12);
+        let near = bins.segment([9.4, 9.6]);
+        assert!((near.opacity - beside.opacity).abs() < 1e-12);
+        assert_eq!(bins.segment([8.0, 8.9]).opacity, 0.0);
+        // Both ends of the table, where the function is constant.
+        let fog = transfer(&[(0.0, RED, 0.2), (1.0, RED, 0.4)]);
+        let classifier = Classifier::new(&fog, CODES, 2.0);
+        let bins = classifier.bins(1.0);
+        assert!((depth(bins.segment([4095.0; 2]).opacity) - depth(0.4)).abs() < 1e-12);
+        let first = (depth(0.2) + depth(classifier.segment([0.0, 0.5], 1.0).opacity)) / 2.0;
+        assert!((depth(bins.segment([0.0; 2]).opacity) - first).abs() < 1e-9);
     }
 
     /// Opaque material is 16 per smallest spacing, half a segment of it 8.

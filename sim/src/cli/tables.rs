@@ -124,12 +124,16 @@ pub fn image_lines(name: &str, comparison: &Comparison) -> [(String, ImageFigure
 }
 
 /// The lines of a split error in [`images`].
-pub fn split_lines(split: &Split) -> [(String, ImageFigures); 3] {
-    [
-        ("arithmetic: pipeline, f64 at exact positions".into(), split.arithmetic),
-        ("algorithm: f64, converged integral".into(), split.algorithm),
-        ("both: pipeline, converged integral".into(), split.both),
-    ]
+pub fn split_lines(split: &Split) -> Vec<(String, ImageFigures)> {
+    let line = |name: &str, figures| (name.to_owned(), figures);
+    [line("arithmetic: pipeline, f64 at exact positions", split.arithmetic)]
+        .into_iter()
+        .chain(split.table.map(|table| line("table: f64 of its codes, f64 as written", table)))
+        .chain([
+            line("algorithm: f64, converged integral", split.algorithm),
+            line("both: pipeline, converged integral", split.both),
+        ])
+        .collect()
 }
 
 /// Times of frames.

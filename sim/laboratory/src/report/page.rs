@@ -182,6 +182,7 @@ fn errors(contents: &Contents<'_>) -> Markup {
                         (head)
                         tbody {
                             (figures(&format!("arithmetic: {name}, f64"), &split.arithmetic))
+                            @if let Some(table) = &split.table { (figures("table: f64 of its codes, f64 as written", table)) }
                             (figures("algorithm: f64, converged", &split.algorithm))
                             (figures(&format!("both: {name}, converged"), &split.both))
                         }
