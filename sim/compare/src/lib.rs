@@ -84,8 +84,8 @@ pub fn split(
     let exact = model(prepared, ModelPositions::Exact);
     let size = exact.lattice().size;
     let begun = AtomicUsize::new(0);
-    let written = (prepared.integrals.is_some())
-        .then(|| model(prepared, ModelPositions::Exact).with_segments(Segments::Exact));
+    let written =
+        (prepared.integrals.is_some()).then(|| model(prepared, ModelPositions::Exact).with_segments(Segments::Exact));
     let images = if written.is_some() { 3 } else { 2 };
     let image = |pixel: &(dyn Fn(usize, usize) -> Pixel + Sync)| {
         ModelImage::from_fn(size, |u, v| {

@@ -128,7 +128,11 @@ pub fn split_lines(split: &Split) -> Vec<(String, ImageFigures)> {
     let line = |name: &str, figures| (name.to_owned(), figures);
     [line("arithmetic: pipeline, f64 at exact positions", split.arithmetic)]
         .into_iter()
-        .chain(split.table.map(|table| line("table: f64 of its codes, f64 as written", table)))
+        .chain(
+            split
+                .table
+                .map(|table| line("table: f64 of its codes, f64 as written", table)),
+        )
         .chain([
             line("algorithm: f64, converged integral", split.algorithm),
             line("both: pipeline, converged integral", split.both),
