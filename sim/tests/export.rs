@@ -105,3 +105,30 @@ fn what_does_not_go_together_is_one_line() {
     let said = place.refuses("export a.nrrd --scene ct-bone --format rust");
     assert!(said.contains("--output <DIR>"), "{said}");
 }
+
+/// Exported scenes classify samples: another setting is named, and what is accepted.
+#[test]
+fn segments_are_refused_by_the_scenes_setting() {
+    let place = Place::new();
+    place.block("a.nrrd");
+    let refused = |words: &str, asked: &str| {
+        let said = place.refuses(&format!("export a.nrrd {words} -o out"));
+        let expected =
+            format!("the scene asks for segments (render.classification = {asked}); use --classification point");
+        assert!(said.contains(&expected), "{words}: {said}");
+        assert!(!place.path("out").exists());
+    };
+    for format in ["rust", "c", "json", "hex"] {
+        let words = format!("--scene ct-bone --classification integral --format {format}");
+        refused(&words, "\"integral\"");
+    }
+    // A peak one code wide in a steep field: `auto` chooses segments.
+    place.write("thin.toml", THIN);
+    refused("--scene thin.toml --format json", "\"auto\", which chose them");
+    place.succeeds("export a.nrrd --scene thin.toml --classification point --format json -o out");
+}
+
+const THIN: &str = "[render]\nclassification = \"auto\"\n[transfer]\npoints = [\n\
+    { value = 600.0, colour = \"#ffffff\", opacity = 0.0 },\n\
+    { value = 601.0, colour = \"#ffffff\", opacity = 0.9 },\n\
+    { value = 602.0, colour = \"#ffffff\", opacity = 0.0 },\n]\n";

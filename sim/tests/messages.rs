@@ -140,6 +140,41 @@ fn a_table_that_is_written_is_not_drawn() {
     assert!(out.contains("t.h: ") && out.contains("4096 entries"), "{out}");
 }
 
+/// A scene of segments has a table of integrals, the same from every view.
+#[test]
+fn a_table_of_integrals_is_that_of_every_view() {
+    let place = Place::new();
+    place.block("a.nrrd");
+    let table = "table a.nrrd --scene ct-bone --classification integral";
+    let [shown, _] = place.succeeds(table);
+    assert!(
+        shown.contains("1024 bins of 4 code(s)") && shown.contains("opacity over the smallest spacing"),
+        "{shown}"
+    );
+    assert!(shown.lines().count() > 10, "{shown}");
+    let written = |name: &str, bins: usize, words: &str| {
+        let [out, _] = place.succeeds(&format!("{table} --format hex --bins {bins} {words} -o {name}"));
+        assert!(
+            out.starts_with(&format!("{bins} bins of ")) && out.lines().count() == 2,
+            "{out}"
+        );
+        let text = std::fs::read_to_string(place.path(name)).unwrap();
+        let nodes = text.lines().filter(|line| !line.starts_with("//")).count();
+        assert_eq!(nodes, bins + 1);
+        for said in ["// scene     ct-bone\n", "// volume    a.nrrd, 8 x 8 x 8 voxels"] {
+            assert!(text.contains(said), "{said}");
+        }
+        text
+    };
+    let turned = written("b.hex", 512, "--azimuth 40 --planes 3");
+    assert!(written("a.hex", 512, "--azimuth 0 --planes 1") == turned);
+    written("c.hex", 4096, "--azimuth 0");
+    let said = place.refuses(&format!("{table} --bins 1000"));
+    assert!(said.contains("expected 4096, 2048, 1024, 512 or 256"), "{said}");
+    let said = place.refuses("table a.nrrd --scene ct-bone --bins 512");
+    assert!(said.contains("--bins: the scene classifies samples"), "{said}");
+}
+
 /// Where standard error is no terminal, the parts of a report are told; and one can be left out.
 #[test]
 fn a_report_tells_its_parts_and_leaves_out_what_it_is_told_to() {

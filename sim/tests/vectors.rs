@@ -201,3 +201,18 @@ fn a_frame_comes_back_and_its_first_fault_has_plane_row_and_column() {
     let text = place.refuses("vectors block.nrrd --directed -o d");
     assert!(text.contains("cannot be used with"), "{text}");
 }
+
+/// The sets of a frame have one sample an opacity.
+#[test]
+fn segments_are_refused_by_the_scenes_setting() {
+    let place = Place::new();
+    place.block("a.nrrd");
+    for way in ["-o v", "--compare v"] {
+        let said = place.refuses(&format!(
+            "vectors a.nrrd --scene ct-bone --classification integral --only-planes 1:2 {way}"
+        ));
+        let expected = "segments (render.classification = \"integral\"); use --classification point";
+        assert!(said.contains(expected), "{said}");
+        assert!(!place.path("v").exists());
+    }
+}

@@ -28,9 +28,15 @@ pub enum RenderError {
     /// Between the slices along the view there is nothing to integrate.
     #[error("the volume is one slice deep along the view, and segments lie between slices; use --classification point")]
     Segments,
-    /// Segments where single samples are needed: the f64 model and the exported tables know no others.
-    #[error("this command classifies samples, and the scene asks for segments; use --classification point")]
-    PointsOnly,
+    /// Segments where single samples are needed: the f64 model, exported scenes and vectors know no others.
+    #[error(
+        "this command classifies samples, and the scene asks for segments (render.classification = {asked}); use \
+         --classification point"
+    )]
+    PointsOnly {
+        /// The scene's setting, as a scene file has it.
+        asked: &'static str,
+    },
     /// A projection has no integral.
     #[error("a projection keeps one sample a ray; the converged integral is that of a composited scene")]
     Projection,

@@ -57,11 +57,8 @@ impl<'a> Prepared<'a> {
         if segments && slices < 2 {
             return Err(RenderError::Segments);
         }
-        let integrals = segments.then(|| {
-            let reference = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
-            let cumulative = Cumulative::compile(&scene.transfer, &volume.mapping, reference, 0);
-            cumulative.classifier(Length::of(&setup.plan))
-        });
+        let integrals =
+            segments.then(|| Cumulative::of(&scene.transfer, volume, 0).classifier(Length::of(&setup.plan)));
         Ok(Self {
             table: compile(scene, &volume.mapping, setup.step_length),
             integrals,
@@ -83,9 +80,12 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`RenderError::PointsOnly`] if segments are classified.
     pub fn check_points(&self) -> Result<(), RenderError> {
-        match self.integrals {
-            None => Ok(()),
-            Some(_) => Err(RenderError::PointsOnly),
+        match (&self.integrals, self.scene.classification) {
+            (None, _) => Ok(()),
+            (Some(_), Classification::Auto) => Err(RenderError::PointsOnly {
+                asked: "\"auto\", which chose them",
+            }),
+            (Some(_), _) => Err(RenderError::PointsOnly { asked: "\"integral\"" }),
         }
     }
 

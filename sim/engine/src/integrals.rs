@@ -8,7 +8,7 @@
 use slicecast::integral::{Colours, EXPONENTS, EXTINCTION_MAX, GRAINS, Integral, Length, NODE_MAX, nodes};
 use slicecast::table::ENTRIES;
 use slicecast_scene::TransferFunction;
-use slicecast_volume::Mapping;
+use slicecast_volume::{Mapping, Volume};
 
 /// The classifier of a frame, which owns its lists.
 pub type Integrals = Integral<Nodes>;
@@ -43,6 +43,15 @@ pub struct Cumulative {
 }
 
 impl Cumulative {
+    /// The integrals of a scene's transfer function on a volume, for bins of 2^`grain` codes.
+    ///
+    /// # Panics
+    /// As [`Cumulative::compile`].
+    pub fn of(transfer: &TransferFunction, volume: &Volume, grain: u32) -> Self {
+        let reference = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
+        Self::compile(transfer, &volume.mapping, reference, grain)
+    }
+
     /// Compiles a transfer function for bins of 2^`grain` codes. `reference` is the smallest spacing, in its unit.
     ///
     /// # Panics

@@ -2,10 +2,11 @@
 //!
 //! [`Numbers`] holds what the engine hands to the pipeline, [`quantity`] lists it with names, widths and units. The list
 //! becomes JSON or files for `$readmemh`; for Rust and C the numbers become calls of the library.
-//! [`table::table`] is the one way of writing a table as text.
+//! [`table::table`] is the one way of writing a table of points as text, [`integrals::integrals`] of one of integrals.
 
 mod c;
 mod hex;
+pub mod integrals;
 mod json;
 mod numbers;
 pub mod quantity;

@@ -14,6 +14,7 @@ use slicecast_engine::image::background;
 use slicecast_engine::table::Table;
 use slicecast_engine::with_precision;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
+use slicecast_volume::{Mapping, Volume};
 
 /// A scene on a volume as the pipeline has it.
 #[derive(Clone, Debug)]
@@ -81,8 +82,10 @@ impl<'a> Numbers<'a> {
     /// The numbers of a scene.
     ///
     /// # Errors
-    /// [`RenderError`] if the scene's material has been changed to one that the pipeline does not take.
+    /// [`RenderError`] if segments are classified, or the scene's material has been changed to one that the pipeline does not
+    /// take.
     pub fn of(prepared: &'a Prepared<'a>) -> Result<Self, RenderError> {
+        prepared.check_points()?;
         let (scene, setup) = (prepared.scene, &prepared.setup);
         let early_termination = match scene.blend {
             Blend::FrontToBack => scene.early_termination,
@@ -151,10 +154,7 @@ impl<'a> Numbers<'a> {
     /// Where the numbers come from: what the files' headers say, name and words.
     pub fn about(&self) -> Vec<(&'static str, String)> {
         let Self { prepared, plan, .. } = self;
-        let (volume, view) = (prepared.volume, prepared.scene.view);
-        let [nx, ny, nz] = volume.dims;
-        let [sx, sy, sz] = volume.spacing;
-        let mapping = volume.mapping;
+        let view = prepared.scene.view;
         let [code, lookup] = self.layout();
         let sampling = plan.sampling();
         let needs = self.needs.bytes();
@@ -175,24 +175,8 @@ impl<'a> Numbers<'a> {
         };
         vec![
             ("program", format!("slicecast {}", env!("CARGO_PKG_VERSION"))),
-            (
-                "volume",
-                format!(
-                    "{}, {nx} x {ny} x {nz} voxels {sx} x {sy} x {sz} apart",
-                    one_line(&volume.name)
-                ),
-            ),
-            (
-                "mapping",
-                format!(
-                    "value = code * {} {} {}; codes 0 to 4095 are {} to {}",
-                    mapping.scale,
-                    if mapping.offset < 0.0 { '-' } else { '+' },
-                    mapping.offset.abs(),
-                    mapping.value(0.0),
-                    mapping.value(4095.0)
-                ),
-            ),
+            ("volume", volume_words(prepared.volume)),
+            ("mapping", mapping_words(&prepared.volume.mapping)),
             (
                 "view",
                 format!(
@@ -234,8 +218,30 @@ impl<'a> Numbers<'a> {
     }
 }
 
+/// A volume's name, dimensions and spacing.
+pub(crate) fn volume_words(volume: &Volume) -> String {
+    let [nx, ny, nz] = volume.dims;
+    let [sx, sy, sz] = volume.spacing;
+    format!(
+        "{}, {nx} x {ny} x {nz} voxels {sx} x {sy} x {sz} apart",
+        one_line(&volume.name)
+    )
+}
+
+/// What codes stand for.
+pub(crate) fn mapping_words(mapping: &Mapping) -> String {
+    format!(
+        "value = code * {} {} {}; codes 0 to 4095 are {} to {}",
+        mapping.scale,
+        if mapping.offset < 0.0 { '-' } else { '+' },
+        mapping.offset.abs(),
+        mapping.value(0.0),
+        mapping.value(4095.0)
+    )
+}
+
 /// Text without line breaks or ends of comments.
-fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     text.replace("*/", "* /").replace("/*", "/ *")
 }

@@ -120,7 +120,8 @@ fn readmemh(out: &mut String, table: &Table, what: &str, bits: Bits) -> std::fmt
     Ok(())
 }
 
-fn words(out: &mut String, words: &[u32]) -> std::fmt::Result {
+/// Eight words a line.
+pub(crate) fn words(out: &mut String, words: &[u32]) -> std::fmt::Result {
     for line in words.chunks(8) {
         let text: Vec<String> = line.iter().map(|word| format!("0x{word:08x},")).collect();
         writeln!(out, "    {}", text.join(" "))?;
@@ -146,7 +147,7 @@ fn triples(out: &mut String, triples: &[[u8; 3]], [open, close]: [char; 2]) -> s
 }
 
 /// Letters, digits and `_`, not beginning with a digit.
-fn identifier(name: &str) -> String {
+pub(crate) fn identifier(name: &str) -> String {
     let keep = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let kept: String = name.chars().map(keep).collect();
     match kept.chars().next() {
