@@ -13,7 +13,7 @@
 //! Rounding: truncated. Error: at most [`ERROR`] ulp of 1.31 for n = 0, and half of that and one ulp for each further n
 //! (exhaustive over all fractions). Exactly 1 at y = 0; never rises with y. Overflow: none. State: none.
 
-use crate::lanes::{Lanes, Wide as _};
+use crate::lanes::Lanes;
 
 /// The largest error for y < 1, ulp of 1.31.
 pub const ERROR: f64 = 5.5;
@@ -38,10 +38,10 @@ pub fn absorbed<V: Lanes>(y: V) -> V {
     let [first, rest @ ..] = COEFFICIENTS;
     let mut sum = V::splat(first as i32);
     for c in rest {
-        sum = V::splat(c as i32).wrapping_sub(sum.product(f).shr_narrow(31));
+        sum = V::splat(c as i32).wrapping_sub(sum.product31(f));
     }
     let one = V::splat(i32::MIN);
-    let taken = sum.product(f).shr_narrow(31).wrapping_add(V::splat(1)).shr_unsigned(1);
+    let taken = sum.product31(f).wrapping_add(V::splat(1)).shr_unsigned(1);
     one.wrapping_sub(one.wrapping_sub(taken).shr_each(y.shr_unsigned(24)))
 }
 

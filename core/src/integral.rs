@@ -42,7 +42,7 @@ use crate::classify::{Classifier, Slab, Support};
 use crate::composite::Recurrence as _;
 use crate::exp2::{LIMIT, absorbed};
 use crate::format::Opacity;
-use crate::lanes::{Lanes, Small, Wide as _, places};
+use crate::lanes::{Lanes, Wide as _, places};
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::table::{Coding, ENTRIES, Neighboured};
@@ -501,7 +501,8 @@ impl<P: Precision, L: AsRef<[u32]> + Sync> Classifier<P> for Integral<L> {
     fn opacity_row<V: Lanes>(&self, p: P, slab: Slab<'_>, out: &mut [i32]) {
         let list = match by_code(self.extinction.as_ref()) {
             Some(list) if V::COUNT > 1 => list,
-            _ => return self.opacity_row_single::<P, V>(p, slab, out),
+            _ if V::SMALL => return self.opacity_row_small(p, slab, out),
+            _ => return self.opacity_row_single(p, slab, out),
         };
         let mut from = 0;
         for out in out.chunks_mut(TOGETHER) {
@@ -539,7 +540,12 @@ impl<P: Precision, L: AsRef<[u32]> + Sync> Classifier<P> for Integral<L> {
         let (Some(extinction), [Some(r), Some(g), Some(b)], true) =
             (by_code(self.extinction.as_ref()), lists.map(by_code), V::COUNT > 1)
         else {
-            return self.colour_row_single::<P, V>(p, slab, [red, green, blue]);
+            let out = [red, green, blue];
+            return if V::SMALL {
+                self.colour_row_small(p, slab, out)
+            } else {
+                self.colour_row_single(p, slab, out)
+            };
         };
         let mut from = 0;
         let chunks = red
@@ -563,30 +569,23 @@ impl<P: Precision, L: AsRef<[u32]> + Sync> Classifier<P> for Integral<L> {
 impl<L: AsRef<[u32]>> Integral<L> {
     /// Opacities segment by segment.
     #[inline(never)]
-    fn opacity_row_single<P: Precision, V: Lanes>(&self, p: P, slab: Slab<'_>, out: &mut [i32]) {
+    fn opacity_row_single<P: Precision>(&self, p: P, slab: Slab<'_>, out: &mut [i32]) {
         for ((o, &front), &back) in out.iter_mut().zip(slab.front).zip(slab.back) {
-            *o = if V::SMALL {
-                self.opacity_by::<P, Small>(p, front, back)
-            } else {
-                self.opacity_by::<P, i32>(p, front, back)
-            };
+            *o = self.opacity_by::<P, i32>(p, front, back);
         }
     }
 
     /// Colours segment by segment.
     #[inline(never)]
-    fn colour_row_single<P: Precision, V: Lanes>(&self, p: P, slab: Slab<'_>, [red, green, blue]: [&mut [i32]; 3]) {
+    fn colour_row_single<P: Precision>(&self, p: P, slab: Slab<'_>, [red, green, blue]: [&mut [i32]; 3]) {
         let out = red.iter_mut().zip(green).zip(blue);
         for ((((r, g), b), &front), &back) in out.zip(slab.front).zip(slab.back) {
-            let colour = if V::SMALL {
-                self.colour_by::<P, Small>(p, front, back)
-            } else {
-                self.colour_by::<P, i32>(p, front, back)
-            };
-            [*r, *g, *b] = colour.map(|c| c as i32);
+            [*r, *g, *b] = self.colour_by::<P, i32>(p, front, back).map(|c| c as i32);
         }
     }
 }
+
+mod small;
 
 #[cfg(test)]
 mod tests;

@@ -159,6 +159,12 @@ pub trait Lanes:
     /// [`reciprocal`](crate::reciprocal::reciprocal) of each lane: 2^26 to 2^27 - 1.
     fn reciprocal(self) -> Self;
 
+    /// `floor(a f / 2^31)` of unsigned numbers: f < 2^31.
+    #[inline(always)]
+    fn product31(self, f: Self) -> Self {
+        self.product(f).shr_narrow(31)
+    }
+
     /// The smaller of a number of 0 or more and a limit.
     #[inline(always)]
     fn limited(self, limit: i32) -> Self {

@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | one | a division of 64 bits | by definition |
 //! | vectors | a division of doubles, truncated | a quotient of 2^26 at most lies at least 1/D > 2^-27 below the next whole number, and half an ulp is 2^-28 |
-//! | a small machine | a division of 32 bits, one step of Newton's method, a test of the rest | exhaustive |
+//! | a small machine | a division of 32 bits, one step of Newton's method, a test of the product | exhaustive |
 //!
 //! Rounding: floor. Overflow: none. State: none.
 
@@ -23,23 +23,21 @@ pub const fn reciprocal(d: u32) -> u32 {
     }
 }
 
-/// The same where 64 bits cannot be divided by an instruction: the upper 16 bits of `d` are divided by, whose quotient is
-/// wrong by 2^-14; squared that is a quarter of a unit, and roundings add less than another, so that after the step it is at
-/// most one off, which the rest, modulo 2^32, tells.
+/// The same where 64 bits cannot be divided by an instruction: the upper 16 bits of `d`, and one, are divided by, whose quotient
+/// is too small by 2^-14; squared that is a quarter of a unit. With what is truncated, upwards, the step finds R or R + 1, which
+/// the product with `d`, modulo 2^32, tells.
 #[inline(always)]
 pub const fn reciprocal_small(d: u32) -> u32 {
-    let estimate = match u32::MAX.checked_div(d >> 11) {
+    let estimate = match u32::MAX.checked_div((d >> 11) + 1) {
         Some(quotient) => quotient << 9,
         None => 0,
     };
-    let wrong = ((1i64 << 52) - (estimate as u64 * d as u64) as i64) >> 12;
-    let found = estimate.wrapping_add(((estimate as i64 * wrong) >> 40) as u32);
+    // 2^52 - estimate d, negative: of its 39 bits the upper 27.
+    let wrong = ((estimate as u64 * d as u64) >> 12) as i32;
+    let found = estimate.wrapping_sub(((estimate as i64 * wrong as i64) >> 40) as u32);
     // 2^52 is 0 modulo 2^32.
-    let rest = 0u32.wrapping_sub(found.wrapping_mul(d)) as i32;
-    if rest < 0 {
+    if found.wrapping_mul(d) as i32 > 0 {
         found - 1
-    } else if rest as u32 >= d {
-        found + 1
     } else {
         found
     }

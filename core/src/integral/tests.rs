@@ -1,5 +1,6 @@
 use super::*;
 use crate::format::{Direction, Intensity};
+use crate::lanes::Small;
 use crate::plan::{Plan, Sampling, Spacing};
 use crate::precision::{Compact, Wide};
 use crate::slice::RowRange;
@@ -188,6 +189,25 @@ fn random(grain: u32) -> impl Strategy<Value = ([Vec<u32>; 4], u32)> {
     })
 }
 
+fn small_rows_are_the_definition<P: Precision>(
+    p: P,
+    table: &Integral<&[u32]>,
+    front: &[i32],
+    back: &[i32],
+) -> Result<(), TestCaseError> {
+    let [mut a, mut r, mut g, mut b] = [(); 4].map(|()| std::vec![0; front.len()]);
+    let slab = || Slab::between(front, back);
+    table.opacity_row::<Small>(p, slab(), &mut a);
+    table.colour_row::<Small>(p, slab(), [&mut r, &mut g, &mut b]);
+    for n in 0..front.len() {
+        let ends = [front[n], back[n]];
+        let [red, green, blue] = table.segment_colour(p, ends).map(|c| c as i32);
+        let expected = [table.segment_opacity(p, ends).to_bits() as i32, red, green, blue];
+        prop_assert_eq!([a[n], r[n], g[n], b[n]], expected, "{:?}", ends);
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -242,6 +262,36 @@ proptest! {
                 prop_assert_eq!(a, 0.0);
             }
         }
+    }
+
+    /// Rows of a small machine, which go another way: every segment as the definition has it, at both ends of the codes too.
+    #[test]
+    fn rows_of_a_small_machine_have_the_same_bits(
+        (lists, exponent) in prop_oneof![random(0), random(2), random(4)],
+        l in prop_oneof![0.0625..2.0f64, 2.0..3000.0],
+        one in any::<bool>(),
+        mut ends in prop::collection::vec((0i32..=4095 << 15, -18.0..27.0f64, any::<bool>()), 300),
+    ) {
+        let grain = (4096usize / (lists[0].len() - 1)).ilog2();
+        let mut table = table(&lists, exponent, grain, l);
+        if one {
+            table.colours = Colours::One([1 << 31, 12_345_678, 0]);
+        }
+        let top = 4095 << 15;
+        ends.extend([(top, -18.0, true), (top, 1.0, false), (top, 16.0, false), (0, -18.0, true), (0, 27.0, true)]);
+        for n in 0..40 {
+            ends.push((top - (n << 13), 14.0, n % 2 == 0));
+        }
+        let front: Vec<i32> = ends.iter().map(|end| end.0).collect();
+        let back: Vec<i32> = (ends.iter())
+            .map(|(front, away, up)| {
+                let away = away.exp2() as i32;
+                (if *up { front + away } else { front - away }).clamp(0, top)
+            })
+            .collect();
+        small_rows_are_the_definition(Wide, &table, &front, &back)?;
+        let [front, back] = [front, back].map(|row| row.iter().map(|s| s >> 3).collect::<Vec<_>>());
+        small_rows_are_the_definition(Compact, &table, &front, &back)?;
     }
 
     /// Equal samples: 1 - e^-x of the linear look-up of the bins' means; and no jump where segments begin to be wider.

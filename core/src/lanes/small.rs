@@ -180,6 +180,12 @@ impl Lanes for Small {
         Self(reciprocal_small(self.0 as u32) as i32)
     }
 
+    /// The upper half is a register.
+    #[inline(always)]
+    fn product31(self, f: Self) -> Self {
+        Self(((u64::from(self.0 as u32) * u64::from((f.0 as u32) << 1)) >> 32) as i32)
+    }
+
     /// A clamp from both sides is one instruction, a minimum three.
     #[inline(always)]
     fn limited(self, limit: i32) -> Self {
