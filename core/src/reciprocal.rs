@@ -34,7 +34,7 @@ pub const fn reciprocal_small(d: u32) -> u32 {
     };
     // 2^52 - estimate d, negative: of its 39 bits the upper 27.
     let wrong = ((estimate as u64 * d as u64) >> 12) as i32;
-    let found = estimate.wrapping_sub(((estimate as i64 * wrong as i64) >> 40) as u32);
+    let found = estimate.wrapping_sub(((estimate as i32 as i64 * wrong as i64) >> 40) as u32);
     // 2^52 is 0 modulo 2^32.
     if found.wrapping_mul(d) as i32 > 0 {
         found - 1

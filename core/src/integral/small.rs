@@ -6,13 +6,14 @@
 //!
 //! The end of the last bin has no node behind it: its segments go the way of the definition, as does what these lists are not.
 
-use super::{Colours, Integral, nodes, widened};
+use super::{Colours, Integral, nodes};
 use crate::classify::Slab;
 use crate::composite::Recurrence as _;
 use crate::exp2::{LIMIT, absorbed};
 use crate::lanes::{Lanes as _, Small};
 use crate::precision::Precision;
 use crate::reciprocal::reciprocal_small;
+use crate::table::ENTRIES;
 
 /// The nodes that bins begin with, and those that they end with: as many as there are bins.
 #[derive(Clone, Copy)]
@@ -77,10 +78,16 @@ impl Segment {
     fn between(front: i32, back: i32, sample_bits: u32, bits: u32) -> Self {
         let (low, high) = if front < back { (front, back) } else { (back, front) };
         let length = high.wrapping_sub(low);
-        let [low, length] = if length >= 1 << bits {
-            [low.wrapping_add(1 << sample_bits >> 1), length]
+        let (half, bin) = (1 << sample_bits >> 1, 1 << bits);
+        let low = low.wrapping_add(half);
+        let (low, length) = if length >= bin {
+            (low, length)
         } else {
-            widened(front, back, sample_bits, bits)
+            let wide = low.wrapping_sub(bin.wrapping_sub(length).wrapping_add(1) >> 1);
+            (
+                Ord::min(Ord::max(wide, 0), ((ENTRIES as i32) << sample_bits) - bin),
+                bin,
+            )
         };
         let (low, length) = (low as u32, length as u32);
         Self {
@@ -90,6 +97,9 @@ impl Segment {
         }
     }
 }
+
+/// Where a colour goes.
+type Colour<'a> = ((&'a mut i32, &'a mut i32), &'a mut i32);
 
 /// What opacities of a row have in common.
 struct Rate {
@@ -191,8 +201,8 @@ impl<L: AsRef<[u32]>> Integral<L> {
 
     #[cold]
     #[inline(never)]
-    fn colour_defined<P: Precision>(&self, p: P, front: i32, back: i32) -> [u32; 3] {
-        self.colour_by::<P, Small>(p, front, back)
+    fn colour_defined<P: Precision>(&self, p: P, front: i32, back: i32, ((r, g), b): Colour<'_>) {
+        [*r, *g, *b] = self.colour_by::<P, Small>(p, front, back).map(|c| c as i32);
     }
 
     /// Opacities segment by segment.
@@ -204,10 +214,13 @@ impl<L: AsRef<[u32]>> Integral<L> {
             bits: self.bin_bits(p),
             shift: (self.exponent + self.length.bits + 1).wrapping_sub(sample_bits),
         };
-        let list = List::of(self.extinction.as_ref(), nodes(self.grain) - 1);
-        for ((o, &front), &back) in out.iter_mut().zip(slab.front).zip(slab.back) {
+        let rows = out.iter_mut().zip(slab.front).zip(slab.back);
+        let Some(list) = List::of(self.extinction.as_ref(), nodes(self.grain) - 1) else {
+            return rows.for_each(|((o, &front), &back)| *o = self.opacity_defined(p, front, back));
+        };
+        for ((o, &front), &back) in rows {
             let segment = Segment::between(front, back, sample_bits, rate.bits);
-            *o = match list.and_then(|list| list.over(segment)) {
+            *o = match list.over(segment) {
                 Some(0) => 0,
                 Some(integral) => rate.opacity(integral, segment.length),
                 None => self.opacity_defined(p, front, back),
@@ -220,27 +233,31 @@ impl<L: AsRef<[u32]>> Integral<L> {
     pub(super) fn colour_row_small<P: Precision>(&self, p: P, slab: Slab<'_>, [red, green, blue]: [&mut [i32]; 3]) {
         let (sample_bits, bits) = (p.formats().sample_bits, self.bin_bits(p));
         let colour_bits = p.pixel().colour_bits();
-        let lists = self.lists();
-        let out = red.iter_mut().zip(green).zip(blue);
-        for ((((r, g), b), &front), &back) in out.zip(slab.front).zip(slab.back) {
-            let fast = lists.and_then(|[extinction, red, green, blue]| {
-                let segment = Segment::between(front, back, sample_bits, bits);
-                let integral = extinction.over(segment)?;
-                if integral == 0 {
-                    return Some([0; 3]);
-                }
-                let mean = Mean::of(integral);
+        let rows = red.iter_mut().zip(green).zip(blue).zip(slab.front).zip(slab.back);
+        let Some([extinction, r, g, b]) = self.lists() else {
+            return rows.for_each(|((out, &front), &back)| self.colour_defined(p, front, back, out));
+        };
+        for ((out, &front), &back) in rows {
+            let segment = Segment::between(front, back, sample_bits, bits);
+            let integrals = || {
                 Some([
-                    mean.colour(red.over(segment)?, colour_bits),
-                    mean.colour(green.over(segment)?, colour_bits),
-                    mean.colour(blue.over(segment)?, colour_bits),
+                    extinction.over(segment)?,
+                    r.over(segment)?,
+                    g.over(segment)?,
+                    b.over(segment)?,
                 ])
-            });
-            let colour = match fast {
-                Some(colour) => colour,
-                None => self.colour_defined(p, front, back),
             };
-            [*r, *g, *b] = colour.map(|c| c as i32);
+            let ((red, green), blue) = out;
+            match integrals() {
+                Some([0, ..]) => [*red, *green, *blue] = [0; 3],
+                Some([integral, r, g, b]) => {
+                    let mean = Mean::of(integral);
+                    *red = mean.colour(r, colour_bits) as i32;
+                    *green = mean.colour(g, colour_bits) as i32;
+                    *blue = mean.colour(b, colour_bits) as i32;
+                }
+                None => self.colour_defined(p, front, back, ((red, green), blue)),
+            }
         }
     }
 }

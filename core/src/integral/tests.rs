@@ -43,7 +43,7 @@ fn length(l: f64) -> Length {
     }
 }
 
-fn table<'a>(lists: &'a [Vec<u32>; 4], exponent: u32, grain: u32, l: f64) -> Integral<&'a [u32]> {
+fn table(lists: &[Vec<u32>; 4], exponent: u32, grain: u32, l: f64) -> Integral<&[u32]> {
     let [t, r, g, b] = lists;
     Integral::new(&t[..], Colours::Each([r, g, b]), grain, exponent, length(l)).unwrap()
 }
