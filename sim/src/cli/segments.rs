@@ -61,13 +61,24 @@ fn print(figures: &Figures) {
             worth.map_or_else(dash, |planes| format!("{planes:.1}")),
         ]);
     }
-    let mut times = header(&["table", "ordered ms", "integrals ms", "ratio"]);
+    let mut times = header(&[
+        "table",
+        "ordered ms",
+        "integrals ms",
+        "unattenuated ms",
+        "ordered : unattenuated",
+        "local ms",
+        "local share",
+    ]);
     for time in &figures.times {
         times.add_row([
             format!("{0}²", time.side),
             format!("{:.1}", time.ordered),
             format!("{:.2}", time.integrals),
-            format!("{:.0}", time.ordered / time.integrals),
+            format!("{:.2}", time.unattenuated),
+            format!("{:.0}", time.ordered / time.unattenuated),
+            format!("{:.1}", time.local),
+            format!("{:.3}", time.share),
         ]);
     }
     println!("\n{}\n\n{errors}\n\n{times}", figures.case);
