@@ -21,7 +21,7 @@ use super::table::{Entry, Filling, Reading, Table, ordered, over, segment};
 /// Step from plane to plane in voxels, along the third axis.
 const STEP: [f64; 3] = [0.31, -0.22, 1.0];
 /// Pieces per voxel of the trilinear reference.
-const PIECES: usize = 128;
+const PIECES: usize = 64;
 /// Codes of a piece of the piecewise-linear reference.
 const FINE: f64 = 1.0;
 /// Planes per voxel of post-classification.
@@ -171,7 +171,8 @@ pub fn run(reduced: bool, progress: &(dyn Fn(usize, usize) + Sync)) -> Vec<Figur
     figures.collect()
 }
 
-fn of_case(case: &Case, reduced: bool) -> Figures {
+/// The errors and times of one case.
+pub fn of_case(case: &Case, reduced: bool) -> Figures {
     let function = Function::new(&case.transfer);
     let voxel = STEP.iter().map(|c| c * c).sum::<f64>().sqrt();
     let sides: &[usize] = if reduced {
@@ -188,7 +189,7 @@ fn of_case(case: &Case, reduced: bool) -> Figures {
         };
         [inside(STEP[0], random.number()), inside(STEP[1], random.number())]
     };
-    let starts: Vec<[f64; 2]> = (0..if reduced { 40 } else { 300 }).map(|_| start()).collect();
+    let starts: Vec<[f64; 2]> = (0..if reduced { 40 } else { 200 }).map(|_| start()).collect();
     let rays = |parts: usize| -> Vec<Vec<f64>> { starts.par_iter().map(|start| along(case, *start, parts)).collect() };
     let all = |rays: &[Vec<f64>], way: &Way<'_>, length: f64| -> Vec<Entry> {
         rays.par_iter().map(|codes| by_segments(codes, way, length)).collect()
