@@ -178,7 +178,7 @@ pub fn of_case(case: &Case, reduced: bool) -> Figures {
     let sides: &[usize] = if reduced {
         &[64, 128]
     } else {
-        &[64, 128, 256, 512, 1024]
+        &[64, 128, 256]
     };
     let mut random = Random::new(2001);
     let span = (case.side() - 1) as f64;
