@@ -175,11 +175,7 @@ pub fn run(reduced: bool, progress: &(dyn Fn(usize, usize) + Sync)) -> Vec<Figur
 pub fn of_case(case: &Case, reduced: bool) -> Figures {
     let function = Function::new(&case.transfer);
     let voxel = STEP.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let sides: &[usize] = if reduced {
-        &[64, 128]
-    } else {
-        &[64, 128, 256]
-    };
+    let sides: &[usize] = if reduced { &[64, 128] } else { &[64, 128, 256] };
     let mut random = Random::new(2001);
     let span = (case.side() - 1) as f64;
     let mut start = || {
