@@ -19,6 +19,7 @@
 //! | `ensemble` | one configuration against another over many views |
 //! | `pareto` | which configurations nothing beats |
 //! | `hard` | the hard cases |
+//! | `segments` | two-dimensional pre-integrated tables beside the integrals |
 
 pub mod catalogue;
 pub mod channels;
@@ -33,5 +34,6 @@ pub mod pareto;
 pub mod pixels;
 pub mod report;
 pub mod rows;
+pub mod segments;
 pub mod shards;
 pub mod sweep;

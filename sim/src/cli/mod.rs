@@ -17,6 +17,7 @@ mod plan;
 mod progress;
 mod render;
 mod report;
+mod segments;
 mod sweep;
 mod sweep_table;
 mod table;
@@ -105,6 +106,7 @@ enum Command {
     Sweep(sweep::Args),
     SweepMerge(sweep::MergeArgs),
     Hard(hard::Args),
+    Segments(segments::Args),
     Explain(explain::Args),
     Report(report::Args),
     Bench(Box<bench::Args>),
@@ -140,6 +142,7 @@ impl Cli {
             Some(Command::Sweep(args)) => args.run(),
             Some(Command::SweepMerge(args)) => args.run(),
             Some(Command::Hard(args)) => args.run(),
+            Some(Command::Segments(args)) => args.run(),
             Some(Command::Explain(args)) => args.run(),
             Some(Command::Report(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),
