@@ -80,10 +80,25 @@ impl Function {
 
     /// Mean extinction, and mean extinction times colour, between two codes.
     pub fn mean(&self, front: f64, back: f64) -> Sums {
+        self.between((front, self.until(front)), (back, self.until(back)))
+    }
+
+    /// The same of equal pieces from one code to another, in this order.
+    pub fn means(&self, [front, back]: [f64; 2], pieces: usize) -> impl Iterator<Item = Sums> + '_ {
+        let mut from = (front, self.until(front));
+        (1..=pieces).map(move |n| {
+            let code = front + (back - front) * n as f64 / pieces as f64;
+            let to = (code, self.until(code));
+            let mean = self.between(from, to);
+            from = to;
+            mean
+        })
+    }
+
+    fn between(&self, (front, a): (f64, [i64; 4]), (back, b): (f64, [i64; 4])) -> Sums {
         if (back - front).abs() < 1e-4 {
             return self.at((front + back) / 2.0);
         }
-        let [a, b] = [self.until(front), self.until(back)];
         [0, 1, 2, 3].map(|n| (b[n] - a[n]) as f64 / UNIT / (back - front))
     }
 }

@@ -49,11 +49,8 @@ pub fn segment(function: &Function, filling: Filling, [front, back]: [f64; 2], l
 pub fn ordered(function: &Function, [front, back]: [f64; 2], length: f64, piece: f64) -> Entry {
     let pieces = ((back - front).abs() / piece).ceil().max(1.0);
     let mut sum = [0.0; 4];
-    let mut from = front;
-    for n in 1..=pieces as usize {
-        let to = front + (back - front) * n as f64 / pieces;
-        over(&mut sum, attenuated(function.mean(from, to), length / pieces));
-        from = to;
+    for mean in function.means([front, back], pieces as usize) {
+        over(&mut sum, attenuated(mean, length / pieces));
     }
     sum
 }
