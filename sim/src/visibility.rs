@@ -214,8 +214,10 @@ pub fn fineness(prepared: &Prepared<'_>) -> Option<String> {
                      difference,
                  }: Finest| {
         let [low, high] = codes.map(|code| prepared.volume.mapping.value(f64::from(code)));
+        let codes = if width == 1.0 { "code" } else { "codes" };
+        let difference = rounded(difference, 3);
         format!(
-            "at {low} to {high} the transfer function has a peak {width} codes wide, and neighbouring samples differ by {difference}"
+            "at {low} to {high} the transfer function has a peak {width} {codes} wide, and neighbouring samples differ by {difference}"
         )
     };
     match (scene.classification, finest) {
