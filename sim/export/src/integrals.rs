@@ -255,13 +255,9 @@ mod tests {
         assert!(text.contains("80000000 40000000 20000000, red first"), "{text}");
     }
 
-    /// A C compiler without complaints, where there is one; the program adds the nodes up.
+    /// The compiler that Rust links with has no complaints; the program adds the nodes up.
     #[test]
     fn c_compiles_without_a_warning() {
-        if Command::new("cc").arg("--version").output().is_err() {
-            eprintln!("no cc: not compiled");
-            return;
-        }
         let volume = volume();
         let folder = std::env::temp_dir().join(format!("slicecast-integrals-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
