@@ -197,6 +197,7 @@ impl Frame {
             },
             table: self.compiled(),
             integrals: self.integrals(),
+            finest: None,
             simd: Simd::widest(),
         };
         let mut turned = Turned::new(&self.volume, plan.view());

@@ -207,7 +207,10 @@ pub fn fineness(prepared: &Prepared<'_>) -> Option<String> {
     if scene.classification == Classification::Integral {
         return None;
     }
-    let finest = fineness::of(scene, prepared.volume);
+    let finest = match scene.classification {
+        Classification::Auto => prepared.finest,
+        _ => fineness::of(scene, prepared.volume),
+    };
     let facts = |Finest {
                      codes,
                      width,

@@ -42,8 +42,7 @@ fn kinds() -> impl Iterator<Item = Kind> {
 
 /// The integrals of a scene for a device.
 fn cumulative(scene: &Scene, named: &Named) -> Cumulative {
-    let reference = named.volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
-    Cumulative::compile(&scene.transfer, &named.volume.mapping, reference, GRAIN)
+    Cumulative::of(&scene.transfer, &named.volume, GRAIN)
 }
 
 fn of_kind(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {

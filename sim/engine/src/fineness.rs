@@ -51,6 +51,9 @@ pub fn of(scene: &Scene, volume: &Volume) -> Option<Finest> {
         .map(|opacity| -(-opacity.min(1.0 - 1e-7)).ln_1p())
         .collect();
     let mut peaks = peaks(&depths);
+    if peaks.is_empty() {
+        return None;
+    }
     peaks.sort_by_key(|[low, high]| high - low);
     peaks.truncate(PEAKS);
     let planes = f64::from(scene.sampling.planes_per_voxel);

@@ -6,7 +6,7 @@ use slicecast_volume::Volume;
 
 use crate::camera::{CameraError, Setup, set_up};
 use crate::error::RenderError;
-use crate::fineness;
+use crate::fineness::{self, Finest};
 use crate::image::Frame;
 use crate::integrals::{Cumulative, Integrals};
 use crate::oriented::{Oriented, Turned};
@@ -28,6 +28,8 @@ pub struct Prepared<'a> {
     pub table: Table,
     /// The integrals, where segments are classified.
     pub integrals: Option<Integrals>,
+    /// The finest peak of the transfer function, where `auto` chose by it.
+    pub finest: Option<Finest>,
     /// Which vectors fold tiles.
     pub simd: Simd,
 }
@@ -48,10 +50,12 @@ impl<'a> Prepared<'a> {
     /// [`RenderError::Camera`] if the scene does not fit the pipeline.
     pub fn new(scene: &'a Scene, volume: &'a Volume) -> Result<Self, RenderError> {
         let setup = set_up(scene, volume)?;
+        let automatic = scene.classification == Classification::Auto;
+        let finest = automatic.then(|| fineness::of(scene, volume)).flatten();
         let segments = match scene.classification {
             Classification::Point => false,
             Classification::Integral => true,
-            Classification::Auto => fineness::of(scene, volume).is_some_and(|finest| finest.is_missed()),
+            Classification::Auto => finest.is_some_and(|finest| finest.is_missed()),
         };
         let [_, _, slices] = setup.plan.dims();
         if segments && slices < 2 {
@@ -62,6 +66,7 @@ impl<'a> Prepared<'a> {
         Ok(Self {
             table: compile(scene, &volume.mapping, setup.step_length),
             integrals,
+            finest,
             scene,
             volume,
             setup,
