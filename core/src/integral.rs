@@ -35,8 +35,9 @@
 //! and 2 <= h <= 45. White is exact: its K equal its T, V (R' of V) >= 2^52, so c = 1 and what is folded conserves light. The
 //! order of the samples does not matter (colours within a segment are mixed, not ordered).
 //!
-//! Rounding: each node once, each look-up once, y to nearest, c truncated. Error: opacity at most 100 ulp of 1.31 against f64
-//! on the same nodes, colour times opacity at most 70 (`tests`); a node's half unit is 2^-29 of a depth of 16 codes. State: none.
+//! Rounding: each node once, each look-up once, y to nearest, c truncated. Error against f64 on
+//! the same nodes, in ulp of 1.31: opacity at most 50 + (2^-25 + 2.5 / dl) 2^31 / e, colour times opacity at most 81 (`tests`
+//! has the reasons); a node's half unit is 2^-29 of a depth of 16 codes. State: none.
 
 use crate::classify::{Classifier, Slab, Support};
 use crate::composite::Recurrence as _;

@@ -6,6 +6,7 @@ use crate::precision::{Compact, Wide};
 use crate::slice::RowRange;
 use crate::view::View;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use std::vec::Vec;
 
 /// Nodes of bins of constant extinction and colours, and their exponent.
@@ -209,7 +210,7 @@ fn small_rows_are_the_definition<P: Precision>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, rng_seed: RngSeed::Fixed(1025), failure_persistence: None, ..ProptestConfig::default() })]
 
     /// The formula in f64 on the same nodes: the stated errors. A small machine: the same bits. Out of the support: nothing.
     #[test]
@@ -246,12 +247,18 @@ proptest! {
             let exact = -(-depth).exp_m1() * 2_147_483_648.0;
             // A unit of the integral, for its two roundings, where the table is thin.
             let unit = l / (high - low) * f64::from(31 - exponent as i32).exp2() * (-depth).exp();
-            prop_assert!((a - exact).abs() <= 100.0 + 1.1 * unit, "{front} {back} {l}: {a} {exact} {unit}");
+            // Half a unit of y, and 2^-y itself; relative to y the reciprocal 2^-25, its product with the length a unit of at least
+            // dl / 2, and dl half a unit: y 2^-y is at most 1 / (e ln 2).
+            let rate = (-25f64).exp2() + 2.5 / f64::from(table.length.scaled);
+            let arithmetic = 44.4 + 5.5 + 2_147_483_648.0 / std::f64::consts::E * rate;
+            prop_assert!((a - exact).abs() <= arithmetic + 1.1 * unit, "{front} {back} {l}: {a} {exact} {arithmetic} {unit}");
             for channel in 0..3 {
                 let mean = over(&lists[channel + 1]) / over(&lists[0]);
                 if a > 0.0 && mean.is_finite() {
                     let light = a * (f64::from(c[channel]) / 2_147_483_648.0);
-                    prop_assert!((light - a * mean).abs() <= 70.0 + 2.2 * a / over(&lists[0]), "{front} {back}: {light} {}", a * mean);
+                    // The divisor is truncated to V of 27 bits and its reciprocal is up to 1 too large: V / 2^52 + 1 / V is 80 of
+                    // 2^-31 at most; the product is truncated.
+                    prop_assert!((light - a * mean).abs() <= 81.0 + 2.2 * a / over(&lists[0]), "{front} {back}: {light} {}", a * mean);
                 }
             }
             let small = [table.opacity_by::<_, Small>(Wide, ends[0], ends[1]), table.opacity_by::<_, i32>(Wide, ends[0], ends[1])];
