@@ -34,6 +34,7 @@ use crate::lanes::{Lanes, Small, Wide as _};
 use crate::precision::{Formats, Precision};
 use crate::rows::{part, three};
 use crate::slice::RowRange;
+use crate::surface::Turn;
 use crate::table::ENTRIES;
 
 /// What a classifier reads of the rays of a row: the sample of each, and, for a classifier of segments, the sample in front
@@ -44,27 +45,37 @@ pub struct Slab<'a, W = i32> {
     pub front: &'a [W],
     /// The samples of this plane.
     pub back: &'a [W],
+    /// Which part of the segments is asked for, where they are cut ([`Classifier::parts`]).
+    pub part: u32,
 }
 
 impl<'a, W> Slab<'a, W> {
     /// Samples of one plane.
     #[inline(always)]
     pub const fn of(back: &'a [W]) -> Self {
-        Self { front: &[], back }
+        Self::between(&[], back)
     }
 
     /// Samples of two planes. Both rows equally long.
     #[inline(always)]
     pub const fn between(front: &'a [W], back: &'a [W]) -> Self {
-        Self { front, back }
+        Self { front, back, part: 0 }
+    }
+
+    /// Another part of the same segments.
+    #[inline(always)]
+    #[must_use]
+    pub const fn of_part(self, part: u32) -> Self {
+        Self { part, ..self }
     }
 
     /// A span of the rays.
     #[inline(always)]
-    pub(crate) fn part(self, span: Range<usize>) -> Self {
+    pub(crate) fn span(self, span: Range<usize>) -> Self {
         Self {
             front: part(self.front, span.clone()),
             back: part(self.back, span),
+            part: self.part,
         }
     }
 }
@@ -95,6 +106,40 @@ pub trait Classifier<P: Precision>: Sync {
         self.colour(p, back)
     }
 
+    /// Parts into which these segments are cut, at most. One behind the other they are folded like segments: those of even
+    /// number are parts of the volume, those of odd number crossings of surfaces. 1: no segment is cut.
+    #[inline(always)]
+    fn parts<V: Lanes>(&self, _: P, _: Slab<'_>) -> u32 {
+        1
+    }
+
+    /// Opacity of a part of a segment, 0 where it has no such part: the definition.
+    #[inline(always)]
+    fn part_opacity(&self, p: P, ends: [i32; 2], part: u32) -> Opacity {
+        if part == 0 {
+            self.segment_opacity(p, ends)
+        } else {
+            Opacity::ZERO
+        }
+    }
+
+    /// Colour of a part of a segment that is visible: the definition.
+    #[inline(always)]
+    fn part_colour(&self, p: P, ends: [i32; 2], _part: u32) -> [u32; 3] {
+        self.segment_colour(p, ends)
+    }
+
+    /// Where between the gradients of a segment's ends that of a crossing lies ([`Turn`]), for a part of odd number: the
+    /// definition.
+    #[inline(always)]
+    fn turn(&self, _: P, _ends: [i32; 2], _part: u32) -> Turn {
+        Turn::default()
+    }
+
+    /// [`Classifier::turn`] of a row, as bits. Both rows equally long.
+    #[inline(always)]
+    fn turn_row<V: Lanes>(&self, _: P, _: Slab<'_>, _: &mut [i32]) {}
+
     /// Which voxel ranges can hold a visible sample.
     fn support(&self) -> Support;
 
@@ -121,6 +166,7 @@ pub trait Classifier<P: Precision>: Sync {
         }
     }
 }
+
 /// The set of codes that are visible, in blocks of 64: bit b stands for codes 64 b to 64 b + 63. A row whose range
 /// meets no block classifies to nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,6 +183,11 @@ impl Support {
             bits |= 1 << (code >> 6);
         }
         Self(bits)
+    }
+
+    /// What is visible by either.
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
     }
 
     /// Whether a sample between voxels of this range may be visible.

@@ -159,6 +159,13 @@ pub struct Dither {
 }
 
 impl Dither {
+    /// The offsets of a part of plane `k`'s segments, where they are cut: those of plane `k + 457 part`. In the sequences
+    /// 457 is a step of 0.43 and 0.30, unlike those of the planes.
+    #[inline]
+    pub const fn of_part(k: u32, part: u32) -> Self {
+        Self::of_plane(k.wrapping_add(part.wrapping_mul(457)))
+    }
+
     /// The offsets of plane `k`: `20251 k` and `13573 k + 9973`, modulo 2^15.
     #[inline]
     pub const fn of_plane(k: u32) -> Self {

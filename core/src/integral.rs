@@ -46,6 +46,7 @@ use crate::format::Opacity;
 use crate::lanes::{Lanes, Wide as _, places};
 use crate::plan::Plan;
 use crate::precision::Precision;
+use crate::rows::three;
 use crate::table::{Coding, ENTRIES, Neighboured};
 
 /// Extinction per reference length is cut at this: e^-16 is 3e-5 of an 8-bit step.
@@ -167,6 +168,15 @@ impl Length {
     }
 }
 
+/// An end of a part of a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Bound {
+    /// The value that the segment takes there, in a sample's format.
+    pub(crate) value: i32,
+    /// Where that is: 1.16, 0 at the front sample.
+    pub(crate) position: u32,
+}
+
 /// A classifier over lists of nodes: borrowed ones (`&[u32]`) where memory is the caller's, or owned ones.
 #[derive(Clone, Copy, Debug)]
 pub struct Integral<L> {
@@ -281,6 +291,82 @@ impl<L: AsRef<[u32]>> Integral<L> {
         lists.map(|list| {
             let mut out = [0];
             kept(mean.of_list(over(list, segment, bits)), colour_bits).store(&mut out, 0);
+            let [out] = out;
+            out as u32
+        })
+    }
+
+    /// Whether values have colours of their own.
+    pub(crate) const fn has_colours(&self) -> bool {
+        matches!(self.colours, Colours::Each(_))
+    }
+
+    /// Which voxel ranges can hold a visible segment.
+    pub(crate) const fn visible(&self) -> Support {
+        self.support
+    }
+
+    /// The difference of samples that are so many bins apart.
+    #[inline(always)]
+    pub(crate) fn bins<P: Precision>(&self, p: P, count: u32) -> i32 {
+        (count << self.bin_bits(p)) as i32
+    }
+
+    /// Whether a segment is shorter than a bin, and looked up as one of a bin.
+    #[inline(always)]
+    pub(crate) fn is_widened<P: Precision>(&self, p: P, [front, back]: [i32; 2]) -> bool {
+        back.abs_diff(front) < 1 << self.bin_bits(p)
+    }
+
+    /// Integral of a list over a part of a segment.
+    #[inline(always)]
+    fn over_part<P: Precision, V: Lanes>(&self, p: P, list: &[u32], values: [i32; 2]) -> V {
+        let half = 1 << p.formats().sample_bits >> 1;
+        let (low, high) = (values[0].min(values[1]), values[0].max(values[1]));
+        over(list, [low.wrapping_add(half), high.wrapping_sub(low)], self.bin_bits(p))
+    }
+
+    /// y of a part of a segment by a lane.
+    #[inline(always)]
+    pub(crate) fn part_depth<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], part: [Bound; 2]) -> u32 {
+        let bits = self.bin_bits(p);
+        let [front, back] = ends;
+        let [low, length] = widened(front, back, p.formats().sample_bits, bits);
+        let depth = |integral: V| -> u32 {
+            if integral.all_zero() {
+                return 0;
+            }
+            let mut out = [0];
+            self.depth(p, integral, V::splat(length)).store(&mut out, 0);
+            let [y] = out;
+            y as u32
+        };
+        let list = self.extinction.as_ref();
+        if self.is_widened(p, ends) {
+            let y = depth(over(list, [low, length], bits));
+            // At most 2^29, and a position of 1 is all of it.
+            let up_to = |bound: Bound| ((u64::from(y) * u64::from(bound.position)) >> 16) as u32;
+            return up_to(part[1]).wrapping_sub(up_to(part[0]));
+        }
+        depth(self.over_part(p, list, part.map(|bound| bound.value)))
+    }
+
+    /// Colour of a part of a segment by a lane.
+    #[inline(always)]
+    pub(crate) fn part_colour_by<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], part: [Bound; 2]) -> [u32; 3] {
+        let Colours::Each(lists) = &self.colours else {
+            return self.colour_by::<P, V>(p, 0, 0);
+        };
+        if self.is_widened(p, ends) {
+            let [front, back] = ends;
+            return self.colour_by::<P, V>(p, front, back);
+        }
+        let values = part.map(|bound| bound.value);
+        let mean = Mean::<V>::of(self.over_part(p, self.extinction.as_ref(), values));
+        three(lists.each_ref(), |list| {
+            let mut out = [0];
+            let colour = mean.of_list(self.over_part(p, list.as_ref(), values));
+            kept(colour, p.pixel().colour_bits()).store(&mut out, 0);
             let [out] = out;
             out as u32
         })

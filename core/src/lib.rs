@@ -77,6 +77,7 @@ extern crate std;
 
 pub mod classify;
 pub mod composite;
+pub mod cut;
 #[cfg(feature = "embedded-graphics")]
 pub mod display;
 mod error;
@@ -103,6 +104,7 @@ pub mod shade;
 pub mod slice;
 pub mod stage;
 pub mod stream;
+pub mod surface;
 pub mod table;
 pub mod tap;
 pub mod view;

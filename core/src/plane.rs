@@ -149,11 +149,7 @@ pub const fn scratch_len<L: Pipeline>(width: u32) -> usize {
 
 /// Words of scratch memory that a pipeline needs for blocks of slices of this width.
 pub const fn blocks_scratch_len<L: Pipeline>(width: u32) -> usize {
-    L::SCRATCH.len(if width > blocks::BATCH_WIDTH {
-        width
-    } else {
-        blocks::BATCH_WIDTH
-    })
+    scratch::blocks_len(L::SCRATCH, width)
 }
 
 /// A sample plane and what is around it.

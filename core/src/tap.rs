@@ -16,6 +16,8 @@ pub struct Beam<'a> {
     pub row: u32,
     /// Column of the first value.
     pub column: u32,
+    /// Which part of segments it is, where they are cut ([`Classifier::parts`](crate::classify::Classifier::parts)).
+    pub part: u32,
 }
 
 /// A row of raw bits, whatever word holds them.

@@ -5,7 +5,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, Channel, Dither, FrontToBack, Order, Recurrence, settle};
-use slicecast::format::{Coefficient, Direction, Intensity, Vector, Weight};
+use slicecast::cut::Cut;
+use slicecast::format::{Coefficient, Direction, Intensity, Opacity, Vector, Weight};
 use slicecast::gradient::space;
 use slicecast::integral::{Colours, Integral, Length};
 use slicecast::interpolate::trilinear;
@@ -19,6 +20,7 @@ use slicecast::seen::{Grain, Seen};
 use slicecast::shade::{Highlight, Light, Phong, Shader, Unlit};
 use slicecast::slice::{RowRange, Slice, Window};
 use slicecast::stream::{Memory, Needs, Stream};
+use slicecast::surface::{Face, Surface, VALUE_MAX};
 use slicecast::view::View;
 
 /// A volume in the slice frame.
@@ -83,12 +85,15 @@ fn cells(plan: &Plan, index: u32, [u, v]: [u32; 2]) -> Option<[Cell; 3]> {
     cells.iter().zip(plan.dims()).all(inside).then_some(cells)
 }
 
+/// The classifier: segments of a table, or of none, cut at surfaces and into pieces.
+type Segments<'a> = Cut<&'a [u32], &'a [Surface]>;
+
 /// The frame, ray by ray: red, green, blue and transparency of each pixel.
 fn defined<P: Precision>(
     p: P,
     plan: &Plan,
     volume: &Volume,
-    table: &Integral<&[u32]>,
+    table: &Segments<'_>,
     phong: Option<&Phong<P>>,
     back_to_front: bool,
 ) -> Vec<[u32; 4]> {
@@ -112,18 +117,27 @@ fn defined<P: Precision>(
                 continue;
             };
             let ends = [front, back].map(|cells| at_cells(p, cells, [0; 2], |at| volume.voxel(at)));
-            let opacity = table.segment_opacity(p, ends);
-            let mut colour = table.segment_colour(p, ends);
-            if let Some(phong) = phong {
-                let (front, back) = (gradient(front), gradient(back));
-                colour = phong.shade(normalise([0, 1, 2].map(|axis| front[axis] + back[axis])), colour);
-            }
-            let dither = Dither::of_plane(index);
-            if back_to_front {
-                pixel = recurrence.under(pixel, colour, opacity, dither);
-            } else {
-                pixel = recurrence.over(pixel, colour, opacity, dither);
-                pixel.transparency = settle(pixel.transparency, recurrence.floor());
+            let parts = table.parts_of(p, ends);
+            for turn in 0..parts {
+                let part = if back_to_front { parts - 1 - turn } else { turn };
+                let opacity = table.part_opacity(p, ends, part);
+                let mut colour = table.part_colour(p, ends, part);
+                if let Some(phong) = phong {
+                    let (front, back) = (gradient(front), gradient(back));
+                    let turn = table.turn(p, ends, part);
+                    let normal = [0, 1, 2].map(|axis| match part % 2 {
+                        0 => front[axis] + back[axis],
+                        _ => turn.gradient(front[axis], back[axis]),
+                    });
+                    colour = phong.shade(normalise(normal), colour);
+                }
+                let dither = Dither::of_part(index, part);
+                if back_to_front {
+                    pixel = recurrence.under(pixel, colour, opacity, dither);
+                } else {
+                    pixel = recurrence.over(pixel, colour, opacity, dither);
+                    pixel.transparency = settle(pixel.transparency, recurrence.floor());
+                }
             }
         }
         let [r, g, b] = pixel.colour.map(Channel::bits);
@@ -209,7 +223,7 @@ fn by_stream<L: Pipeline>(pipeline: L, plan: &Plan, volume: &Volume) -> Vec<L::E
 
 /// Every way to a frame against the definitions.
 fn held<P: Precision, S: Shader<P> + Clone, O: Order + Clone>(
-    pipeline: &Composite<P, Integral<&[u32]>, S, O>,
+    pipeline: &Composite<P, Segments<'_>, S, O>,
     plan: &Plan,
     volume: &Volume,
     expected: &[[u32; 4]],
@@ -258,7 +272,7 @@ fn every_way<P: Precision>(
     p: P,
     plan: &Plan,
     volume: &Volume,
-    table: Integral<&[u32]>,
+    table: Segments<'_>,
     lit: bool,
 ) -> Result<(), TestCaseError> {
     let phong = light(p);
@@ -310,6 +324,10 @@ proptest! {
         one_colour in any::<bool>(),
         lit in any::<bool>(),
         wide in any::<bool>(),
+        faces in prop::collection::vec((0..=VALUE_MAX, prop_oneof![Just(0u32), 0u32..=1 << 31, Just(1u32 << 31)], 0u32..=1 << 31, prop::array::uniform3(0u32..=1 << 31)), 0..6),
+        on_codes in any::<bool>(),
+        alone in prop_oneof![3 => Just(false), 1 => Just(true)],
+        pieces in prop_oneof![3 => Just(1u32), 1 => Just(2), 1 => Just(4)],
     ) {
         prop_assume!(direction != [0; 3]);
         let view = View::new(direction.map(|c| Direction::from_bits(c << 40))).unwrap();
@@ -350,6 +368,18 @@ proptest! {
         let [t, r, g, b] = lists.each_ref().map(|list| &list[..]);
         let colours = if one_colour { Colours::One([1 << 31, 123 << 22, 0]) } else { Colours::Each([r, g, b]) };
         let table = Integral::new(t, colours, grain, 17, Length { scaled, bits: 27 }).unwrap();
+        let mut surfaces: Vec<Surface> = (faces.into_iter())
+            .map(|(value, front, back, colour)| {
+                let face = |opacity| Face { colour, opacity: Opacity::from_bits(opacity) };
+                Surface {
+                    value: if on_codes { value & 0xffff_0000 } else { value },
+                    front: face(front),
+                    back: face(back),
+                }
+            })
+            .collect();
+        surfaces.sort_by_key(|surface| surface.value);
+        let table = Cut::new(Some(table).filter(|_| !alone), &surfaces[..], pieces).unwrap();
         if wide {
             every_way(Wide, &plan, &volume, table, lit)?;
         } else {

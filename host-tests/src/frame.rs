@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use slicecast::classify::{colour_of_word, entry};
+use slicecast::cut::Cut;
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::integral::{Colours, Length};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::slice::Slice;
+use slicecast::surface::Surface;
 use slicecast::table::ENTRIES;
 use slicecast::view::View;
 use slicecast::warp::Warp;
@@ -14,6 +16,7 @@ use slicecast_engine::camera::{CameraError, Material, Picture, Setup};
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::integrals::{Cumulative, Integrals};
 use slicecast_engine::oriented::Turned;
+use slicecast_engine::segments::Segments;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::table::Table;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
@@ -49,8 +52,33 @@ pub struct Frame {
     pub lookup: Option<LookupName>,
     /// Threshold of early termination.
     pub early_termination: Option<u32>,
-    /// The length of segments, if they are classified: log2(e) times it in reference lengths, 27 fraction bits.
-    pub segments: Option<u32>,
+    /// Segments, if they are classified.
+    pub segments: Option<Stated>,
+}
+
+/// What segments are classified by.
+#[derive(Clone, Debug)]
+pub struct Stated {
+    /// log2(e) times their length in reference lengths, 27 fraction bits.
+    pub scaled: u32,
+    /// Whether surfaces are drawn without the volume.
+    pub alone: bool,
+    /// Surfaces, ascending.
+    pub surfaces: Vec<Surface>,
+    /// Pieces of a segment.
+    pub pieces: u32,
+}
+
+impl Stated {
+    /// Segments of a length that nothing cuts.
+    pub const fn whole(scaled: u32) -> Self {
+        Self {
+            scaled,
+            alone: false,
+            surfaces: Vec::new(),
+            pieces: 1,
+        }
+    }
 }
 
 impl Frame {
@@ -100,6 +128,8 @@ impl Frame {
             lookup: self.lookup,
             early_termination: self.early_termination,
             classification: slicecast_scene::Classification::Point,
+            pieces: 1,
+            surfaces: Vec::new(),
         }
     }
 
@@ -146,13 +176,22 @@ impl Frame {
         table
     }
 
+    /// The classifier of segments as the engine has it, its surfaces' list as stated.
+    ///
+    /// # Panics
+    /// If core refuses the surfaces.
+    pub fn classified(&self) -> Option<Segments> {
+        let composited = matches!(self.blend, Blend::FrontToBack | Blend::BackToFront);
+        let stated = self.segments.as_ref().filter(|_| composited)?;
+        let integrals = (!stated.alone).then(|| self.integrals(stated.scaled));
+        Some(Cut::new(integrals, stated.surfaces.clone().into(), stated.pieces).expect("surfaces that can be drawn"))
+    }
+
     /// The integrals as the engine has them: of extinctions that are the squares of the roots, over 2^13, in whole numbers.
     ///
     /// # Panics
     /// Never: sums of 4096 squares of 16 bits, over 2^13, fit.
-    pub fn integrals(&self) -> Option<Integrals> {
-        let composited = matches!(self.blend, Blend::FrontToBack | Blend::BackToFront);
-        let scaled = self.segments.filter(|_| composited)?;
+    fn integrals(&self, scaled: u32) -> Integrals {
         let mut sums = [0u32; 4];
         let mut lists = [(); 4].map(|()| vec![0]);
         for (colour, root) in self.table.iter() {
@@ -176,7 +215,7 @@ impl Frame {
             grain: 0,
             exponent: 18,
         };
-        Some(cumulative.classifier(Length { scaled, bits: 27 }))
+        cumulative.classifier(Length { scaled, bits: 27 })
     }
 
     /// Gives the prepared frame and its slices to `run`.
@@ -196,7 +235,7 @@ impl Frame {
                 plan,
             },
             table: self.compiled(),
-            integrals: self.integrals(),
+            segments: self.classified(),
             finest: None,
             simd: Simd::widest(),
         };

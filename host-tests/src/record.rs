@@ -20,6 +20,8 @@ pub struct Place {
     pub step: u32,
     /// Number of the phase.
     pub phase: u32,
+    /// Which part of segments, where they are cut.
+    pub part: u32,
     /// Boundary.
     pub stage: Stage,
     /// Row of the phase's image.
@@ -54,13 +56,14 @@ impl fmt::Display for Divergence {
         let Place {
             step,
             phase,
+            part,
             stage,
             row,
             column,
         } = self.place;
         write!(
             f,
-            "first divergence at stage {}, plane {step} of the fold, phase {phase}, row {row}, column {column}: ",
+            "first divergence at stage {}, plane {step} of the fold, phase {phase}, row {row}, column {column}, part {part}: ",
             stage.name()
         )?;
         let mut side = |name: &str, bits: Option<Bits>| match bits {
@@ -111,7 +114,7 @@ impl Recorder {
         }
     }
 
-    fn place(&self, plane: &Plane, stage: Stage, row: u32, column: u32) -> Place {
+    fn place(&self, plane: &Plane, stage: Stage, row: u32, column: u32, part: u32) -> Place {
         let Phase { u, v } = plane.phase;
         Place {
             step: if self.back_to_front {
@@ -120,6 +123,7 @@ impl Recorder {
                 plane.index
             },
             phase: u + v * self.rays,
+            part,
             stage,
             row,
             column,
@@ -129,15 +133,19 @@ impl Recorder {
 
 impl Tap for Recorder {
     fn plane(&mut self, plane: &Plane) {
-        let place = self.place(plane, Stage::Location, 0, 0);
+        let place = self.place(plane, Stage::Location, 0, 0, 0);
         let [x, y, z] = [plane.x, plane.y, plane.z].map(|p| p.to_bits() as u32);
         self.recording.note(place, [x, y, z, 0]);
     }
 
     fn row(&mut self, stage: Stage, at: Beam<'_>, rows: &[&dyn Row]) {
         for offset in 0..rows.first().map_or(0, |row| row.len()) {
-            let place = self.place(at.plane, stage, at.row, at.column + offset as u32);
-            self.recording.note(place, bits(rows, offset));
+            let place = self.place(at.plane, stage, at.row, at.column + offset as u32, at.part);
+            let bits = bits(rows, offset);
+            // A row has as many parts as that segment which is cut most; where another has none, nothing is visible.
+            if at.part == 0 || stage != Stage::Opacity || bits != [0; 4] {
+                self.recording.note(place, bits);
+            }
         }
     }
 }

@@ -75,6 +75,7 @@ fn place(at: Visit, stage: Stage) -> Place {
         stage,
         row: at.row,
         column: at.column,
+        part: at.part,
     }
 }
 
@@ -87,6 +88,7 @@ impl Witness for Keeper {
             phase,
             row: 0,
             column: 0,
+            part: 0,
         };
         let bits = [x as u32, y as u32, z as u32, 0];
         self.recording.note(place(plane, Stage::Location), bits);

@@ -22,7 +22,7 @@ use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
 use slicecast_engine::camera::Material;
 use slicecast_host_tests::checksum::of_frame;
-use slicecast_host_tests::frame::{Frame, fine_table_of, table_of};
+use slicecast_host_tests::frame::{Frame, Stated, fine_table_of, table_of};
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 use slicecast_volume::Volume;
@@ -193,14 +193,14 @@ fn frames() -> Vec<(&'static str, Frame)> {
         (
             "ripples-segments",
             Frame {
-                segments: Some(SEGMENT),
+                segments: Some(Stated::whole(SEGMENT)),
                 ..ripples.clone()
             },
         ),
         (
             "head-segments",
             Frame {
-                segments: Some(SEGMENT),
+                segments: Some(Stated::whole(SEGMENT)),
                 direction: [500, 866, -174],
                 ..head.clone()
             },
@@ -208,7 +208,7 @@ fn frames() -> Vec<(&'static str, Frame)> {
         (
             "head-segments-back-to-front",
             Frame {
-                segments: Some(SEGMENT),
+                segments: Some(Stated::whole(SEGMENT)),
                 planes_per_voxel: 2,
                 blend: Blend::BackToFront,
                 ..lit([300, 500, 1000])

@@ -77,10 +77,10 @@ fn composited<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order>(
 
 fn small<P: Precision>(p: P, prepared: &Prepared<'_>, slices: &[Slice<'_>]) -> Bits {
     let (plan, table) = (&prepared.setup.plan, prepared.table.classifier());
-    match (prepared.scene.blend, &prepared.integrals) {
+    match (prepared.scene.blend, &prepared.segments) {
         (Blend::Maximum, _) => folded(plan, slices, &Project::<_, _, Maximum>::new(p, table)),
         (Blend::Minimum, _) => folded(plan, slices, &Project::<_, _, Minimum>::new(p, table)),
-        (_, Some(integrals)) => classified(p, prepared, slices, integrals.clone()),
+        (_, Some(segments)) => classified(p, prepared, slices, segments.clone()),
         (_, None) => classified(p, prepared, slices, table),
     }
 }

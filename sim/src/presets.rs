@@ -122,6 +122,8 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Sce
         },
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
+        pieces: 1,
+        surfaces: Vec::new(),
     };
     scene.check().map_err(|error| SceneError {
         name: format!("{}: the scene `{name}`", volume.name),

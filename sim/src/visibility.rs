@@ -203,7 +203,7 @@ fn unit_distance(prepared: &Prepared<'_>) -> String {
 
 /// Says that a transfer function is finer than the field, and what is done about it; what `auto` has chosen in any case.
 pub fn fineness(prepared: &Prepared<'_>) -> Option<String> {
-    let (scene, segments) = (prepared.scene, prepared.integrals.is_some());
+    let (scene, segments) = (prepared.scene, prepared.segments.is_some());
     if scene.classification == Classification::Integral {
         return None;
     }

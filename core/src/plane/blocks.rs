@@ -8,17 +8,12 @@ use core::ops::Range;
 use super::canvas::Canvas;
 use super::extent::Extent;
 use super::fold::Batches;
+use super::scratch::BATCH;
 use super::source::SourceAt;
 use crate::classify::Slab;
 use crate::composite::Colours;
 use crate::seen::Seen;
 use crate::tap::Beam;
-
-/// Samples of a batch.
-pub(super) const BATCH: usize = 1024;
-
-/// Width of a slice whose rows of scratch memory hold a batch.
-pub(super) const BATCH_WIDTH: u32 = BATCH as u32 - 2;
 
 /// Places of vectors in a plane: the row of the image that each lies in, counted from the first, and its first column in the
 /// volume.
@@ -113,6 +108,8 @@ pub(super) struct Blocks<'s, 'a> {
     source: &'s dyn SourceAt<i32>,
     /// Of the plane in front, empty where segments are not classified, and of the plane.
     samples: [&'s mut [i32]; 2],
+    /// Places and samples of a batch that is gone through several times; empty where segments are not classified.
+    stored: [[&'s mut [i32]; 2]; 2],
     /// Vectors whose samples have been made, and vectors in which one of them is visible.
     made: usize,
     kept: usize,
@@ -120,7 +117,8 @@ pub(super) struct Blocks<'s, 'a> {
 }
 
 impl<'s, 'a> Blocks<'s, 'a> {
-    /// Blocks of the image's rows from `first` on. Scratch memory of [`BATCH`] words each for places and samples.
+    /// Blocks of the image's rows from `first` on. Scratch memory of [`BATCH`] words each for places and samples, and to store
+    /// them.
     pub(super) fn new(
         seen: Seen<'a>,
         extent: &Extent,
@@ -129,6 +127,7 @@ impl<'s, 'a> Blocks<'s, 'a> {
         source: &'s dyn SourceAt<i32>,
         [rows, columns]: [&'s mut [i32]; 2],
         samples: [&'s mut [i32]; 2],
+        stored: [[&'s mut [i32]; 2]; 2],
     ) -> Self {
         let met = extent.met(first, count);
         let walk = Walk {
@@ -154,6 +153,7 @@ impl<'s, 'a> Blocks<'s, 'a> {
             places,
             source,
             samples,
+            stored,
             made: 0,
             kept: 0,
             packed: true,
@@ -192,6 +192,23 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_, '_> {
         Slab::between(front, back)
     }
 
+    fn keep(&mut self) {
+        let Places { rows, columns, .. } = &self.places;
+        let [front, back] = &self.samples;
+        for (stored, row) in self.stored.iter_mut().flatten().zip([rows, columns, front, back]) {
+            copy(row, stored);
+        }
+    }
+
+    fn again(&mut self) {
+        let Places { rows, columns, .. } = &mut self.places;
+        let [front, back] = &mut self.samples;
+        for (stored, row) in self.stored.iter().flatten().zip([rows, columns, front, back]) {
+            copy(stored, row);
+        }
+        self.packed = false;
+    }
+
     fn visible(&mut self, canvas: &mut X, opacities: &mut [i32]) -> Option<Range<usize>> {
         if self.packed {
             return None;
@@ -203,15 +220,22 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_, '_> {
         (packed > 0).then_some(0..packed)
     }
 
-    fn gradients(&mut self, _: Range<usize>, opacities: &[i32], out: [&mut [i32]; 3]) {
-        self.source.gradients_at(&self.places, self.kept, opacities, out);
+    fn gradients(&mut self, _: Range<usize>, opacities: &[i32], turns: Option<&[i32]>, out: [&mut [i32]; 3]) {
+        self.source.gradients_at(&self.places, self.kept, opacities, turns, out);
     }
 
     fn fold(&mut self, canvas: &mut X, _: Range<usize>, colours: &Colours<'_, i32>, opacities: &[i32]) {
         canvas.fold_packed(&self.places, self.kept, colours, opacities);
     }
 
-    fn beam(&self, _: usize) -> Option<Beam<'_>> {
+    fn beam(&self, _: usize, _: u32) -> Option<Beam<'_>> {
         None
+    }
+}
+
+/// Copies what both rows hold.
+fn copy(from: &[i32], to: &mut [i32]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
     }
 }

@@ -12,6 +12,10 @@ use crate::tap::Bits;
 
 /// Pixels of some rows of the image under one plane. Columns and spans are counted from the plane's first column.
 pub(super) trait Canvas<W> {
+    /// Whether what lies behind is folded first.
+    fn back_to_front(&self) -> bool;
+    /// Says which part of segments is folded from now on.
+    fn begin_part(&mut self, part: u32);
     /// Whether all rays of a row have terminated.
     fn finished(&self, row: u32) -> bool;
     /// The next span of visible samples at or after `from`, in whole vectors: an invisible sample among them changes
@@ -45,6 +49,8 @@ pub(super) struct Image<'a, R: Recurrence, O, V> {
     /// Pixels of a row.
     width: usize,
     columns: Range<usize>,
+    /// Number of the plane.
+    plane: u32,
     dither: Dither,
     recurrence: R,
     floor: R::Channel,
@@ -57,7 +63,7 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
         (first, data): (u32, &'a mut [R::Channel]),
         width: usize,
         extent: &Extent,
-        dither: Dither,
+        plane: u32,
         (recurrence, floor): (R, R::Channel),
     ) -> Self {
         Self {
@@ -65,7 +71,8 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
             first,
             width,
             columns: extent.columns.clone(),
-            dither,
+            plane,
+            dither: Dither::of_plane(plane),
             recurrence,
             floor,
             kinds: PhantomData,
@@ -104,6 +111,16 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
 }
 
 impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
+    #[inline(always)]
+    fn back_to_front(&self) -> bool {
+        O::BACK_TO_FRONT
+    }
+
+    #[inline(always)]
+    fn begin_part(&mut self, part: u32) {
+        self.dither = Dither::of_part(self.plane, part);
+    }
+
     #[inline(always)]
     fn finished(&self, row: u32) -> bool {
         !O::BACK_TO_FRONT && V::enter((AllFinished, PhantomData::<V>, self.run(row, 3)))

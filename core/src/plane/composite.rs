@@ -2,18 +2,18 @@
 
 use core::marker::PhantomData;
 
-use super::blocks::{BATCH, BATCH_WIDTH, Blocks};
+use super::blocks::Blocks;
 use super::canvas::{AllFinished, Canvas, Image};
 use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kernels::{ClassifierRows, Kernels, ShaderRows};
 use super::probe::Probes;
-use super::scratch::{self, BatchRows, Scratch, ScratchError};
+use super::scratch::{self, BATCH, BATCH_WIDTH, BatchRows, Scratch, ScratchError};
 use super::slabs::{SlabProbes, Slabs, window_behind};
 use super::source::{Sheared, Source, SourceAt};
 use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::{Classifier, Support};
-use crate::composite::{Channel, Dither, Order, Pixel, Recurrence};
+use crate::composite::{Channel, Order, Pixel, Recurrence};
 use crate::lanes::Lanes;
 use crate::locate;
 use crate::plan::Plan;
@@ -135,6 +135,8 @@ where
         if seen.is_some() {
             width = width.max(BATCH_WIDTH);
         }
+        let blocks = seen.is_some();
+        let (scratch, spare) = scratch::with_spare(scratch, Self::SCRATCH, width, blocks)?;
         let Scratch {
             mut source,
             mut front,
@@ -168,12 +170,12 @@ where
         if n == 0 {
             return Ok(());
         }
-        let (precision, first, dither) = (self.precision, rows.first, Dither::of_plane(plane.index));
+        let (precision, first) = (self.precision, rows.first);
         let mut canvas = Image::<P::Pixel, O, V>::new(
             (first, rows.data),
             base_width,
             &extent,
-            dither,
+            plane.index,
             (precision.pixel(), self.floor),
         );
         let classifier = Kernels::<C, P, V>::of(&self.classifier, precision);
@@ -194,6 +196,12 @@ where
             let lists = [part_mut(rows, 0..BATCH), part_mut(columns, 0..BATCH)];
             let ([back, ..], [ahead, ..]) = (&mut source.samples, &mut front.samples);
             let samples = [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)];
+            let [ahead, back] = &mut front.z;
+            let (spare_rows, spare_columns) = spare.split_at_mut(spare.len().min(BATCH));
+            let stored = [
+                [spare_rows, spare_columns],
+                [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)],
+            ];
             let slabs;
             let probes: &dyn SourceAt<i32> = match &before {
                 Some(before) if C::SLABS => {
@@ -209,7 +217,7 @@ where
                 }
                 _ => &probes,
             };
-            let mut blocks = Blocks::new(seen, &extent, (first, count), V::COUNT, probes, lists, samples);
+            let mut blocks = Blocks::new(seen, &extent, (first, count), V::COUNT, probes, lists, samples, stored);
             fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
             return Ok(());
         }

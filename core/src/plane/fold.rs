@@ -28,14 +28,18 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
     fn next(&mut self, canvas: &mut X) -> Option<usize>;
     /// The samples of the batch, and those in front of them where segments are classified.
     fn slab(&self) -> Slab<'_, W>;
+    /// Says that the batch is gone through several times, part by part.
+    fn keep(&mut self);
+    /// Begins another part of a batch that was kept.
+    fn again(&mut self);
     /// The next visible samples of the batch, side by side.
     fn visible(&mut self, canvas: &mut X, opacities: &mut [W]) -> Option<Range<usize>>;
-    /// Their gradients, spaced.
-    fn gradients(&mut self, visible: Range<usize>, opacities: &[W], out: [&mut [W]; 3]);
+    /// Their gradients, spaced; with their turns, those of crossings.
+    fn gradients(&mut self, visible: Range<usize>, opacities: &[W], turns: Option<&[W]>, out: [&mut [W]; 3]);
     /// Folds them into their pixels.
     fn fold(&mut self, canvas: &mut X, visible: Range<usize>, colours: &Colours<'_, W>, opacities: &[W]);
-    /// Where a sample of the batch lies, for observers.
-    fn beam(&self, offset: usize) -> Option<Beam<'_>>;
+    /// Where a sample of the batch lies, for observers of a part.
+    fn beam(&self, offset: usize, part: u32) -> Option<Beam<'_>>;
 }
 
 /// Folds all batches of a plane.
@@ -62,61 +66,81 @@ pub(super) fn fold<B, C, S, X>(
     let one = classifier.one_colour().filter(|_| tap.is_none());
     while let Some(len) = batches.next(canvas) {
         let opacities = part_mut(opacities, 0..len);
-        if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0)) {
-            let Slab { front, back } = batches.slab();
+        if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0, 0)) {
+            let Slab { front, back, .. } = batches.slab();
             if front.is_empty() {
                 tap.row(Stage::Interpolation, at, &[&back]);
             } else {
                 tap.row(Stage::Interpolation, at, &[&back, &front]);
             }
         }
-        classifier.opacity_row(batches.slab().part(0..len), opacities);
-        if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0)) {
-            tap.row(Stage::Opacity, at, &[&&*opacities]);
+        let parts = classifier.parts(batches.slab().span(0..len));
+        if parts > 1 {
+            batches.keep();
         }
-        // Unlit, it needs no spans either.
-        if B::WHOLE_ROWS && one.is_some() && !shader.lit() {
-            let colours = Colours {
-                one,
-                rows: [&mut [], &mut [], &mut []],
-            };
-            batches.fold(canvas, 0..len, &colours, opacities);
-            continue;
-        }
-        while let Some(visible) = batches.visible(canvas, opacities) {
-            let n = visible.len();
-            let mut colours = Colours {
-                one: one.filter(|_| shader.lit()),
-                rows: three([&mut *red, &mut *green, &mut *blue], |row| part_mut(row, 0..n)),
-            };
-            if colours.one.is_none() {
-                let [r, g, b] = &mut colours.rows;
-                classifier.colour_row(batches.slab().part(visible.clone()), [r, g, b]);
+        for turn in 0..parts {
+            let part = if canvas.back_to_front() { parts - 1 - turn } else { turn };
+            if parts > 1 {
+                batches.again();
+                canvas.begin_part(part);
             }
-            if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {
-                see(*tap, Stage::Colour, at, &colours.rows);
+            classifier.opacity_row(batches.slab().span(0..len).of_part(part), opacities);
+            if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0, part)) {
+                tap.row(Stage::Opacity, at, &[&&*opacities]);
             }
-            if shader.lit() {
-                let [gx, gy, gz] = three([&mut *gx, &mut *gy, &mut *gz], |row| part_mut(row, 0..n));
-                let r = part_mut(r, 0..n);
-                batches.gradients(visible.clone(), opacities, [&mut *gx, &mut *gy, &mut *gz]);
-                if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {
-                    see(*tap, Stage::Gradient, at, &[&mut *gx, &mut *gy, &mut *gz]);
-                    shader.normalise([&mut *gx, &mut *gy, &mut *gz], &mut *r);
-                    tap.row(Stage::Normal, at, &[&&*gx, &&*gy, &&*gz, &&*r]);
-                    shader.shade([&*gx, &*gy, &*gz], &*r, &mut colours);
-                    see(*tap, Stage::Shading, at, &colours.rows);
-                } else {
-                    shader.normalise_and_shade([gx, gy, gz], r, &mut colours);
+            // Unlit, one colour needs no spans either.
+            if B::WHOLE_ROWS && one.is_some() && !shader.lit() {
+                let colours = Colours {
+                    one,
+                    rows: [&mut [], &mut [], &mut []],
+                };
+                batches.fold(canvas, 0..len, &colours, opacities);
+                continue;
+            }
+            while let Some(visible) = batches.visible(canvas, opacities) {
+                let n = visible.len();
+                let mut colours = Colours {
+                    one: one.filter(|_| shader.lit()),
+                    rows: three([&mut *red, &mut *green, &mut *blue], |row| part_mut(row, 0..n)),
+                };
+                if colours.one.is_none() {
+                    let [r, g, b] = &mut colours.rows;
+                    classifier.colour_row(batches.slab().span(visible.clone()).of_part(part), [r, g, b]);
+                }
+                if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
+                    see(*tap, Stage::Colour, at, &colours.rows);
+                }
+                if shader.lit() {
+                    let [gx, gy, gz] = three([&mut *gx, &mut *gy, &mut *gz], |row| part_mut(row, 0..n));
+                    let r = part_mut(r, 0..n);
+                    let gradients = [&mut *gx, &mut *gy, &mut *gz];
+                    if part & 1 == 1 {
+                        classifier.turn_row(batches.slab().span(visible.clone()).of_part(part), &mut *r);
+                        batches.gradients(visible.clone(), opacities, Some(&*r), gradients);
+                    } else {
+                        batches.gradients(visible.clone(), opacities, None, gradients);
+                    }
+                    if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
+                        see(*tap, Stage::Gradient, at, &[&mut *gx, &mut *gy, &mut *gz]);
+                        shader.normalise([&mut *gx, &mut *gy, &mut *gz], &mut *r);
+                        tap.row(Stage::Normal, at, &[&&*gx, &&*gy, &&*gz, &&*r]);
+                        shader.shade([&*gx, &*gy, &*gz], &*r, &mut colours);
+                        see(*tap, Stage::Shading, at, &colours.rows);
+                    } else {
+                        shader.normalise_and_shade([gx, gy, gz], r, &mut colours);
+                    }
+                }
+                if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
+                    canvas.look(at.row, visible.clone(), &mut |rows| tap.row(Stage::Before, at, rows));
+                }
+                batches.fold(canvas, visible.clone(), &colours, opacities);
+                if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
+                    canvas.look(at.row, visible, &mut |rows| tap.row(Stage::After, at, rows));
                 }
             }
-            if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {
-                canvas.look(at.row, visible.clone(), &mut |rows| tap.row(Stage::Before, at, rows));
-            }
-            batches.fold(canvas, visible.clone(), &colours, opacities);
-            if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start)) {
-                canvas.look(at.row, visible, &mut |rows| tap.row(Stage::After, at, rows));
-            }
+        }
+        if parts > 1 {
+            canvas.begin_part(0);
         }
     }
 }
@@ -208,6 +232,14 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     }
 
     #[inline(always)]
+    fn keep(&mut self) {}
+
+    #[inline(always)]
+    fn again(&mut self) {
+        self.from = 0;
+    }
+
+    #[inline(always)]
     fn visible(&mut self, canvas: &mut X, opacities: &mut [i32]) -> Option<Range<usize>> {
         // Most rows are one span, and a call per row counts.
         if self.from >= opacities.len() {
@@ -219,8 +251,8 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     }
 
     #[inline(always)]
-    fn gradients(&mut self, visible: Range<usize>, _: &[i32], out: [&mut [i32]; 3]) {
-        self.source.gradients(self.voxel_row(), visible, out);
+    fn gradients(&mut self, visible: Range<usize>, _: &[i32], turns: Option<&[i32]>, out: [&mut [i32]; 3]) {
+        self.source.gradients(self.voxel_row(), visible, turns, out);
     }
 
     #[inline(always)]
@@ -229,11 +261,12 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     }
 
     #[inline(always)]
-    fn beam(&self, offset: usize) -> Option<Beam<'_>> {
+    fn beam(&self, offset: usize, part: u32) -> Option<Beam<'_>> {
         Some(Beam {
             plane: self.plane,
             row: self.row,
             column: (self.extent.columns.start + offset) as u32,
+            part,
         })
     }
 }

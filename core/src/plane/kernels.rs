@@ -17,6 +17,10 @@ pub(super) trait ClassifierRows<W> {
     fn opacity_row(&self, slab: Slab<'_, W>, out: &mut [W]);
     /// Colours of a row.
     fn colour_row(&self, slab: Slab<'_, W>, out: [&mut [W]; 3]);
+    /// Parts into which segments of a row are cut, at most.
+    fn parts(&self, slab: Slab<'_, W>) -> u32;
+    /// Turns of a row of crossings.
+    fn turn_row(&self, slab: Slab<'_, W>, out: &mut [W]);
 }
 
 /// Row kernels of a shader.
@@ -56,6 +60,18 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
     fn colour_row(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
         V::enter((ColourRow, self, slab, out));
     }
+
+    #[inline(always)]
+    fn parts(&self, slab: Slab<'_>) -> u32 {
+        if C::SLABS { V::enter((Parts, self, slab)) } else { 1 }
+    }
+
+    #[inline(always)]
+    fn turn_row(&self, slab: Slab<'_>, out: &mut [i32]) {
+        if C::SLABS {
+            V::enter((TurnRow, self, slab, out));
+        }
+    }
 }
 
 struct OpacityRow;
@@ -81,6 +97,30 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> Kernel
     fn run(self) {
         let (_, kernels, slab, out) = self;
         kernels.0.colour_row::<V>(kernels.1, slab, out);
+    }
+}
+
+struct Parts;
+
+impl<C: Classifier<P>, P: Precision, V: Lanes> Kernel for (Parts, &Kernels<'_, C, P, V>, Slab<'_>) {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run(self) -> u32 {
+        let (_, kernels, slab) = self;
+        kernels.0.parts::<V>(kernels.1, slab)
+    }
+}
+
+struct TurnRow;
+
+impl<C: Classifier<P>, P: Precision, V: Lanes> Kernel for (TurnRow, &Kernels<'_, C, P, V>, Slab<'_>, &mut [i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, kernels, slab, out) = self;
+        kernels.0.turn_row::<V>(kernels.1, slab, out);
     }
 }
 

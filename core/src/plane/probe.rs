@@ -40,7 +40,7 @@ impl<P: Precision, V: Lanes> SourceAt<i32> for Probes<'_, '_, P, V> {
     }
 
     #[inline(always)]
-    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[i32], out: [&mut [i32]; 3]) {
+    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[i32], _: Option<&[i32]>, out: [&mut [i32]; 3]) {
         V::enter((GradientsAt, self, places, count, chosen, out));
     }
 }

@@ -79,8 +79,13 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             source.make(voxel_row);
             let samples = source.slab(voxel_row).back;
             if let Some(tap) = &mut tap {
-                let column = extent.columns.start as u32;
-                tap.row(Stage::Interpolation, Beam { plane, row, column }, &[&samples]);
+                let beam = Beam {
+                    plane,
+                    row,
+                    column: extent.columns.start as u32,
+                    part: 0,
+                };
+                tap.row(Stage::Interpolation, beam, &[&samples]);
             }
             let start = (row - rows.first) as usize * base_width;
             let columns = start + extent.columns.start..start + extent.columns.end;

@@ -2,6 +2,12 @@
 
 use crate::rows::{part_mut, take};
 
+/// Samples of a batch of blocks.
+pub(super) const BATCH: usize = 1024;
+
+/// Width of a slice whose rows of scratch memory hold a batch.
+pub(super) const BATCH_WIDTH: u32 = BATCH as u32 - 2;
+
 /// What scratch memory is cut for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rows {
@@ -43,6 +49,37 @@ impl Rows {
     pub const fn len(self, width: u32) -> usize {
         self.count() * (width as usize + 2)
     }
+}
+
+/// Words besides that a fold of blocks stores places in, to go through a batch of segments several times.
+const fn spare(kind: Rows, blocks: bool) -> usize {
+    if blocks && kind.slabs() { 2 * BATCH } else { 0 }
+}
+
+/// Words for a fold of blocks of slices of this width.
+pub(super) const fn blocks_len(kind: Rows, width: u32) -> usize {
+    let width = if width > BATCH_WIDTH { width } else { BATCH_WIDTH };
+    kind.len(width) + spare(kind, true)
+}
+
+/// Memory without the words besides, and these.
+///
+/// # Errors
+/// [`ScratchError`] if there is too little for both.
+#[inline]
+pub(super) fn with_spare(
+    memory: &mut [i32],
+    kind: Rows,
+    width: u32,
+    blocks: bool,
+) -> Result<(&mut [i32], &mut [i32]), ScratchError> {
+    let (spare, given) = (spare(kind, blocks), memory.len());
+    let needed = kind.len(width) + spare;
+    given
+        .checked_sub(spare)
+        .filter(|_| given >= needed)
+        .and_then(|at| memory.split_at_mut_checked(at))
+        .ok_or(ScratchError { needed, given })
 }
 
 /// Scratch memory is too short.

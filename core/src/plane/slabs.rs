@@ -15,6 +15,7 @@ use crate::lanes::{Kernel, Lanes, places};
 use crate::precision::Precision;
 use crate::shade::Shader;
 use crate::slice::Window;
+use crate::surface::turned;
 
 /// The window of a plane, given that of the plane in front of it: the same, or one slice further. `None` where the volume
 /// has no such slice. In the second of its slices only gradients read the one behind it; others must not look at it, because
@@ -71,20 +72,25 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Slabs<'_, '_, P, V, S
         Slab::between(front.back, self.back.slab(row).back)
     }
 
-    /// The sums of both ends' gradients: their length does not count.
+    /// The sums of both ends' gradients, whose length does not count; those of crossings lie between both.
     #[inline(always)]
-    fn gradients(&mut self, row: i32, span: Range<usize>, out: [&mut [i32]; 3]) {
+    fn gradients(&mut self, row: i32, span: Range<usize>, turns: Option<&[i32]>, out: [&mut [i32]; 3]) {
         let [x, y, z] = out;
-        self.back.gradients(row, span.clone(), [&mut *x, &mut *y, &mut *z]);
+        self.back
+            .gradients(row, span.clone(), None, [&mut *x, &mut *y, &mut *z]);
         let len = x.len();
         let [fx, fy, fz] = self
             .gradients
             .each_mut()
             .map(|row| row.get_mut(..len).unwrap_or(&mut []));
         let front = row.wrapping_add(self.rows);
-        self.front.gradients(front, span, [&mut *fx, &mut *fy, &mut *fz]);
+        self.front.gradients(front, span, None, [&mut *fx, &mut *fy, &mut *fz]);
         if S::LIT {
-            V::enter((Sum, PhantomData::<V>, [x, y, z], [&*fx, &*fy, &*fz]));
+            let fronts = [&*fx, &*fy, &*fz];
+            match turns {
+                None => V::enter((Sum, PhantomData::<V>, [x, y, z], fronts)),
+                Some(turns) => V::enter((Between, PhantomData::<V>, [x, y, z], fronts, turns)),
+            }
         }
     }
 }
@@ -101,6 +107,23 @@ impl<V: Lanes> Kernel for (Sum, PhantomData<V>, [&mut [i32]; 3], [&[i32]; 3]) {
             let Some(other) = other.get(..sum.len()) else { return };
             for at in places::<V>(sum.len()) {
                 (V::load(sum, at) + V::load(other, at)).store(sum, at);
+            }
+        }
+    }
+}
+
+struct Between;
+
+impl<V: Lanes> Kernel for (Between, PhantomData<V>, [&mut [i32]; 3], [&[i32]; 3], &[i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, backs, fronts, turns) = self;
+        for (back, front) in backs.into_iter().zip(fronts) {
+            for at in places::<V>(back.len()) {
+                let gradient = turned(V::load(front, at), V::load(back, at), V::load(turns, at));
+                gradient.store(back, at);
             }
         }
     }
@@ -132,20 +155,28 @@ impl<P: Precision, V: Lanes> SourceAt<i32> for SlabProbes<'_, '_, P, V> {
     }
 
     #[inline(always)]
-    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[i32], out: [&mut [i32]; 3]) {
-        V::enter((SumsAt, self, places, count, chosen, out));
+    fn gradients_at(
+        &self,
+        places: &Places<'_>,
+        count: usize,
+        chosen: &[i32],
+        turns: Option<&[i32]>,
+        out: [&mut [i32]; 3],
+    ) {
+        V::enter((GradientsAt, self, places, count, chosen, turns, out));
     }
 }
 
-struct SumsAt;
+struct GradientsAt;
 
 impl<P: Precision, V: Lanes> Kernel
     for (
-        SumsAt,
+        GradientsAt,
         &SlabProbes<'_, '_, P, V>,
         &Places<'_>,
         usize,
         &[i32],
+        Option<&[i32]>,
         [&mut [i32]; 3],
     )
 {
@@ -153,7 +184,7 @@ impl<P: Precision, V: Lanes> Kernel
 
     #[inline(always)]
     fn run(self) {
-        let (_, probes, places, count, chosen, [gx, gy, gz]) = self;
+        let (_, probes, places, count, chosen, turns, [gx, gy, gz]) = self;
         let (front, back, [rows, columns]) = (probes.front.probe(), probes.back.probe(), probes.offset());
         let mut at = 0;
         for number in 0..count {
@@ -164,9 +195,17 @@ impl<P: Precision, V: Lanes> Kernel
                 .front
                 .spaced(front.gradient(row.wrapping_add(rows), column + columns));
             let [bx, by, bz] = probes.back.spaced(back.gradient(row, column));
-            (fx + bx).packed(chosen).store(gx, at);
-            (fy + by).packed(chosen).store(gy, at);
-            (fz + bz).packed(chosen).store(gz, at);
+            if let Some(turns) = turns {
+                // Lanes behind the chosen ones are written again.
+                let turn = V::load(turns, at);
+                turned(fx.packed(chosen), bx.packed(chosen), turn).store(gx, at);
+                turned(fy.packed(chosen), by.packed(chosen), turn).store(gy, at);
+                turned(fz.packed(chosen), bz.packed(chosen), turn).store(gz, at);
+            } else {
+                (fx + bx).packed(chosen).store(gx, at);
+                (fy + by).packed(chosen).store(gy, at);
+                (fz + bz).packed(chosen).store(gz, at);
+            }
             at += chosen.count();
         }
     }

@@ -26,8 +26,9 @@ pub(super) trait Source<W> {
     fn make(&mut self, row: i32);
     /// The samples of the row that was made last, and those in front of them where segments are classified.
     fn slab(&self, row: i32) -> Slab<'_, W>;
-    /// The gradients of a span of the row's samples, spaced and coarsened. Three rows, as long as the span.
-    fn gradients(&mut self, row: i32, span: Range<usize>, out: [&mut [W]; 3]);
+    /// The gradients of a span of the row's samples, spaced and coarsened. Three rows, as long as the span. With a row of
+    /// turns, those of crossings.
+    fn gradients(&mut self, row: i32, span: Range<usize>, turns: Option<&[W]>, out: [&mut [W]; 3]);
 }
 
 /// Samples and gradients of single vectors of one plane.
@@ -35,8 +36,9 @@ pub(super) trait SourceAt<W> {
     /// The samples of the first `count` places, one vector behind the other: those in front where segments are classified,
     /// and those of the plane.
     fn samples_at(&self, places: &Places<'_>, count: usize, out: [&mut [W]; 2]);
-    /// The gradients where `chosen` is not 0, packed side by side; `chosen` holds a vector per place.
-    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[W], out: [&mut [W]; 3]);
+    /// The gradients where `chosen` is not 0, packed side by side; `chosen` holds a vector per place. With turns, packed as
+    /// well, those of crossings.
+    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[W], turns: Option<&[W]>, out: [&mut [W]; 3]);
 }
 
 /// A row number that no row has.
@@ -277,7 +279,7 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sheared<'_, '_, P, V,
     }
 
     #[inline(always)]
-    fn gradients(&mut self, row: i32, span: Range<usize>, out: [&mut [i32]; 3]) {
+    fn gradients(&mut self, row: i32, span: Range<usize>, _: Option<&[i32]>, out: [&mut [i32]; 3]) {
         // Unlit pipelines have no such code.
         if S::LIT {
             V::enter((MakeGradients, self, row, span, out));

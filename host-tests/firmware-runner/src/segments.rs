@@ -6,6 +6,7 @@ use std::path::Path;
 use slicecast::integral::{Colours, Length};
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::integrals::Cumulative;
+use slicecast_engine::segments;
 use slicecast_scene::file::parse;
 use slicecast_scene::{Classification, PrecisionName, Scene};
 use slicecast_volume::mapping::Window;
@@ -53,7 +54,8 @@ fn of_kind(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {
     };
     let mut prepared = Prepared::new(&scene, &named.volume).map_err(|e| words(&e))?;
     let length = Length::of(&prepared.setup.plan);
-    prepared.integrals = Some(cumulative(&scene, named).classifier(length));
+    let integrals = cumulative(&scene, named).classifier(length);
+    prepared.segments = Some(segments::cut(Some(integrals), &scene, &named.volume.mapping));
     sums(&prepared).map_err(|e| words(&e))
 }
 

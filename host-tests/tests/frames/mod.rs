@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use slicecast::format::{Coefficient, Vector};
+use slicecast::format::{Coefficient, Opacity, Vector};
 use slicecast::shade::{Highlight, Light};
+use slicecast::surface::{Face, Surface, VALUE_MAX};
 use slicecast_engine::camera::Material;
-use slicecast_host_tests::frame::{Frame, fine_table_of};
+use slicecast_host_tests::frame::{Frame, Stated, fine_table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 
@@ -108,6 +109,40 @@ fn material() -> impl Strategy<Value = Option<Material>> {
     ]
 }
 
+/// Segments: some whole, some cut at surfaces whose values and faces have everything odd about them, some into pieces.
+fn segments() -> impl Strategy<Value = Stated> {
+    let opacity = || prop_oneof![1 => Just(0u32), 1 => Just(1u32 << 31), 3 => 0u32..=1 << 31];
+    let face = move || {
+        (opacity(), prop::array::uniform3(0u32..=1 << 31)).prop_map(|(opacity, colour)| Face {
+            colour,
+            opacity: Opacity::from_bits(opacity),
+        })
+    };
+    let value = prop_oneof![
+        4 => 0..=VALUE_MAX,
+        2 => (0u32..=4096).prop_map(|code| code << 16),
+        1 => prop_oneof![Just(0), Just(4095 << 16), Just(VALUE_MAX)],
+    ];
+    let surface = (value, face(), face()).prop_map(|(value, front, back)| Surface { value, front, back });
+    let surfaces = prop_oneof![
+        1 => Just(Vec::new()),
+        3 => prop::collection::vec(surface.clone(), 1..5),
+        1 => prop::collection::vec(surface, 20..60),
+    ];
+    let scaled = prop_oneof![1u32.., 1u32 << 22..1 << 28];
+    let pieces = prop_oneof![2 => Just(1u32), 1 => Just(2), 1 => Just(4)];
+    let alone = prop_oneof![3 => Just(false), 1 => Just(true)];
+    (scaled, alone, surfaces, pieces).prop_map(|(scaled, alone, mut surfaces, pieces)| {
+        surfaces.sort_by_key(|surface| surface.value);
+        Stated {
+            scaled,
+            alone,
+            surfaces,
+            pieces,
+        }
+    })
+}
+
 fn factor() -> impl Strategy<Value = u16> {
     prop_oneof![2 => Just(32768u16), 1 => 1u16..=32768]
 }
@@ -140,7 +175,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
         Just(AlphaCodeName::Colour16),
     ]);
     let lookup = prop::option::of(prop_oneof![Just(LookupName::Nearest), Just(LookupName::Linear)]);
-    let segments = prop::option::of(prop_oneof![1u32.., 1u32 << 22..1 << 28]);
+    let segments = prop::option::of(segments());
     let look = (
         points(),
         material(),

@@ -65,6 +65,7 @@ fn a_row_of_voxels_is_continued_linearly() {
                 let mut place = Place {
                     step: 0,
                     phase: 0,
+                    part: 0,
                     stage: Stage::Gradient,
                     row: 0,
                     column: 0,

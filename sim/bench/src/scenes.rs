@@ -71,6 +71,8 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
+        pieces: 1,
+        surfaces: Vec::new(),
     }
 }
 

@@ -85,7 +85,7 @@ pub fn split(
     let size = exact.lattice().size;
     let begun = AtomicUsize::new(0);
     let written =
-        (prepared.integrals.is_some()).then(|| model(prepared, ModelPositions::Exact).with_segments(Segments::Exact));
+        (prepared.segments.is_some()).then(|| model(prepared, ModelPositions::Exact).with_segments(Segments::Exact));
     let images = if written.is_some() { 3 } else { 2 };
     let image = |pixel: &(dyn Fn(usize, usize) -> Pixel + Sync)| {
         ModelImage::from_fn(size, |u, v| {
@@ -136,7 +136,7 @@ pub fn model<'a>(prepared: &Prepared<'a>, positions: ModelPositions) -> Model<'a
         ModelPositions::Exact => Positions::Exact,
         ModelPositions::Pipeline => Positions::Given(Box::new(pipeline_positions(plan))),
     };
-    let segments = match &prepared.integrals {
+    let segments = match &prepared.segments {
         Some(_) => Segments::Binned,
         None => Segments::Not,
     };

@@ -15,15 +15,25 @@ use slicecast_engine::camera::{Material, Setup};
 use slicecast_engine::tiles::Tile;
 use slicecast_model::gradient::normalise;
 use slicecast_model::shade::{Lights, ResolvedLight};
-use slicecast_model::{Classified, Model, Pixel};
+use slicecast_model::{Classified, Model, Part, Pixel, between};
 use slicecast_scene::Blend;
 
 /// What the model knows of a sample of the current plane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Sample {
     value: f64,
+    /// The sample, or the parts of the segment that ends at it.
+    parts: Vec<Known>,
+}
+
+/// What the model knows of a part.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    number: u32,
     opacity: f64,
     visible: Option<Visible>,
+    /// The pixel behind it.
+    after: Pixel,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -261,9 +271,15 @@ impl<'a> Lockstep<'a> {
         }
     }
 
+    /// What the model knows of a part; `None` where it has no such part.
+    fn known(&self, index: usize, part: u32) -> Option<&Known> {
+        let sample = self.samples.get(index)?.as_ref()?;
+        sample.parts.iter().find(|known| known.number == part)
+    }
+
     /// The model's own sample of a visible span; `None` where the model sees nothing.
-    fn visible(&self, index: usize) -> Option<Visible> {
-        self.samples.get(index).copied().flatten()?.visible
+    fn visible(&self, at: Beam<'_>, offset: usize) -> Option<Visible> {
+        self.known(self.index(at) + offset, at.part)?.visible
     }
 
     /// One plane of the model: samples, then pixels.
@@ -273,43 +289,50 @@ impl<'a> Lockstep<'a> {
         for index in 0..self.samples.len() {
             let (column, row) = (index % self.width, index / self.width + self.tile.first as usize);
             let (u, v) = self.full(plane, column, row);
-            let sample = self.model.place(plane.index as usize, u, v).map(|place| {
-                let value = self.model.value_at(place.position);
-                let front = place.front.map(|at| self.model.value_at(at));
-                let classified = self.model.classify_behind(front, value);
-                let visible = (composited && classified.opacity > 0.0).then(|| {
+            let Some(place) = self.model.place(plane.index as usize, u, v) else {
+                self.samples[index] = None;
+                continue;
+            };
+            let value = self.model.value_at(place.position);
+            let front = place.front.map(|at| self.model.value_at(at));
+            let mut pixel = self.pixels[index];
+            let mut known = |part: &Part| {
+                let Classified { colour, opacity } = part.classified;
+                let visible = (composited && opacity > 0.0).then(|| {
                     let (gradient, normal) = if lit {
-                        let gradient = self.model.gradient_of(place);
+                        let gradient = self.model.gradient_of(place, part.crossing);
                         (gradient, normalise(gradient))
                     } else {
                         ([0.0; 3], [0.0; 3])
                     };
                     Visible {
-                        colour: classified.colour,
+                        colour,
                         gradient,
                         normal,
-                        shaded: self.model.shade(normal, classified.colour),
+                        shaded: self.model.shade(normal, colour),
                     }
                 });
-                Sample {
-                    value,
-                    opacity: classified.opacity,
-                    visible,
+                if let Some(visible) = visible {
+                    pixel = match self.blend {
+                        Blend::BackToFront => pixel.back_to_front(visible.shaded, opacity),
+                        _ => pixel.front_to_back(visible.shaded, opacity),
+                    };
                 }
-            });
-            self.samples[index] = sample;
-            if let Some(Sample {
-                opacity,
-                visible: Some(visible),
-                ..
-            }) = sample
-            {
-                let pixel = self.pixels[index];
-                self.pixels[index] = match self.blend {
-                    Blend::BackToFront => pixel.back_to_front(visible.shaded, opacity),
-                    _ => pixel.front_to_back(visible.shaded, opacity),
-                };
-            }
+                Known {
+                    number: part.number,
+                    opacity,
+                    visible,
+                    after: pixel,
+                }
+            };
+            let parts = self.model.parts(front, value);
+            let parts = if self.blend == Blend::BackToFront {
+                parts.iter().rev().map(&mut known).collect()
+            } else {
+                parts.iter().map(&mut known).collect()
+            };
+            self.samples[index] = Some(Sample { value, parts });
+            self.pixels[index] = pixel;
         }
     }
 
@@ -337,7 +360,9 @@ impl<'a> Lockstep<'a> {
             } else {
                 exact.colour
             };
-            let model = self.pixels[index];
+            let model = self
+                .known(index, at.part)
+                .map_or(self.pixels[index], |known| known.after);
             let carried = after.transparency - model.transparency;
             self.add(Stage::Transparency, after.transparency - left, Some(carried));
             self.add3(Stage::Compositing, after.colour, given, Some(model.colour));
@@ -365,7 +390,7 @@ impl Tap for Lockstep<'_> {
         match stage {
             Boundary::Location => {}
             Boundary::Interpolation => self.samples(at, rows),
-            Boundary::Opacity => self.opacities(rows),
+            Boundary::Opacity => self.opacities(at, rows),
             Boundary::Colour => self.colours(at, rows),
             Boundary::Gradient => self.gradients(at, rows),
             Boundary::Normal => self.normals(at, rows),
@@ -380,10 +405,10 @@ impl Tap for Lockstep<'_> {
 }
 
 impl Lockstep<'_> {
-    /// The model's classification of the row's own samples.
-    fn classified(&self, offset: usize) -> Classified {
-        self.model
-            .classify_behind(self.fronts.get(offset).copied(), self.values[offset])
+    /// The model's part of the row's own samples, if it has one of that number.
+    fn part(&self, offset: usize, number: u32) -> Option<Part> {
+        let parts = self.model.parts(self.fronts.get(offset).copied(), self.values[offset]);
+        parts.into_iter().find(|part| part.number == number)
     }
 
     /// The pipeline's own position of a sample on the plane in front, where segments are classified.
@@ -405,19 +430,26 @@ impl Lockstep<'_> {
             let fixed = f64::from(bits) / self.scales.sample_one;
             self.values.push(fixed);
             let local = fixed - self.model.value_at(fixed_position(at, offset));
-            let carried = self.samples[self.row + offset].map(|s| fixed - s.value);
+            let carried = self.samples[self.row + offset].as_ref().map(|s| fixed - s.value);
             self.add(Stage::Interpolation, local, carried);
         }
     }
 
-    fn opacities(&mut self, rows: &[&dyn Bits]) {
+    fn opacities(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.opacities.clear();
         for (offset, [bits]) in values(rows) {
             // As compositing will read it.
             let fixed = self.scales.opacity(bits);
             self.opacities.push(fixed);
-            let local = fixed - self.classified(offset).opacity;
-            let carried = self.samples[self.row + offset].map(|s| fixed - s.opacity);
+            let part = self.part(offset, at.part);
+            // A row has as many parts as the segment of it that is cut most.
+            if at.part > 0 && part.is_none() && bits == 0 {
+                continue;
+            }
+            let local = fixed - part.map_or(0.0, |part| part.classified.opacity);
+            let carried = self
+                .known(self.row + offset, at.part)
+                .map(|known| fixed - known.opacity);
             self.add(Stage::Opacity, local, carried);
         }
     }
@@ -428,8 +460,10 @@ impl Lockstep<'_> {
             let index = self.index(at) + offset;
             let fixed = self.scales.colour(colour);
             self.colours.push(fixed);
-            let exact = self.classified(index - self.row).colour;
-            self.add3(Stage::Colour, fixed, exact, self.visible(index).map(|v| v.colour));
+            if let Some(exact) = self.part(index - self.row, at.part) {
+                let carried = self.visible(at, offset).map(|v| v.colour);
+                self.add3(Stage::Colour, fixed, exact.classified.colour, carried);
+            }
         }
     }
 
@@ -440,11 +474,12 @@ impl Lockstep<'_> {
             self.gradients.push(fixed);
             let mut difference = self.model.difference_at(fixed_position(at, offset));
             if let Some(front) = self.front_position(at, offset) {
-                let ahead = self.model.difference_at(front);
-                difference.iter_mut().zip(ahead).for_each(|(sum, part)| *sum += part);
+                let part = self.part(self.index(at) + offset - self.row, at.part);
+                let crossing = part.and_then(|part| part.crossing);
+                difference = between(self.model.difference_at(front), difference, crossing);
             }
             let exact = [0, 1, 2].map(|a| difference[a] * self.spacing[a]);
-            let carried = self.visible(self.index(at) + offset).map(|v| v.gradient);
+            let carried = self.visible(at, offset).map(|v| v.gradient);
             self.add3(Stage::Gradient, fixed, exact, carried);
         }
     }
@@ -455,7 +490,7 @@ impl Lockstep<'_> {
             let fixed = self.scales.normal([x, y, z], r);
             self.normals.push(fixed);
             let exact = normalise(self.gradients[offset]);
-            let carried = self.visible(self.index(at) + offset).map(|v| v.normal);
+            let carried = self.visible(at, offset).map(|v| v.normal);
             self.add3(Stage::Normal, fixed, exact, carried);
         }
     }
@@ -465,7 +500,7 @@ impl Lockstep<'_> {
             let fixed = self.scales.colour(colour);
             if let Some(lights) = &self.lights {
                 let exact = lights.shade(self.normals[offset], self.colours[offset]);
-                let carried = self.visible(self.index(at) + offset).map(|v| v.shaded);
+                let carried = self.visible(at, offset).map(|v| v.shaded);
                 self.add3(Stage::Shading, fixed, exact, carried);
             }
             self.colours[offset] = fixed;

@@ -31,7 +31,7 @@ pub enum RenderError {
     /// Segments where single samples are needed: the f64 model, exported scenes and vectors know no others.
     #[error(
         "this command classifies samples, and the scene asks for segments (render.classification = {asked}); use \
-         --classification point"
+         --classification point, without surfaces"
     )]
     PointsOnly {
         /// The scene's setting, as a scene file has it.

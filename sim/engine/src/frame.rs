@@ -8,10 +8,10 @@ use crate::camera::{CameraError, Setup, set_up};
 use crate::error::RenderError;
 use crate::fineness::{self, Finest};
 use crate::image::Frame;
-use crate::integrals::{Cumulative, Integrals};
 use crate::oriented::{Oriented, Turned};
 use crate::pipelines::{compile, rendering, rendering_of_segments};
 use crate::rendering::Framing;
+use crate::segments::{self, Segments};
 use crate::simd::Simd;
 use crate::table::Table;
 
@@ -26,8 +26,8 @@ pub struct Prepared<'a> {
     pub setup: Setup,
     /// The table of points.
     pub table: Table,
-    /// The integrals, where segments are classified.
-    pub integrals: Option<Integrals>,
+    /// What segments are classified by, where they are.
+    pub segments: Option<Segments>,
     /// The finest peak of the transfer function, where `auto` chose by it.
     pub finest: Option<Finest>,
     /// Which vectors fold tiles.
@@ -54,18 +54,16 @@ impl<'a> Prepared<'a> {
         let finest = automatic.then(|| fineness::of(scene, volume)).flatten();
         let segments = match scene.classification {
             Classification::Point => false,
-            Classification::Integral => true,
-            Classification::Auto => finest.is_some_and(|finest| finest.is_missed()),
+            Classification::Integral | Classification::None => true,
+            Classification::Auto => !scene.surfaces.is_empty() || finest.is_some_and(|finest| finest.is_missed()),
         };
         let [_, _, slices] = setup.plan.dims();
         if segments && slices < 2 {
             return Err(RenderError::Segments);
         }
-        let integrals =
-            segments.then(|| Cumulative::of(&scene.transfer, volume, 0).classifier(Length::of(&setup.plan)));
         Ok(Self {
             table: compile(scene, &volume.mapping, setup.step_length),
-            integrals,
+            segments: segments.then(|| segments::of(scene, volume, Length::of(&setup.plan))),
             finest,
             scene,
             volume,
@@ -85,8 +83,11 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`RenderError::PointsOnly`] if segments are classified.
     pub fn check_points(&self) -> Result<(), RenderError> {
-        match (&self.integrals, self.scene.classification) {
+        match (&self.segments, self.scene.classification) {
             (None, _) => Ok(()),
+            (Some(_), Classification::None) => Err(RenderError::PointsOnly {
+                asked: "\"none\", for surfaces alone",
+            }),
             (Some(_), Classification::Auto) => Err(RenderError::PointsOnly {
                 asked: "\"auto\", which chose them",
             }),
@@ -100,8 +101,8 @@ impl<'a> Prepared<'a> {
     /// [`RenderError::Camera`] if the setup's material has been changed to one that the pipeline does not take.
     pub fn rendering(&self) -> Result<Box<dyn Framing>, RenderError> {
         let Setup { material, plan, .. } = &self.setup;
-        let rendering = match &self.integrals {
-            Some(integrals) => rendering_of_segments(self.scene, integrals, material.as_ref(), *plan),
+        let rendering = match &self.segments {
+            Some(segments) => rendering_of_segments(self.scene, segments, material.as_ref(), *plan),
             None => rendering(self.scene, &self.table, material.as_ref(), *plan),
         };
         Ok(rendering.map_err(CameraError::from)?)

@@ -10,7 +10,7 @@ use slicecast::table::ENTRIES;
 use slicecast_scene::TransferFunction;
 use slicecast_volume::{Mapping, Volume};
 
-/// The classifier of a frame, which owns its lists.
+/// A classifier that owns its lists.
 pub type Integrals = Integral<Nodes>;
 
 /// A list of nodes that frames of the same table share.

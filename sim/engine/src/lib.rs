@@ -16,6 +16,7 @@ mod picture;
 pub mod pipelines;
 pub mod rays;
 pub mod rendering;
+pub mod segments;
 pub mod simd;
 mod stream;
 pub mod table;

@@ -12,8 +12,8 @@ use slicecast::shade::{PhongError, Shader, Unlit};
 
 use crate::camera::Material;
 use crate::expanded::Expanded;
-use crate::integrals::Integrals;
 use crate::rendering::{Framing, Under};
+use crate::segments::Segments;
 use crate::table::{Correction, Table, has_fine_colours};
 #[doc(hidden)]
 pub use slicecast_scene::PrecisionName;
@@ -92,12 +92,12 @@ pub fn rendering_over(
 /// As [`rendering`].
 pub fn rendering_of_segments(
     scene: &Scene,
-    integrals: &Integrals,
+    segments: &Segments,
     material: Option<&Material>,
     plan: Plan,
 ) -> Result<Box<dyn Framing>, PhongError> {
     let back_to_front = scene.blend == Blend::BackToFront;
-    with_precision!(scene.precision, p => composited(p, scene, integrals.clone(), material, plan, back_to_front))
+    with_precision!(scene.precision, p => composited(p, scene, segments.clone(), material, plan, back_to_front))
 }
 
 fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(

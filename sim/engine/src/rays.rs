@@ -1,7 +1,7 @@
 //! The pipeline's definitions, applied to one ray at a time: what every row kernel, layer and vector has to equal.
 //!
 //! Only core's scalar definitions are used: `position`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`,
-//! `Classifier::opacity`, `colour` and those of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which
+//! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which
 //! voxels they are given follows from the contract and is written here once more: no rows, no ring, no spans, no reuse.
 //! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
 //! finished rays end, as any renderer of rays would have it, and that is what is measured.
@@ -25,7 +25,7 @@ use slicecast::shade::{Phong, PhongError};
 use self::grid::Grid;
 use crate::frame::Prepared;
 use crate::image::BaseImage;
-use crate::integrals::Integrals;
+use crate::segments::Segments;
 use crate::table::AnyTable;
 use slicecast_scene::Blend;
 
@@ -42,6 +42,8 @@ pub struct Visit {
     pub row: u32,
     /// Column of it.
     pub column: u32,
+    /// Which part of the segment, where it is cut.
+    pub part: u32,
 }
 
 /// What a composited sample was on its way.
@@ -100,7 +102,7 @@ struct Rays<'a, P: Precision> {
     plan: &'a Plan,
     grid: Grid<'a>,
     table: AnyTable<'a>,
-    integrals: Option<&'a Integrals>,
+    segments: Option<&'a Segments>,
     phong: Option<Phong<P>>,
     blend: Blend,
     floor: ChannelOf<P>,
@@ -135,7 +137,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             grid: Grid::of(prepared.volume, plan),
             plan,
             table: prepared.table.classifier(),
-            integrals: prepared.integrals.as_ref(),
+            segments: prepared.segments.as_ref(),
             phong: material.map(|material| material.phong(precision)).transpose()?,
             blend,
             floor: Channel::from_bits(pixel.floor().bits().max(asked)),
@@ -210,6 +212,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             phase: ray.phase,
             row: ray.row,
             column: ray.column,
+            part: 0,
         };
         witness.location(step, visit.phase, positions.map(Position::to_bits));
         Some((self.cells(ray, positions)?, visit))
@@ -267,7 +270,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             } else {
                 self.sample::<false>(cells)
             };
-            let front = match self.integrals {
+            let front = match self.segments {
                 None => None,
                 Some(_) => match self.in_front(ray, step) {
                     // The ray's first sample ends no segment.
@@ -277,48 +280,59 @@ impl<'a, P: Precision> Rays<'a, P> {
             };
             let front_sample = front.map(|cells| self.sample::<false>(cells));
             witness.sample(at, sample, front_sample);
-            let opacity = match (self.integrals, front_sample) {
-                (Some(integrals), Some(front)) => integrals.segment_opacity(p, [front, sample]),
-                _ => self.table.opacity(p, sample),
+            let segment = match (self.segments, front_sample) {
+                (Some(segments), Some(front)) => Some((segments, [front, sample])),
+                _ => None,
             };
-            if !W::EVERYTHING && opacity.to_bits() == 0 {
-                continue;
-            }
-            let before = pixel;
-            let colour = match (self.integrals, front_sample) {
-                (Some(integrals), Some(front)) => integrals.segment_colour(p, [front, sample]),
-                _ => self.table.colour(p, sample),
-            };
-            let lit = self.phong.as_ref().map(|phong| {
-                let mut gradient = if inner {
-                    self.gradient::<true>(cells)
-                } else {
-                    self.gradient::<false>(cells)
+            let parts = segment.map_or(1, |(segments, ends)| segments.parts_of(p, ends));
+            for turn in 0..parts {
+                let part = if BACK_TO_FRONT { parts - 1 - turn } else { turn };
+                let opacity = match segment {
+                    Some((segments, ends)) => segments.part_opacity(p, ends, part),
+                    None => self.table.opacity(p, sample),
                 };
-                if let Some(front) = front {
-                    for (sum, other) in gradient.iter_mut().zip(self.gradient::<false>(front)) {
-                        *sum += other;
-                    }
+                if !W::EVERYTHING && opacity.to_bits() == 0 {
+                    continue;
                 }
-                let normal = normalise(gradient);
-                (gradient, normal, phong.shade(normal, colour))
-            });
-            let shaded = lit.map_or(colour, |(_, _, shaded)| shaded);
-            let dither = Dither::of_plane(self.index(step));
-            if BACK_TO_FRONT {
-                pixel = recurrence.under(pixel, shaded, opacity, dither);
-            } else {
-                pixel = recurrence.over(pixel, shaded, opacity, dither);
-                pixel.transparency = settle(pixel.transparency, self.floor);
+                let before = pixel;
+                let colour = match segment {
+                    Some((segments, ends)) => segments.part_colour(p, ends, part),
+                    None => self.table.colour(p, sample),
+                };
+                let lit = self.phong.as_ref().map(|phong| {
+                    let mut gradient = if inner {
+                        self.gradient::<true>(cells)
+                    } else {
+                        self.gradient::<false>(cells)
+                    };
+                    if let (Some(front), Some((segments, ends))) = (front, segment) {
+                        let front = self.gradient::<false>(front);
+                        let crossing = (part & 1 == 1).then(|| segments.turn(p, ends, part));
+                        gradient = [0, 1, 2].map(|axis| match crossing {
+                            None => front[axis] + gradient[axis],
+                            Some(turn) => turn.gradient(front[axis], gradient[axis]),
+                        });
+                    }
+                    let normal = normalise(gradient);
+                    (gradient, normal, phong.shade(normal, colour))
+                });
+                let shaded = lit.map_or(colour, |(_, _, shaded)| shaded);
+                let dither = Dither::of_part(self.index(step), part);
+                if BACK_TO_FRONT {
+                    pixel = recurrence.under(pixel, shaded, opacity, dither);
+                } else {
+                    pixel = recurrence.over(pixel, shaded, opacity, dither);
+                    pixel.transparency = settle(pixel.transparency, self.floor);
+                }
+                let seen = Composited {
+                    opacity,
+                    colour,
+                    lit,
+                    before,
+                    after: pixel,
+                };
+                witness.composited(Visit { part, ..at }, &seen);
             }
-            let seen = Composited {
-                opacity,
-                colour,
-                lit,
-                before,
-                after: pixel,
-            };
-            witness.composited(at, &seen);
             if !W::EVERYTHING && !BACK_TO_FRONT && pixel.transparency.bits() == 0 {
                 break;
             }

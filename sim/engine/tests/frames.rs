@@ -87,6 +87,8 @@ fn framed(precision: PrecisionName, background: [f64; 3], check: impl Fn(&Frame,
         interpolation: Interpolation::Linear,
         early_termination: None,
         classification: Classification::Point,
+        pieces: 1,
+        surfaces: Vec::new(),
     };
     let prepared = Prepared::new(&scene, &volume).unwrap();
     let frame = prepared.render(Layer::Tiles(8), &|_, _| {}).unwrap();

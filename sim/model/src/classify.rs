@@ -19,6 +19,22 @@ pub struct Classified {
     pub opacity: f64,
 }
 
+impl Classified {
+    /// Nothing.
+    pub const CLEAR: Self = Self {
+        colour: [0.0; 3],
+        opacity: 0.0,
+    };
+
+    /// The same over a share of the length.
+    pub fn shared(self, share: f64) -> Self {
+        Self {
+            opacity: -(share * (-self.opacity).ln_1p()).exp_m1(),
+            ..self
+        }
+    }
+}
+
 /// A transfer function applied to codes, for rays of a given step length.
 #[derive(Clone, Copy, Debug)]
 pub struct Classifier<'a> {

@@ -15,14 +15,19 @@
 //! transfer function; otherwise it is halved, up to [`SMOOTH_DEPTH_MAX`] times where the function is straight and
 //! [`DEPTH_MAX`] times around its corners. Optical depths are summed by Simpson's rule.
 //!
+//! A surface is met where the value along the ray, in a cell a cubic, passes its own; there the ray is cut. Its normal is that of
+//! the trilinear gradient at that place.
+//!
 //! The integral ends at the centres of the outermost voxels. The discrete model has planes there, each as thick as a
 //! step: half a step on either side counts as error of the algorithm.
 
 use super::composite::Pixel;
 use super::gradient::normalise;
 use super::interpolate::Cell;
+use super::parts::Isosurface;
 use super::render::Model;
 use super::warp::ModelImage;
+use slicecast_scene::Face;
 
 /// Halvings of a cell where the transfer function has a corner or a step; what is then left of it is 2^-14 of a voxel.
 const DEPTH_MAX: u32 = 14;
@@ -36,6 +41,9 @@ const TOLERANCE: f64 = 1e-3 / 255.0;
 
 /// An opacity of 1 would be an infinite extinction.
 const OPACITY_MAX: f64 = 1.0 - 1e-12;
+
+/// A value nearer to a surface's than this, in codes, does not tell the sides apart.
+const SAME: f64 = 1e-7;
 
 /// What the integral is made of at a point.
 #[derive(Clone, Copy, Debug)]
@@ -58,14 +66,20 @@ impl Model<'_> {
             lattice.origin[1] as f64 + v as f64 / rays,
         ];
         let position = |z: f64| [start[0] + z * geometry.shear[0], start[1] + z * geometry.shear[1], z];
+        let ray = Ray {
+            model: self,
+            position: &position,
+        };
         let mut pixel = Pixel::TRANSPARENT;
+        let mut inside = None;
         for [from, to] in cells(start, geometry.shear, geometry.dims) {
-            let ray = Ray {
-                model: self,
-                position: &position,
-            };
-            let part = ray.cell(from, to, pixel.transparency);
-            pixel = behind(pixel, part);
+            let mut reached = from;
+            for (z, surface) in ray.surfaces(from, to, &mut inside) {
+                pixel = behind(pixel, ray.volume(reached, z, pixel.transparency));
+                pixel = behind(pixel, surface);
+                reached = z;
+            }
+            pixel = behind(pixel, ray.volume(reached, to, pixel.transparency));
             if pixel.transparency < 1e-9 {
                 break;
             }
@@ -132,9 +146,7 @@ struct Ray<'a> {
 impl Ray<'_> {
     fn point(&self, z: f64) -> Point {
         let geometry = self.model.geometry();
-        // Cuts lie on faces up to rounding.
-        let at = (self.position)(z);
-        let at = [0, 1, 2].map(|a| at[a].clamp(0.0, (geometry.dims[a] - 1) as f64));
+        let at = self.inside(z);
         let (classified, piece) = self.model.as_written_on_piece(self.model.value_at(at));
         let length =
             geometry.step_length() * geometry.planes_per_voxel as f64 / self.model.classifier().unit_distance();
@@ -144,6 +156,67 @@ impl Ray<'_> {
             _ => classified.colour,
         };
         Point { tau, colour, piece }
+    }
+
+    /// The surfaces that are met in a cell, with their places. `inside` keeps on which side of each surface the ray is: a
+    /// voxel that has a surface's value is the end of one cell and the beginning of the next, and rounding would have it on
+    /// both sides.
+    fn surfaces(&self, from: f64, to: f64, inside: &mut Option<Vec<bool>>) -> Vec<(f64, Pixel)> {
+        let surfaces = self.model.surfaces();
+        if surfaces.is_empty() {
+            return Vec::new();
+        }
+        let along = Cubic::through(|t| self.value(from + (to - from) * t));
+        let inside = inside.get_or_insert_with(|| surfaces.iter().map(|s| along.at(0.0) >= s.code).collect());
+        let mut met = Vec::new();
+        for [a, b] in along.monotone() {
+            let end = along.at(b);
+            for (surface, inside) in surfaces.iter().zip(inside.iter_mut()) {
+                if (end >= surface.code) == *inside || (end - surface.code).abs() < SAME {
+                    continue;
+                }
+                let t = along.root(surface.code, [a, b]);
+                met.push((t, surface, *inside));
+                *inside = !*inside;
+            }
+        }
+        met.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let drawn = |(t, surface, falling): (f64, &Isosurface, bool)| {
+            let z = from + (to - from) * t;
+            let Face { colour, opacity } = if falling { surface.falling } else { surface.rising };
+            let shaded = match self.model.lights() {
+                Some(lights) => {
+                    let gradient = self.model.gradient_at(self.inside(z));
+                    let sign = if falling { -1.0 } else { 1.0 };
+                    lights.shade(normalise(gradient.map(|g| sign * g)), colour)
+                }
+                None => colour,
+            };
+            let pixel = Pixel {
+                colour: shaded.map(|c| c * opacity),
+                transparency: 1.0 - opacity,
+            };
+            (z, pixel)
+        };
+        met.into_iter().map(drawn).collect()
+    }
+
+    /// A place of the ray; cuts lie on faces up to rounding.
+    fn inside(&self, z: f64) -> [f64; 3] {
+        let (at, dims) = ((self.position)(z), self.model.geometry().dims);
+        [0, 1, 2].map(|a| at[a].clamp(0.0, (dims[a] - 1) as f64))
+    }
+
+    fn value(&self, z: f64) -> f64 {
+        self.model.value_at(self.inside(z))
+    }
+
+    /// A part of a cell, behind this much transparency.
+    fn volume(&self, from: f64, to: f64, before: f64) -> Pixel {
+        if to <= from || !self.model.has_volume() {
+            return Pixel::TRANSPARENT;
+        }
+        self.cell(from, to, before)
     }
 
     /// A cell, behind this much transparency.
@@ -188,6 +261,59 @@ impl Ray<'_> {
     }
 }
 
+/// The value along a ray in a cell, where it is a cubic, from 0 to 1.
+#[derive(Clone, Copy, Debug)]
+struct Cubic([f64; 4]);
+
+impl Cubic {
+    /// Through the values at 0, 1/3, 2/3 and 1.
+    fn through(value: impl Fn(f64) -> f64) -> Self {
+        let [a, b, c, d] = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(value);
+        Self([
+            a,
+            (-11.0 * a + 18.0 * b - 9.0 * c + 2.0 * d) / 2.0,
+            9.0 * (2.0 * a - 5.0 * b + 4.0 * c - d) / 2.0,
+            9.0 * (-a + 3.0 * b - 3.0 * c + d) / 2.0,
+        ])
+    }
+
+    fn at(&self, t: f64) -> f64 {
+        self.0.iter().rev().fold(0.0, |sum, c| sum * t + c)
+    }
+
+    /// Parts in which it only rises or only falls.
+    fn monotone(&self) -> Vec<[f64; 2]> {
+        let [_, b, c, d] = self.0;
+        let discriminant = c * c - 3.0 * b * d;
+        let mut cuts = vec![0.0, 1.0];
+        if discriminant > 0.0 {
+            // The stable form of both roots of b + 2 c t + 3 d t^2.
+            let q = -(c + c.signum() * discriminant.sqrt());
+            for root in [q / (3.0 * d), b / q] {
+                if root > 0.0 && root < 1.0 {
+                    cuts.push(root);
+                }
+            }
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+    }
+
+    /// Where it takes a value that it passes within a monotone part.
+    fn root(&self, value: f64, [mut low, mut high]: [f64; 2]) -> f64 {
+        let rising = self.at(high) > self.at(low);
+        for _ in 0..60 {
+            let middle = (low + high) / 2.0;
+            if (self.at(middle) >= value) == rising {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
+}
+
 /// A part of a ray from its ends and its middle.
 fn simpson(length: f64, points: [Point; 3]) -> Pixel {
     let weights = [1.0, 4.0, 1.0].map(|w| w * length / 6.0);
@@ -215,6 +341,47 @@ mod tests {
         let model = Model::natural(scene, volume);
         let [width, height] = model.lattice().size;
         model.integral(width / 2, height / 2)
+    }
+
+    /// A ramp along the ray meets a surface where it has its value, once, though that is at a voxel; a ball meets it twice.
+    #[test]
+    fn surfaces_are_met_where_they_lie() {
+        let red = [1.0, 0.0, 0.0];
+        let ramp = volume_of([3, 11, 3], |_, y, _| 100 * y);
+        for value in [400.0, 437.0] {
+            let mut scene = scene_along([0.0, 1.0, 0.0], &[(0.0, 0.2), (1000.0, 0.2)]);
+            scene.surfaces = vec![slicecast_scene::Surface::of(
+                value,
+                Face {
+                    colour: red,
+                    opacity: 0.5,
+                },
+            )];
+            scene
+                .transfer
+                .points
+                .iter_mut()
+                .for_each(|point| point.colour = [0.0, 0.0, 1.0]);
+            let pixel = centre(&scene, &ramp);
+            let (near, far) = (0.8_f64.powf(value / 100.0), 0.8_f64.powf(10.0 - value / 100.0));
+            assert!((pixel.colour[0] - 0.5 * near).abs() < 1e-6, "{:?}", pixel.colour);
+            let blue = 1.0 - near + 0.5 * near * (1.0 - far);
+            assert!((pixel.colour[2] - blue).abs() < 2e-5, "{:?} {blue}", pixel.colour);
+        }
+        let ball = volume_of([15, 15, 15], |x, y, z| {
+            let d = |c: usize| (c as f64 - 7.0).powi(2);
+            (2000.0 - 200.0 * (d(x) + d(y) + d(z)).sqrt()).max(0.0) as usize
+        });
+        let mut scene = scene_along([0.3, 1.0, -0.2], &[(0.0, 0.0), (1000.0, 0.0)]);
+        scene.surfaces = vec![slicecast_scene::Surface::of(
+            1000.0,
+            Face {
+                colour: red,
+                opacity: 0.5,
+            },
+        )];
+        let pixel = centre(&scene, &ball);
+        assert!((pixel.transparency - 0.25).abs() < 1e-12);
     }
 
     /// Constant fog of opacity a: T = (1 - a)^length, straight on and obliquely.

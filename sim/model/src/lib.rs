@@ -13,6 +13,7 @@
 //! | gradient    | gradient at a position, normal                             | section 4.3     |
 //! | classify    | colour and opacity of a value, correction for the step     | equation 7      |
 //! | segment     | colour and opacity between two samples                     | Engel et al., 5, 6 |
+//! | parts       | segments cut at isosurfaces and into pieces                | Engel et al., section 5 |
 //! | shade       | Phong                                                      | equation 10     |
 //! | composite   | samples into pixels                                        | equations 4, 6  |
 //! | warp        | base plane into the viewer's image                         |                 |
@@ -28,6 +29,7 @@ pub mod gradient;
 pub mod grid;
 mod integral;
 pub mod interpolate;
+mod parts;
 pub mod rays;
 mod render;
 mod segment;
@@ -41,7 +43,8 @@ pub mod warp;
 
 pub use classify::Classified;
 pub use composite::Pixel;
+pub use parts::{Crossing, Part};
 pub use rays::{Geometry, Lattice};
-pub use render::{Model, ModelSample, Place, Positions, Segments};
+pub use render::{Model, ModelSample, Place, Positions, Segments, between};
 pub use shade::Lights;
 pub use warp::{Affine, ModelImage};

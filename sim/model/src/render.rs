@@ -5,12 +5,16 @@ use super::composite::Pixel;
 use super::gradient::{difference_at, normalise, spacing_factors};
 use super::grid::Grid;
 use super::interpolate::value_at;
+use super::parts::{Crossing, Isosurface, Part, crossings, cut, pieces, surfaces};
 use super::rays::{Geometry, Lattice};
 use super::segment::Bins;
 use super::shade::Lights;
 use super::warp::ModelImage;
-use slicecast_scene::{Blend, Interpolation, Scene};
+use slicecast_scene::{Blend, Classification, Interpolation, Scene};
 use slicecast_volume::Volume;
+
+/// A segment is cut into pieces if its depth is more than this (docs/contract/surfaces.md).
+const PIECES_FROM: f64 = 0.25;
 
 /// Where the model takes its samples.
 pub enum Positions<'a> {
@@ -34,6 +38,11 @@ pub struct Model<'a> {
     /// Whether samples lie at voxels.
     nearest: bool,
     segments: Segmented,
+    surfaces: Vec<Isosurface>,
+    /// Whether the volume is drawn, and not surfaces alone.
+    with_volume: bool,
+    /// Pieces of a segment of several colours.
+    pieces: u32,
 }
 
 /// What the model classifies, and how.
@@ -103,6 +112,9 @@ impl<'a> Model<'a> {
             blend: scene.blend,
             nearest: scene.interpolation == Interpolation::Nearest,
             segments: Segmented::Not,
+            surfaces: surfaces(scene, &volume.mapping),
+            with_volume: scene.classification != Classification::None,
+            pieces: if has_one_colour(scene) { 1 } else { scene.pieces },
             geometry,
         }
     }
@@ -229,15 +241,52 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The gradient of what is classified: of a segment the sum of those at its ends, whose length does not count.
-    pub fn gradient_of(&self, place: Place) -> [f64; 3] {
+    /// What is composited of a sample, or of the segment between it and the one in front of it: its parts in the order along
+    /// the ray.
+    pub fn parts(&self, front: Option<f64>, code: f64) -> Vec<Part> {
+        let whole = |classified| Part {
+            number: 0,
+            classified,
+            crossing: None,
+        };
+        let front = match (&self.segments, front) {
+            (Segmented::Not, _) | (_, None) => return vec![whole(self.classify(code))],
+            (_, Some(front)) => front,
+        };
+        let ends = [front, code];
+        let value = |t: f64| front + (code - front) * t;
+        let volume = |[from, to]: [f64; 2]| match &self.segments {
+            _ if !self.with_volume => Classified::CLEAR,
+            Segmented::Not => Classified::CLEAR,
+            Segmented::Binned(bins) => bins.part(ends, [from, to]),
+            Segmented::Exact(reference) => {
+                let part = self.classifier.segment([value(from), value(to)], *reference);
+                part.shared(to - from)
+            }
+        };
+        let crossings = crossings(&self.surfaces, ends);
+        if !crossings.is_empty() {
+            return cut(&crossings, &volume);
+        }
+        let all = if self.with_volume {
+            self.classify_behind(Some(front), code)
+        } else {
+            Classified::CLEAR
+        };
+        let far = (code - front).abs() >= f64::from(self.pieces);
+        if self.pieces > 1 && far && -(-all.opacity).ln_1p() > PIECES_FROM {
+            return pieces(self.pieces, &volume);
+        }
+        vec![whole(all)]
+    }
+
+    /// The gradient of what is classified: of a segment the sum of those at its ends, whose length does not count; of a
+    /// crossing the one between both, turned around for a surface that is seen from within.
+    pub fn gradient_of(&self, place: Place, crossing: Option<Crossing>) -> [f64; 3] {
         let gradient = self.gradient_at(place.position);
         match place.front {
             None => gradient,
-            Some(front) => {
-                let ahead = self.gradient_at(front);
-                [0, 1, 2].map(|a| gradient[a] + ahead[a])
-            }
+            Some(front) => between(self.gradient_at(front), gradient, crossing),
         }
     }
 
@@ -249,6 +298,16 @@ impl<'a> Model<'a> {
     /// [`Model::classify_as_written`], and the straight piece of the transfer function that the code lies on.
     pub(super) fn as_written_on_piece(&self, code: f64) -> (Classified, usize) {
         (self.classifier.as_written(code), self.classifier.piece(code))
+    }
+
+    /// The surfaces, ascending.
+    pub(super) fn surfaces(&self) -> &[Isosurface] {
+        &self.surfaces
+    }
+
+    /// Whether the volume is drawn, and not surfaces alone.
+    pub(super) fn has_volume(&self) -> bool {
+        self.with_volume
     }
 
     /// The transfer function.
@@ -296,19 +355,24 @@ impl<'a> Model<'a> {
         ModelImage::from_fn(self.lattice.size, |u, v| self.ray(u, v))
     }
 
-    /// Shaded colour and opacity of what can be seen on a plane.
-    fn visible(&self, plane: usize, u: usize, v: usize) -> Option<([f64; 3], f64)> {
-        let place = self.place(plane, u, v)?;
-        let front = place.front.map(|at| self.value_at(at));
-        let Classified { colour, opacity } = self.classify_behind(front, self.value_at(place.position));
-        if opacity == 0.0 {
-            return None;
-        }
-        let shaded = match &self.lights {
-            None => colour,
-            Some(lights) => lights.shade(normalise(self.gradient_of(place)), colour),
+    /// Shaded colour and opacity of what can be seen on a plane, in the order along the ray.
+    fn visible(&self, plane: usize, u: usize, v: usize) -> Vec<([f64; 3], f64)> {
+        let Some(place) = self.place(plane, u, v) else {
+            return Vec::new();
         };
-        Some((shaded, opacity))
+        let front = place.front.map(|at| self.value_at(at));
+        let parts = self.parts(front, self.value_at(place.position)).into_iter();
+        parts
+            .filter(|part| part.classified.opacity > 0.0)
+            .map(|part| {
+                let Classified { colour, opacity } = part.classified;
+                let shaded = match &self.lights {
+                    None => colour,
+                    Some(lights) => lights.shade(normalise(self.gradient_of(place, part.crossing)), colour),
+                };
+                (shaded, opacity)
+            })
+            .collect()
     }
 
     fn front_to_back(&self, u: usize, v: usize) -> Pixel {
@@ -318,7 +382,7 @@ impl<'a> Model<'a> {
             if pixel.transparency == 0.0 {
                 break;
             }
-            if let Some((colour, opacity)) = self.visible(plane, u, v) {
+            for (colour, opacity) in self.visible(plane, u, v) {
                 pixel = pixel.front_to_back(colour, opacity);
             }
         }
@@ -328,7 +392,7 @@ impl<'a> Model<'a> {
     fn back_to_front(&self, u: usize, v: usize) -> Pixel {
         (0..self.geometry.planes())
             .rev()
-            .filter_map(|plane| self.visible(plane, u, v))
+            .flat_map(|plane| self.visible(plane, u, v).into_iter().rev())
             .fold(Pixel::TRANSPARENT, |pixel, (colour, opacity)| {
                 pixel.back_to_front(colour, opacity)
             })
@@ -344,4 +408,21 @@ impl<'a> Model<'a> {
                 Pixel::of_sample(colour, opacity)
             })
     }
+}
+
+/// The gradient of a segment's part from those at its ends.
+pub fn between(front: [f64; 3], back: [f64; 3], crossing: Option<Crossing>) -> [f64; 3] {
+    [0, 1, 2].map(|a| match crossing {
+        None => front[a] + back[a],
+        Some(Crossing { t, falling, .. }) => {
+            let gradient = front[a] + (back[a] - front[a]) * t;
+            if falling { -gradient } else { gradient }
+        }
+    })
+}
+
+/// Whether all values of a scene's transfer function have one colour.
+fn has_one_colour(scene: &Scene) -> bool {
+    let first = scene.transfer.points.first().map(|point| point.colour);
+    scene.transfer.points.iter().all(|point| Some(point.colour) == first)
 }

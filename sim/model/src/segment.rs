@@ -141,6 +141,29 @@ impl Bins {
         }
     }
 
+    /// Colour and opacity of a part of such a segment, between two of its places, 0 at the front sample and 1 at the back one:
+    /// of the integrals between its values, or a share of what is looked up as a bin.
+    pub fn part(&self, ends: [f64; 2], [from, to]: [f64; 2]) -> Classified {
+        let [front, back] = ends;
+        let difference = (back - front).abs();
+        if difference < 1.0 {
+            return self.segment(ends).shared(to - from);
+        }
+        let up_to = |t: f64| self.up_to(front + (back - front) * t + 0.5);
+        let (a, b) = (up_to(from), up_to(to));
+        let [extinction, colours @ ..] = [0, 1, 2, 3].map(|n| (b[n] - a[n]).abs() / difference);
+        if extinction == 0.0 {
+            return Classified {
+                colour: [0.0; 3],
+                opacity: 0.0,
+            };
+        }
+        Classified {
+            colour: colours.map(|sum| sum / extinction),
+            opacity: -(-extinction * self.step_in_units).exp_m1(),
+        }
+    }
+
     /// Integrals up to a place, in codes from the lower edge of the first bin.
     fn up_to(&self, place: f64) -> Sums {
         let bin = (place.floor() as usize).min(BINS - 1);

@@ -68,6 +68,8 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
+        pieces: 1,
+        surfaces: Vec::new(),
     }
 }
 

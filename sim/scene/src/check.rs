@@ -26,6 +26,8 @@ pub const UNIT_DISTANCE: RangeInclusive<f64> = 1e-6..=1e6;
 pub const VALUE: RangeInclusive<f64> = -1e100..=1e100;
 /// Points of a transfer function.
 pub const POINTS: RangeInclusive<usize> = 1..=4096;
+/// Isosurfaces of a scene.
+pub const SURFACES: RangeInclusive<usize> = 0..=256;
 /// Lights of a lit scene.
 pub const LIGHTS: RangeInclusive<usize> = 1..=8;
 /// log2 of the specular exponent.
@@ -70,24 +72,61 @@ impl Scene {
             whole("render.early_termination", i64::from(n), EARLY_TERMINATION)?;
         }
         self.classification()?;
+        self.surfaces()?;
         self.lighting.as_ref().map_or(Ok(()), lighting)
     }
 
-    /// Segments need rays that are composited and values between voxels.
+    /// Segments need rays that are composited and values between voxels, and surfaces need segments.
     fn classification(&self) -> Result<(), FieldError> {
-        if self.classification != Classification::Integral {
-            return Ok(());
-        }
-        let refused = |expected| Err(FieldError::new("render.classification", "\"integral\"", expected));
+        let (given, needs) = match self.classification {
+            Classification::Integral => ("\"integral\"", "\"point\""),
+            Classification::None if self.surfaces.is_empty() => {
+                let expected = "a [[surface]], or \"point\", \"integral\", \"auto\": nothing would be drawn";
+                return Err(FieldError::new("render.classification", "\"none\"", expected));
+            }
+            Classification::None => ("\"none\"", "no [[surface]]"),
+            Classification::Point if !self.surfaces.is_empty() => {
+                let expected = "\"integral\" beside surfaces, or \"none\" for surfaces alone: surfaces cut segments";
+                return Err(FieldError::new("render.classification", "\"point\"", expected));
+            }
+            Classification::Auto if !self.surfaces.is_empty() => ("\"auto\"", "no [[surface]]"),
+            Classification::Point | Classification::Auto => return Ok(()),
+        };
+        let refused = |why: &str| {
+            Err(FieldError::new(
+                "render.classification",
+                given,
+                format!("{needs} {why}"),
+            ))
+        };
         if !matches!(self.blend, Blend::FrontToBack | Blend::BackToFront) {
-            return refused("\"point\" under a projection, which keeps single samples");
+            return refused("under a projection, which keeps single samples");
         }
         if self.interpolation == Interpolation::Nearest {
-            return refused("\"point\" with nearest interpolation: between labels lie values that no voxel has");
+            return refused("with nearest interpolation: between labels lie values that no voxel has");
+        }
+        Ok(())
+    }
+
+    fn surfaces(&self) -> Result<(), FieldError> {
+        if !matches!(self.pieces, 1 | 2 | 4) {
+            return Err(FieldError::new("render.pieces", self.pieces, PIECES));
+        }
+        count("surface", self.surfaces.len(), SURFACES)?;
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            let name = |part: &str| format!("surface[{i}].{part}");
+            number(&name("value"), surface.value, VALUE)?;
+            colour(&name("colour"), surface.front.colour)?;
+            number(&name("opacity"), surface.front.opacity, FRACTION)?;
+            colour(&name("back_colour"), surface.back.colour)?;
+            number(&name("back_opacity"), surface.back.opacity, FRACTION)?;
         }
         Ok(())
     }
 }
+
+/// The pieces that a file may state.
+pub(super) const PIECES: &str = "1, 2 or 4";
 
 fn view(view: &View) -> Result<(), FieldError> {
     number("view.azimuth", view.azimuth, TURN)?;

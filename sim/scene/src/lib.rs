@@ -41,6 +41,10 @@ pub struct Scene {
     pub early_termination: Option<u32>,
     /// What is classified along a ray.
     pub classification: Classification,
+    /// Pieces, 1, 2 or 4, that a segment of strong colours is cut into.
+    pub pieces: u32,
+    /// Isosurfaces, drawn with the volume or alone.
+    pub surfaces: Vec<Surface>,
 }
 
 /// The viewing direction as angles, in degrees.
@@ -216,6 +220,52 @@ pub struct Point {
     pub opacity: f64,
 }
 
+/// An isosurface: where the field takes a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Data value, in the data's unit.
+    pub value: f64,
+    /// The side of lower values.
+    pub front: Face,
+    /// The side of higher values.
+    pub back: Face,
+}
+
+/// One side of an isosurface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face {
+    /// Red, green, blue, 0 to 1.
+    pub colour: [f64; 3],
+    /// Opacity, 0 to 1, whatever the step.
+    pub opacity: f64,
+}
+
+impl Surface {
+    /// A surface with both sides alike.
+    pub const fn of(value: f64, face: Face) -> Self {
+        Self {
+            value,
+            front: face,
+            back: face,
+        }
+    }
+
+    /// Whether a side of it is seen.
+    pub fn is_visible(&self) -> bool {
+        self.front.opacity > 0.0 || self.back.opacity > 0.0
+    }
+}
+
+impl Default for Face {
+    /// Opaque, the colour of ivory.
+    fn default() -> Self {
+        Self {
+            colour: [1.0, 0.94, 0.86],
+            opacity: 1.0,
+        }
+    }
+}
+
 /// Lights and the material that they fall on (Squeeze, equation 10).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lighting {
@@ -384,8 +434,11 @@ pub enum Classification {
     Point,
     /// Segments between samples: the transfer function integrated over the values between them.
     Integral,
-    /// Segments where the transfer function is finer than what neighbouring samples differ by, else samples.
+    /// Segments where the transfer function is finer than what neighbouring samples differ by or surfaces cut them, else
+    /// samples.
     Auto,
+    /// Nothing: surfaces alone are drawn.
+    None,
 }
 
 /// The value of a sample between voxels.

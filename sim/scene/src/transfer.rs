@@ -3,6 +3,18 @@
 use super::{Point, TransferFunction};
 
 impl TransferFunction {
+    /// Nothing is visible.
+    pub fn clear() -> Self {
+        Self {
+            unit_distance: 1.0,
+            points: vec![Point {
+                value: 0.0,
+                colour: [0.0; 3],
+                opacity: 0.0,
+            }],
+        }
+    }
+
     /// Colour and opacity (over one unit distance) at a data value, in f64.
     ///
     /// Linear between points, colour and opacity each by itself; constant below the first point and above the last; at

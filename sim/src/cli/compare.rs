@@ -160,7 +160,7 @@ impl Args {
                 "\nThis is the error of the arithmetic. --converged adds that of the algorithm, and both together."
             );
         }
-        if prepared.integrals.is_none() && prepared.table.underflows > 0 {
+        if prepared.segments.is_none() && prepared.table.underflows > 0 {
             let note = format!(
                 "note: {} table entries are visible in the transfer function and fall to 0 in the table",
                 prepared.table.underflows

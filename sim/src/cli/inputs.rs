@@ -9,8 +9,11 @@ use clap::ValueEnum;
 use slicecast_engine::simd::Simd;
 use slicecast_scene::View;
 use slicecast_scene::check;
+use slicecast_scene::colour::hexadecimal;
 use slicecast_scene::import::Shading;
-use slicecast_scene::{AlphaCodeName, Blend, Classification, Interpolation, LookupName, PrecisionName, Scene};
+use slicecast_scene::{
+    AlphaCodeName, Blend, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
+};
 use slicecast_volume::choice::{Choice, NanRule, Series};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::{self, Loaded, Options, prepare};
@@ -78,6 +81,27 @@ fn window(text: &str) -> Result<Window, String> {
     }
     let [low, high] = numbers(text, ',', "-1000,2000")?;
     Ok(Window::Range { low, high })
+}
+
+/// `VALUE[,COLOUR[,OPACITY]]`.
+fn surface(text: &str) -> Result<Surface, String> {
+    let mut parts = text.split(',').map(str::trim);
+    let value =
+        number_in(check::VALUE)(parts.next().unwrap_or_default()).map_err(|expected| format!("value: {expected}"))?;
+    let mut face = Face::default();
+    if let Some(colour) = parts.next() {
+        let parsed = colour.strip_prefix('#').and_then(hexadecimal);
+        face.colour = parsed.ok_or_else(|| format!("colour {colour:?}: expected #rrggbb"))?;
+    }
+    if let Some(opacity) = parts.next() {
+        face.opacity = number_in(check::FRACTION)(opacity).map_err(|expected| format!("opacity: {expected}"))?;
+    }
+    match parts.next() {
+        None => Ok(Surface::of(value, face)),
+        Some(more) => Err(format!(
+            "{more:?} is too much: expected a value, a colour and an opacity"
+        )),
+    }
 }
 
 fn raw_words(text: &str) -> Result<Description, String> {
@@ -233,6 +257,7 @@ enum ClassificationArg {
     Point,
     Integral,
     Auto,
+    None,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -273,9 +298,17 @@ pub struct SceneArgs {
     #[arg(long)]
     lookup: Option<LookupArg>,
     /// What is classified along a ray: samples (point), segments between samples (integral), or segments where the transfer
-    /// function is finer than what neighbouring samples differ by (auto); without it, the scene's.
+    /// function is finer than what neighbouring samples differ by or a surface cuts them (auto), or nothing, for surfaces
+    /// alone (none); without it, the scene's.
     #[arg(long)]
     classification: Option<ClassificationArg>,
+    /// An isosurface: the value, its colour (#rrggbb) and its opacity from 0 to 1; as often as wanted. Added to the scene's;
+    /// without --scene, --transfer and --classification, surfaces alone are drawn.
+    #[arg(long, value_name = "VALUE[,COLOUR[,OPACITY]]", value_parser = surface, allow_hyphen_values = true)]
+    surface: Vec<Surface>,
+    /// Pieces, 1, 2 or 4, that segments of strong colours are cut into; without it, the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4))]
+    pieces: Option<u32>,
     /// The value between voxels; without it, the scene's. Labels are names, and are sampled nearest.
     #[arg(long)]
     interpolation: Option<InterpolationArg>,
@@ -434,7 +467,20 @@ impl SceneArgs {
                 ClassificationArg::Point => Classification::Point,
                 ClassificationArg::Integral => Classification::Integral,
                 ClassificationArg::Auto => Classification::Auto,
+                ClassificationArg::None => Classification::None,
             };
+        } else if !self.surface.is_empty() {
+            // No volume was asked for.
+            let alone = self.scene.is_none() && self.transfer.is_none();
+            scene.classification = match scene.classification {
+                _ if alone => Classification::None,
+                Classification::Point => Classification::Integral,
+                stated => stated,
+            };
+        }
+        scene.surfaces.extend(&self.surface);
+        if let Some(pieces) = self.pieces {
+            scene.pieces = pieces;
         }
         if let Some(interpolation) = self.interpolation {
             scene.interpolation = match interpolation {

@@ -6,6 +6,7 @@ use slicecast::view::Axis;
 use slicecast_engine::camera::{Material, plan};
 use slicecast_engine::integrals::Cumulative;
 use slicecast_engine::pipelines::{compile, rendering, rendering_of_segments};
+use slicecast_engine::segments;
 use slicecast_scene::{Blend, Classification};
 use slicecast_volume::Mapping;
 
@@ -68,12 +69,15 @@ impl Args {
         };
         let table = compile(&scene, &codes, 1.0);
         let mut table_bytes = table.bytes();
-        let rendering = if scene.classification == Classification::Integral {
-            let integrals = Cumulative::compile(&scene.transfer, &codes, 1.0, 0);
-            table_bytes = integrals.bytes();
-            rendering_of_segments(&scene, &integrals.classifier(Length::of(&plan)), lights.as_ref(), plan)
-        } else {
+        let with_volume = scene.classification != Classification::None;
+        let rendering = if with_volume && scene.classification != Classification::Integral {
             rendering(&scene, &table, lights.as_ref(), plan)
+        } else {
+            let integrals = with_volume.then(|| Cumulative::compile(&scene.transfer, &codes, 1.0, 0));
+            table_bytes = integrals.as_ref().map_or(0, Cumulative::bytes);
+            let integrals = integrals.map(|integrals| integrals.classifier(Length::of(&plan)));
+            let segments = segments::cut(integrals, &scene, &codes);
+            rendering_of_segments(&scene, &segments, lights.as_ref(), plan)
         };
         let rendering = rendering.map_err(Failure::input)?;
         let needs = rendering.needs();

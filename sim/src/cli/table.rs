@@ -71,7 +71,7 @@ impl Args {
         if let Some(note) = visibility::fineness(&prepared) {
             eprintln!("note: {note}");
         }
-        let text = match (&prepared.integrals, self.bins) {
+        let text = match (&prepared.segments, self.bins) {
             (Some(_), grain) => self.integrals(&prepared, grain.unwrap_or(GRAIN)),
             (None, None) => self.points(&prepared),
             (None, Some(_)) => {

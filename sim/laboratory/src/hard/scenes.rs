@@ -53,6 +53,8 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
+        pieces: 1,
+        surfaces: Vec::new(),
     }
 }
 

@@ -5,12 +5,12 @@
 use serde::Deserialize;
 
 use crate::check::{
-    COLOURS, EARLY_TERMINATION, EXPONENTS, FieldError, IMAGE_SIDE, PLANES_PER_VOXEL, RAYS_PER_VOXEL, whole,
+    COLOURS, EARLY_TERMINATION, EXPONENTS, FieldError, IMAGE_SIDE, PIECES, PLANES_PER_VOXEL, RAYS_PER_VOXEL, whole,
 };
 use crate::colour::Colour;
 use crate::{
-    AlphaCodeName, Blend, Classification, Frame, Highlight, Image, Interpolation, Light, Lighting, LookupName, Point,
-    PrecisionName, Sampling, Scene, TransferFunction, View,
+    AlphaCodeName, Blend, Classification, Face, Frame, Highlight, Image, Interpolation, Light, Lighting, LookupName,
+    Point, PrecisionName, Sampling, Scene, Surface, TransferFunction, View,
 };
 
 /// A whole scene file.
@@ -23,7 +23,9 @@ pub(super) struct SceneFile {
     image: ImagePart,
     #[serde(default)]
     sampling: SamplingPart,
-    transfer: TransferPart,
+    transfer: Option<TransferPart>,
+    #[serde(default)]
+    surface: Vec<SurfacePart>,
     lighting: Option<LightingPart>,
     #[serde(default)]
     render: RenderPart,
@@ -70,6 +72,16 @@ struct PointPart {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct SurfacePart {
+    value: f64,
+    colour: Option<Colour>,
+    opacity: Option<f64>,
+    back_colour: Option<Colour>,
+    back_opacity: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct LightingPart {
     ambient: Option<f64>,
     diffuse: Option<f64>,
@@ -96,6 +108,7 @@ struct RenderPart {
     lookup: Option<LookupName>,
     early_termination: Option<i64>,
     classification: Option<Classification>,
+    pieces: Option<i64>,
 }
 
 impl SceneFile {
@@ -105,19 +118,41 @@ impl SceneFile {
         let early_termination = early_termination
             .map(|n| whole("render.early_termination", n, EARLY_TERMINATION))
             .transpose()?;
+        let surfaces = (self.surface.into_iter().enumerate())
+            .map(SurfacePart::into_surface)
+            .collect::<Result<Vec<_>, _>>()?;
+        // What a file states decides what it leaves out: surfaces cut segments, and without a transfer function they are alone.
+        let unstated = match (surfaces.is_empty(), &self.transfer) {
+            (true, _) => Classification::Point,
+            (false, Some(_)) => Classification::Integral,
+            (false, None) => Classification::None,
+        };
+        let classification = self.render.classification.unwrap_or(unstated);
+        let transfer = match self.transfer {
+            Some(transfer) => transfer.into_transfer()?,
+            None if classification == Classification::None => TransferFunction::clear(),
+            None => {
+                let expected = "a table, or [[surface]]s alone";
+                return Err(FieldError::new("transfer", "missing", expected));
+            }
+        };
+        let pieces = self.render.pieces.unwrap_or(1);
+        let pieces = u32::try_from(pieces).map_err(|_| FieldError::new("render.pieces", pieces, PIECES))?;
         Ok(Scene {
             view: self.view.into_view(),
             image: self.image.into_image()?,
             interpolation: self.sampling.interpolation.unwrap_or_default(),
             sampling: self.sampling.into_sampling()?,
-            transfer: self.transfer.into_transfer()?,
+            transfer,
             lighting: self.lighting.map(LightingPart::into_lighting).transpose()?,
             blend: self.render.blend.unwrap_or(Blend::FrontToBack),
             precision: self.render.precision.unwrap_or(PrecisionName::Compact),
             table: self.render.table,
             lookup: self.render.lookup,
             early_termination,
-            classification: self.render.classification.unwrap_or_default(),
+            classification,
+            pieces,
+            surfaces,
         })
     }
 }
@@ -181,6 +216,23 @@ impl TransferPart {
         Ok(TransferFunction {
             unit_distance: self.unit_distance.unwrap_or(1.0),
             points,
+        })
+    }
+}
+
+impl SurfacePart {
+    /// The back is like the front where nothing else is said.
+    fn into_surface((i, part): (usize, Self)) -> Result<Surface, FieldError> {
+        let default = Face::default();
+        let colour = colour_or(&format!("surface[{i}].colour"), part.colour, default.colour)?;
+        let opacity = part.opacity.unwrap_or(default.opacity);
+        Ok(Surface {
+            value: part.value,
+            front: Face { colour, opacity },
+            back: Face {
+                colour: colour_or(&format!("surface[{i}].back_colour"), part.back_colour, colour)?,
+                opacity: part.back_opacity.unwrap_or(opacity),
+            },
         })
     }
 }

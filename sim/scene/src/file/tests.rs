@@ -4,7 +4,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::{
-    AlphaCodeName, Blend, Frame, Highlight, Interpolation, Lighting, LookupName, PrecisionName, Sampling, View,
+    AlphaCodeName, Blend, Classification, Face, Frame, Highlight, Interpolation, Lighting, LookupName, PrecisionName,
+    Sampling, Surface, View,
 };
 
 const MINIMAL: &str = "[transfer]\npoints = [{ value = 0, colour = \"#ffffff\", opacity = 0.5 }]\n";
@@ -335,7 +336,7 @@ fn unknown_and_missing_fields_and_wrong_types_are_refused() {
         scene("[view]")
             .unwrap_err()
             .to_string()
-            .contains("missing field `transfer`")
+            .contains("`transfer` is missing, expected a table")
     );
     assert!(
         scene("[transfer]")
@@ -388,4 +389,61 @@ proptest! {
             prop_assert!(scene.check().is_ok());
         }
     }
+}
+
+/// What is left out follows from what is stated: both faces alike, the volume classified by segments, or surfaces alone.
+#[test]
+fn surfaces_are_read_with_their_defaults() {
+    let two =
+        "[[surface]]\nvalue = -300\ncolour = \"#ff0000\"\nopacity = 0.25\nback_opacity = 0.5\n[[surface]]\nvalue = 9";
+    let alone = scene(two).unwrap();
+    assert_eq!(alone.classification, Classification::None);
+    let red = Face {
+        colour: [1.0, 0.0, 0.0],
+        opacity: 0.25,
+    };
+    let first = Surface {
+        value: -300.0,
+        front: red,
+        back: Face { opacity: 0.5, ..red },
+    };
+    assert_eq!(alone.surfaces, [first, Surface::of(9.0, Face::default())]);
+    let with_volume = with(two).unwrap();
+    assert_eq!(with_volume.classification, Classification::Integral);
+    let point = with(&format!("[render]\nclassification = \"point\"\n{two}"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        point.contains("`render.classification` is \"point\", expected \"integral\" beside surfaces"),
+        "{point}"
+    );
+    for (lines, expected) in [
+        ("[render]\nclassification = \"none\"", "expected a [[surface]]"),
+        (
+            "[[surface]]\nvalue = 1\nopacity = 1.5",
+            "`surface[0].opacity` is 1.5, expected a number from 0 to 1",
+        ),
+        (
+            "[[surface]]\nvalue = 1\nback_colour = \"red\"",
+            "`surface[0].back_colour` is \"red\", expected \"#rrggbb\"",
+        ),
+        ("[[surface]]\ncolour = \"#ff0000\"", "missing field `value`"),
+        (
+            "[[surface]]\nvalue = 1\n[sampling]\ninterpolation = \"nearest\"",
+            "no [[surface]] with nearest interpolation",
+        ),
+        (
+            "[[surface]]\nvalue = 1\n[render]\nblend = \"maximum\"",
+            "under a projection",
+        ),
+        ("[render]\npieces = 3", "`render.pieces` is 3, expected 1, 2 or 4"),
+        ("[render]\npieces = -1", "`render.pieces` is -1, expected 1, 2 or 4"),
+    ] {
+        let text = with(lines).unwrap_err().to_string();
+        assert!(text.contains(expected), "{lines}: {text}");
+    }
+    let missing = scene("[render]\nclassification = \"integral\"\n[[surface]]\nvalue = 1")
+        .unwrap_err()
+        .to_string();
+    assert!(missing.contains("`transfer` is missing"), "{missing}");
 }
