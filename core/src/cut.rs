@@ -70,6 +70,13 @@ impl core::fmt::Display for CutError {
 
 impl core::error::Error for CutError {}
 
+/// Which voxel ranges can hold a crossing: a segment that crosses a value lies on both sides of it, so between voxels of which
+/// one is the next code or above.
+pub fn crossed(surfaces: &[Surface]) -> Support {
+    let next = |code: usize| surfaces.iter().any(|surface| surface.next_code() == code);
+    Support::of((0..ENTRIES).map(next))
+}
+
 /// A classifier of segments that are cut: over lists of nodes `L` ([`Integral`]), or of surfaces alone, and a list of surfaces
 /// `S`.
 #[derive(Clone, Copy, Debug)]
@@ -92,12 +99,7 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
             return Err(CutError::Pieces { given: pieces });
         }
         let several = volume.as_ref().is_some_and(Integral::has_colours);
-        // A segment that crosses a value lies on both sides of it, so between voxels of which one is the next code or above.
-        let met = |code: usize| {
-            let reached = |surface: &Surface| (surface.value as usize).div_ceil(1 << 16) == code;
-            surfaces.as_ref().iter().any(reached)
-        };
-        let crossed = Support::of((0..ENTRIES).map(met));
+        let crossed = crossed(surfaces.as_ref());
         let visible = volume.as_ref().map_or(Support::NONE, Integral::visible);
         Ok(Self {
             support: visible.union(crossed),
@@ -246,6 +248,7 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
         mut done: impl FnMut(usize, [i32; 2]),
     ) {
         let surfaces = self.surfaces();
+        let beyond = (ENTRIES as u32) << p.formats().sample_bits;
         // Below this difference there are no pieces.
         let least = match &self.volume {
             Some(volume) if self.pieces > 1 => volume.bins(p, self.pieces),
@@ -260,7 +263,10 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
             }
             let ends = slab.front.iter().zip(slab.back).take(len);
             for (n, (&front, &back)) in ends.enumerate().skip(at).take(V::COUNT) {
-                done(n, [front, back]);
+                // Lanes beyond the volume hold anything.
+                if (front as u32).max(back as u32) < beyond {
+                    done(n, [front, back]);
+                }
             }
         }
     }

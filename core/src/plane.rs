@@ -2,7 +2,7 @@
 //!
 //! It keeps nothing between calls and reads the voxels by reference. A host runs it on a volume in memory, tile by tile, on
 //! all its cores; the stream layer runs it on its ring. A pipeline is a type: precision, classifier, shader and order of
-//! compositing ([`Composite`]), or an extreme of the samples ([`Project`]). Only the combinations you name are compiled.
+//! compositing ([`Composite`]), an extreme of the samples ([`Project`]), or the first surface ([`Depth`]). Only the combinations you name are compiled.
 //!
 //! Work that cannot change the image is skipped, and skipping never changes a bit. A row is skipped when all its voxels are
 //! transparent or all its rays have terminated; colours, gradients and shading are made for spans of visible samples. A
@@ -21,6 +21,7 @@
 mod blocks;
 mod canvas;
 mod composite;
+mod depth;
 mod extent;
 mod fold;
 mod kernels;
@@ -33,6 +34,7 @@ mod source;
 use core::fmt::Debug;
 
 pub use self::composite::Composite;
+pub use self::depth::{Depth, NO_DEPTH};
 pub use self::project::Project;
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;

@@ -52,6 +52,13 @@ pub struct Surface {
     pub back: Face,
 }
 
+impl Surface {
+    /// The first code that reaches the value.
+    pub(crate) const fn next_code(&self) -> usize {
+        (self.value as usize).div_ceil(1 << 16)
+    }
+}
+
 /// Why surfaces are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

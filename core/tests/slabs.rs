@@ -14,7 +14,9 @@ use slicecast::lanes::{Lanes, Small};
 use slicecast::locate::{Cell, cell, plane};
 use slicecast::normalise::normalise;
 use slicecast::plan::{Phase, Plan, Sampling, Spacing};
-use slicecast::plane::{At, ChannelOf, Composite, Pipeline, Rows, blocks_scratch_len, clear, near_slice, scratch_len};
+use slicecast::plane::{
+    At, ChannelOf, Composite, Depth, NO_DEPTH, Pipeline, Rows, blocks_scratch_len, clear, near_slice, scratch_len,
+};
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::seen::{Grain, Seen};
 use slicecast::shade::{Highlight, Light, Phong, Shader, Unlit};
@@ -167,7 +169,8 @@ fn by_planes<L: Pipeline, V: Lanes>(
 ) -> Vec<L::Element> {
     let [base_width, base_height] = plan.base().map(|side| side as usize);
     let [width, height, _] = plan.dims();
-    let mut image = vec![L::Element::default(); 4 * base_width * base_height];
+    let row_len = L::CHANNELS * base_width;
+    let mut image = vec![L::Element::default(); row_len * base_height];
     clear(pipeline, plan, &mut image);
     let len = if blocks {
         blocks_scratch_len::<L>(width)
@@ -177,7 +180,7 @@ fn by_planes<L: Pipeline, V: Lanes>(
     let mut scratch = vec![0x5555_5555; len];
     let every =
         vec![u64::MAX >> (64 - (width as usize).div_ceil(Grain::of(width as usize).columns())); height as usize];
-    for (number, data) in image.chunks_mut(4 * base_width * tile).enumerate() {
+    for (number, data) in image.chunks_mut(row_len * tile).enumerate() {
         for step in 0..plan.planes() {
             let index = if L::BACK_TO_FRONT {
                 plan.planes() - 1 - step
@@ -221,6 +224,40 @@ fn by_stream<L: Pipeline>(pipeline: L, plan: &Plan, volume: &Volume) -> Vec<L::E
     image
 }
 
+/// The depth of the first surface, ray by ray, against the plane layer and the stream.
+fn depths_held<P: Precision>(p: P, plan: &Plan, volume: &Volume, surfaces: &[Surface]) -> Result<(), TestCaseError> {
+    let pipeline = Depth::new(p, surfaces, plan).unwrap();
+    let [width, height] = plan.base();
+    let depth = |at: [u32; 2]| {
+        let met = |step: u32| {
+            let ends = [cells(plan, step - 1, at)?, cells(plan, step, at)?];
+            let position = pipeline.first(ends.map(|cells| at_cells(p, cells, [0; 2], |at| volume.voxel(at))))?;
+            Some(((step - 1) << 16) + position)
+        };
+        (1..plan.planes()).find_map(met).unwrap_or(NO_DEPTH)
+    };
+    let expected: Vec<u32> = (0..height)
+        .flat_map(|v| (0..width).map(move |u| [u, v]))
+        .map(depth)
+        .collect();
+    with_slices(volume, |slices| {
+        prop_assert_eq!(&by_planes::<_, i32>(&pipeline, plan, slices, 3, false), &expected);
+        prop_assert_eq!(&by_planes::<_, Small>(&pipeline, plan, slices, 1000, false), &expected);
+        prop_assert_eq!(&by_stream(pipeline.clone(), plan, volume), &expected);
+        Ok(())
+    })
+}
+
+/// Gives the slices of a volume.
+fn with_slices<R>(volume: &Volume, run: impl FnOnce(&[Slice<'_>]) -> R) -> R {
+    let [width, height, depth] = volume.dims;
+    let mut ranges = vec![RowRange::EMPTY; height * depth];
+    let slices: Vec<Slice<'_>> = (volume.voxels.chunks(width * height).zip(ranges.chunks_mut(height)))
+        .map(|(voxels, ranges)| Slice::measure(voxels, width, height, width, ranges).unwrap())
+        .collect();
+    run(&slices)
+}
+
 /// Every way to a frame against the definitions.
 fn held<P: Precision, S: Shader<P> + Clone, O: Order + Clone>(
     pipeline: &Composite<P, Segments<'_>, S, O>,
@@ -228,11 +265,6 @@ fn held<P: Precision, S: Shader<P> + Clone, O: Order + Clone>(
     volume: &Volume,
     expected: &[[u32; 4]],
 ) -> Result<(), TestCaseError> {
-    let [width, height, _] = volume.dims;
-    let mut ranges = vec![RowRange::EMPTY; height * volume.dims[2]];
-    let slices: Vec<Slice<'_>> = (volume.voxels.chunks(width * height).zip(ranges.chunks_mut(height)))
-        .map(|(voxels, ranges)| Slice::measure(voxels, width, height, width, ranges).unwrap())
-        .collect();
     let same = |image: &[ChannelOf<P>], name: &str| {
         let found = pixels(plan, image);
         let first = found
@@ -243,16 +275,15 @@ fn held<P: Precision, S: Shader<P> + Clone, O: Order + Clone>(
         prop_assert_eq!(found.len(), expected.len());
         Ok(())
     };
-    same(&by_planes::<_, i32>(pipeline, plan, &slices, 1000, false), "whole rows")?;
-    same(
-        &by_planes::<_, i32>(pipeline, plan, &slices, 3, false),
-        "whole rows in tiles",
-    )?;
-    same(
-        &by_planes::<_, Small>(pipeline, plan, &slices, 5, false),
-        "a small machine",
-    )?;
-    same(&by_planes::<_, i32>(pipeline, plan, &slices, 4, true), "blocks")?;
+    with_slices(volume, |slices| {
+        same(&by_planes::<_, i32>(pipeline, plan, slices, 1000, false), "whole rows")?;
+        same(&by_planes::<_, i32>(pipeline, plan, slices, 3, false), "rows in tiles")?;
+        same(
+            &by_planes::<_, Small>(pipeline, plan, slices, 5, false),
+            "a small machine",
+        )?;
+        same(&by_planes::<_, i32>(pipeline, plan, slices, 4, true), "blocks")
+    })?;
     same(&by_stream(pipeline.clone(), plan, volume), "stream")
 }
 
@@ -380,6 +411,11 @@ proptest! {
             .collect();
         surfaces.sort_by_key(|surface| surface.value);
         let table = Cut::new(Some(table).filter(|_| !alone), &surfaces[..], pieces).unwrap();
+        if wide {
+            depths_held(Wide, &plan, &volume, &surfaces)?;
+        } else {
+            depths_held(Compact, &plan, &volume, &surfaces)?;
+        }
         if wide {
             every_way(Wide, &plan, &volume, table, lit)?;
         } else {

@@ -114,7 +114,7 @@ impl Witness for Keeper {
         }
         let visible = seen.opacity.to_bits() != 0 && (self.back_to_front || seen.before.transparency.bits() != 0);
         if visible {
-            self.required.push(place(at, Stage::Interpolation));
+            self.required.push(place(Visit { part: 0, ..at }, Stage::Interpolation));
         }
         for (stage, bits) in values {
             self.recording.note(place(at, stage), bits);

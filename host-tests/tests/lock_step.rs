@@ -10,9 +10,11 @@ use slicecast::composite::{ChannelFormat, Pixel, Unorm16};
 use slicecast::format::Step;
 use slicecast::warp::{Warp, in_front_of};
 use slicecast_engine::camera::Picture;
+use slicecast_engine::depth::depths;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::{BaseImage, background};
 use slicecast_engine::oriented::Oriented;
+use slicecast_engine::rays;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::threads::on_threads;
 use slicecast_host_tests::frame::{Frame, table_of};
@@ -120,6 +122,29 @@ proptest! {
             if let Err(difference) = hold_together(&frame.in_precision(precision)) {
                 prop_assert!(false, "{}: {difference}", precision.name());
             }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(1000, 16))]
+
+    /// By every vector width, and in blocks or rows.
+    #[test]
+    fn depths_are_the_definition(frame in frame()) {
+        for precision in PrecisionName::ALL {
+            frame.in_precision(precision).with_prepared(|prepared, slices| {
+                let expected = rays::depths(prepared).expect("a material that core takes");
+                for simd in Simd::available() {
+                    for (kernel, dense_from) in KERNELS {
+                        let volume = Oriented::of(slices).dense_from(dense_from);
+                        let prepared = prepared.clone().with_simd(simd);
+                        let found = depths(&prepared, &volume, &|_, _| ()).expect("a small frame");
+                        prop_assert_eq!(found.map(|image| image.depths), expected.clone(), "{}, {}", simd.name(), kernel);
+                    }
+                }
+                Ok(())
+            })?;
         }
     }
 }

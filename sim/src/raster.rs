@@ -86,6 +86,16 @@ impl Raster {
         }
     }
 
+    /// Grey levels of 16 bits.
+    pub fn grey16(size: [u32; 2], levels: &[u16]) -> Self {
+        Self {
+            size,
+            colour: png::ColorType::Grayscale,
+            depth: png::BitDepth::Sixteen,
+            bytes: levels.iter().flat_map(|level| level.to_be_bytes()).collect(),
+        }
+    }
+
     /// Pixels across and down.
     pub fn size(&self) -> [u32; 2] {
         self.size
@@ -132,7 +142,10 @@ fn encode(pictures: &[Raster], delay: Option<u16>) -> Result<Vec<u8>, png::Encod
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(first.colour);
     encoder.set_depth(first.depth);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    // Levels that are measures have no gamma.
+    if first.colour != png::ColorType::Grayscale {
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    }
     if first.colour == png::ColorType::Rgba {
         let text = "straight (not premultiplied): each colour is to be multiplied by alpha";
         encoder.add_text_chunk("Alpha".into(), text.into())?;

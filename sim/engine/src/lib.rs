@@ -4,6 +4,7 @@
 
 pub mod camera;
 pub mod cutout;
+pub mod depth;
 pub mod error;
 pub mod expanded;
 pub mod fineness;

@@ -17,7 +17,7 @@ use slicecast::interpolate::trilinear;
 use slicecast::locate::{Cell, cell, position, settled};
 use slicecast::normalise::{Normal, normalise};
 use slicecast::plan::Plan;
-use slicecast::plane::ChannelOf;
+use slicecast::plane::{ChannelOf, Depth, NO_DEPTH};
 use slicecast::precision::{Formats, Precision};
 use slicecast::project::{Extreme, Maximum, Minimum, resolve};
 use slicecast::shade::{Phong, PhongError};
@@ -97,6 +97,14 @@ pub fn follow(prepared: &Prepared<'_>) -> Result<u64, PhongError> {
     with_precision!(prepared.scene.precision, precision => Ok(Rays::new(precision, prepared)?.follow()))
 }
 
+/// The depths of a frame's surfaces, ray by ray ([`slicecast::plane::Depth`]); `None` if it has none.
+///
+/// # Errors
+/// As [`render`].
+pub fn depths(prepared: &Prepared<'_>) -> Result<Option<Vec<u32>>, PhongError> {
+    with_precision!(prepared.scene.precision, precision => Ok(Rays::new(precision, prepared)?.depths()))
+}
+
 struct Rays<'a, P: Precision> {
     precision: P,
     plan: &'a Plan,
@@ -174,6 +182,26 @@ impl<'a, P: Precision> Rays<'a, P> {
             (0..width).map(bits).sum()
         };
         (0..height).into_par_iter().map(row).sum()
+    }
+
+    fn depths(&self) -> Option<Vec<u32>> {
+        let surfaces = self.segments?.surfaces();
+        let pipeline = Depth::new(self.precision, surfaces, self.plan)
+            .ok()
+            .filter(|_| !surfaces.is_empty())?;
+        let depth = |pixel| {
+            let ray = &self.ray(pixel);
+            let met = |step: u32| {
+                let back = self.cells(ray, self.positions(ray, step))?;
+                let front = self.cells(ray, self.positions(ray, step.checked_sub(1)?))?;
+                let position = pipeline.first([front, back].map(|cells| self.sample::<false>(cells)))?;
+                Some(((step - 1) << 16) + position)
+            };
+            (0..self.plan.planes()).find_map(met).unwrap_or(NO_DEPTH)
+        };
+        let [width, height] = self.size();
+        let pixels = (0..height).flat_map(|v| (0..width).map(move |u| [u, v]));
+        Some(pixels.map(depth).collect())
     }
 
     fn pixel<W: Witness>(&self, pixel: [u32; 2], witness: &mut W) -> Pixel<ChannelOf<P>> {

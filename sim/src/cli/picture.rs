@@ -28,6 +28,15 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// The name of a PNG file.
+pub fn png_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("png") => Ok(path),
+        _ => Err("expected a name that ends in .png".into()),
+    }
+}
+
 /// What stands behind the volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Background {

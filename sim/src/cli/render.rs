@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use slicecast_engine::depth::depths;
 use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_volume::open::Loaded;
@@ -11,9 +13,9 @@ use super::Failure;
 use super::chosen::Chosen;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::output::{check_free, write_file};
-use super::picture::{PictureArgs, Target};
+use super::picture::{self, PictureArgs, Target};
 use super::progress::with_bar;
-use crate::raster::{png, rgb_png};
+use crate::raster::{Raster, png, rgb_png};
 use crate::slab::thicken;
 use crate::{legend, visibility};
 
@@ -40,6 +42,10 @@ pub struct Args {
     /// Push the slices one by one through the stream layer, as firmware does.
     #[arg(long)]
     stream: bool,
+    /// The depth of the first surface, a PNG of 16-bit grey levels: 1 on the first plane to 65535 on the last, 0 where no
+    /// surface is met.
+    #[arg(long, value_name = "FILE", value_parser = picture::png_file)]
+    depth_map: Option<PathBuf>,
     /// Replace the output if it exists.
     #[arg(long)]
     force: bool,
@@ -49,6 +55,7 @@ impl Args {
     /// Renders the picture.
     pub fn run(self) -> Result<(), Failure> {
         let target = Target::checked(&self.output, vec![self.output.clone()], self.force)?;
+        check_free(&self.depth_map, self.force)?;
         let mut loaded = self.volume.load()?;
         let mut chosen = self.scene.choose(&self.volume, &loaded)?;
         self.picture.apply(&mut chosen.scene);
@@ -71,6 +78,7 @@ impl Args {
         let frame = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || prepared.render(layer, progress))
         })??;
+        let depth_map = self.depth_map(&prepared)?;
         if let Some(warning) = visibility::warning(&prepared, &frame, &chosen.circumstances()) {
             eprintln!("warning: {warning}");
         }
@@ -82,7 +90,39 @@ impl Args {
             write_file(&path, self.force, &contents)?;
             println!("{}: the labels' colours", path.display());
         }
+        if let (Some(path), Some((png, said))) = (&self.depth_map, depth_map) {
+            write_file(path, self.force, &png)?;
+            println!("{}: {said}", path.display());
+        }
         Ok(())
+    }
+
+    /// The depth map, if it is asked for, and what its levels mean.
+    fn depth_map(&self, prepared: &Prepared<'_>) -> Result<Option<(Vec<u8>, String)>, Failure> {
+        if self.depth_map.is_none() {
+            return Ok(None);
+        }
+        let plan = &prepared.setup.plan;
+        let mut turned = Turned::new(prepared.volume, plan.view());
+        let slices = turned.slices().map_err(Failure::input)?;
+        let volume = Oriented::of(&slices);
+        let found = with_bar("depths", |progress| {
+            on_threads(self.threads.count(), || depths(prepared, &volume, progress))
+        })??;
+        let Some(found) = found else {
+            return Err(Failure::input(
+                "--depth-map: the scene has no visible surface; --surface adds one",
+            ));
+        };
+        let picture = &prepared.setup.picture;
+        let levels = found.warped(picture).levels(plan.planes());
+        let png = png(&Raster::grey16(picture.size, &levels)).map_err(Failure::machine)?;
+        let deep = f64::from(plan.planes() - 1) * prepared.setup.step_length;
+        let said = format!(
+            "depths of the first surface, 1 to 65535 for {} along a ray, 0 where there is none",
+            visibility::rounded(deep, 6)
+        );
+        Ok(Some((png, said)))
     }
 
     /// The legend of a label map, as files beside the picture; found fit to be written.
