@@ -18,8 +18,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use slicecast::format::{Coefficient, Vector};
+use slicecast::format::{Coefficient, Opacity, Vector};
 use slicecast::shade::{Highlight, Light};
+use slicecast::surface::{Face, Surface};
 use slicecast_engine::camera::Material;
 use slicecast_host_tests::checksum::of_frame;
 use slicecast_host_tests::frame::{Frame, Stated, fine_table_of, table_of};
@@ -88,6 +89,26 @@ fn two_lights(highlight: Highlight, exponent_log2: u32) -> Option<Material> {
         highlight,
         exponent_log2,
     })
+}
+
+/// A translucent surface whose sides differ, and an opaque one.
+fn skin_and_skull() -> Vec<Surface> {
+    let face = |[r, g, b]: [u32; 3], opacity: u32| Face {
+        colour: [r << 23, g << 23, b << 23],
+        opacity: Opacity::from_bits(opacity << 23),
+    };
+    vec![
+        Surface {
+            value: 500 << 16,
+            front: face([255, 190, 150], 90),
+            back: face([120, 30, 40], 40),
+        },
+        Surface {
+            value: (1150 << 16) + 12_345,
+            front: face([255, 250, 230], 256),
+            back: face([200, 200, 220], 256),
+        },
+    ]
 }
 
 /// A segment of one reference length: log2(e), 27 fraction bits.
@@ -212,6 +233,50 @@ fn frames() -> Vec<(&'static str, Frame)> {
                 planes_per_voxel: 2,
                 blend: Blend::BackToFront,
                 ..lit([300, 500, 1000])
+            },
+        ),
+        (
+            "head-surfaces",
+            Frame {
+                segments: Some(Stated {
+                    alone: true,
+                    surfaces: skin_and_skull(),
+                    ..Stated::whole(SEGMENT)
+                }),
+                ..lit([500, 866, -174])
+            },
+        ),
+        (
+            "head-surfaces-in-volume",
+            Frame {
+                segments: Some(Stated {
+                    surfaces: skin_and_skull(),
+                    ..Stated::whole(SEGMENT)
+                }),
+                rays_per_voxel: 2,
+                ..lit([300, 500, 1000])
+            },
+        ),
+        (
+            "ripples-surfaces-back-to-front",
+            Frame {
+                segments: Some(Stated {
+                    surfaces: skin_and_skull(),
+                    pieces: 4,
+                    ..Stated::whole(SEGMENT)
+                }),
+                blend: Blend::BackToFront,
+                ..ripples.clone()
+            },
+        ),
+        (
+            "noise-pieces",
+            Frame {
+                segments: Some(Stated {
+                    pieces: 4,
+                    ..Stated::whole(SEGMENT)
+                }),
+                ..noise.clone()
             },
         ),
         (

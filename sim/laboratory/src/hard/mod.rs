@@ -12,6 +12,7 @@ pub mod sampling;
 mod scenes;
 pub mod segments;
 pub mod sphere;
+pub mod surfaces;
 pub mod transfer;
 pub mod views;
 
@@ -113,7 +114,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 9] = [
+    let groups: [Group; 10] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -123,6 +124,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         views::cases,
         sampling::cases,
         segments::cases,
+        surfaces::cases,
     ];
     let mut cases = Vec::new();
     for (done, group) in groups.iter().enumerate() {

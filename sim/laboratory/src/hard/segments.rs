@@ -13,14 +13,15 @@ use slicecast_model::ModelImage;
 use slicecast_scene::{Classification, PrecisionName, Sampling, Scene, View};
 use slicecast_volume::Volume;
 
-const OBLIQUE: View = View {
+/// A view along no axis.
+pub(super) const OBLIQUE: View = View {
     azimuth: 33.0,
     elevation: 19.0,
     roll: 0.0,
 };
 
 /// A sphere whose codes fall by 60 per voxel.
-fn sphere(side: usize) -> Volume {
+pub(super) fn sphere(side: usize) -> Volume {
     let middle = (side as f64 - 1.0) / 2.0;
     volume([side; 3], [1.0; 3], |place| {
         let square = |c: usize| (c as f64 - middle).powi(2);
@@ -31,13 +32,15 @@ fn sphere(side: usize) -> Volume {
 /// Opaque between two codes, clear elsewhere.
 fn shells(ranges: &[[f64; 2]], opacity: f64) -> Scene {
     let edges = |[low, high]: &[f64; 2]| [(*low, 0.0), (*low, opacity), (*high, opacity), (*high, 0.0)];
-    let mut scene = scene(&ranges.iter().flat_map(edges).collect::<Vec<_>>());
-    scene.view = OBLIQUE;
-    scene
+    Scene {
+        view: OBLIQUE,
+        classification: Classification::Integral,
+        ..scene(&ranges.iter().flat_map(edges).collect::<Vec<_>>())
+    }
 }
 
 /// The mean error against the converged integral.
-fn away(scene: &Scene, volume: &Volume, converged: &ModelImage) -> Result<f64, RenderError> {
+pub(super) fn away(scene: &Scene, volume: &Volume, converged: &ModelImage) -> Result<f64, RenderError> {
     let frame = Prepared::new(scene, volume)?.render(Layer::Tiles(32), &|_, _| ())?;
     Ok(base_figures(&frame.base, converged).mean_lsb8)
 }
@@ -96,9 +99,9 @@ fn thin(side: usize, width: f64) -> Result<Case, RenderError> {
 }
 
 /// The arithmetic alone: against the same segments in f64, at the pipeline's positions.
-fn arithmetic(name: &str, scene: &Scene, volume: &Volume) -> Result<Case, RenderError> {
+pub(super) fn arithmetic(group: &'static str, name: &str, scene: &Scene, volume: &Volume) -> Result<Case, RenderError> {
     let mut case = Case::new(
-        "segments",
+        group,
         name,
         "mean error, steps of 1/255",
         0.0,
@@ -107,7 +110,6 @@ fn arithmetic(name: &str, scene: &Scene, volume: &Volume) -> Result<Case, Render
     for (precision, allowed) in PrecisionName::ALL.into_iter().zip([None, Some(0.05), Some(0.02)]) {
         let scene = Scene {
             precision,
-            classification: Classification::Integral,
             ..scene.clone()
         };
         let prepared = Prepared::new(&scene, volume)?;
@@ -141,14 +143,30 @@ pub fn cases(size: Size) -> Result<Vec<Case>, RenderError> {
     Ok(vec![
         thin(side, 3.0)?,
         thin(side, 1.0)?,
-        arithmetic("shells 3 codes wide", &shells(&[[3199.5, 3202.5]], 0.999), &ball)?,
-        arithmetic("teeth of 5 codes every 16", &shells(&comb, 0.1), &ball)?,
-        arithmetic("teeth of 5 codes every 16, jumps of 4095", &shells(&comb, 0.1), &jumps)?,
         arithmetic(
+            "segments",
+            "shells 3 codes wide",
+            &shells(&[[3199.5, 3202.5]], 0.999),
+            &ball,
+        )?,
+        arithmetic("segments", "teeth of 5 codes every 16", &shells(&comb, 0.1), &ball)?,
+        arithmetic(
+            "segments",
+            "teeth of 5 codes every 16, jumps of 4095",
+            &shells(&comb, 0.1),
+            &jumps,
+        )?,
+        arithmetic(
+            "segments",
             "thin fog in a constant field",
             &shells(&[[1000.5, 3000.5]], 0.002),
             &still,
         )?,
-        arithmetic("thin fog over jumps of 4095", &shells(&[[-0.5, 4095.5]], 0.002), &jumps)?,
+        arithmetic(
+            "segments",
+            "thin fog over jumps of 4095",
+            &shells(&[[-0.5, 4095.5]], 0.002),
+            &jumps,
+        )?,
     ])
 }
