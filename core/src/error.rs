@@ -1,5 +1,6 @@
 //! One error for all steps of a frame, so that a device's set-up is a chain of `?`.
 
+use crate::integral::IntegralError;
 use crate::plan::PlanError;
 use crate::plane::ScratchError;
 use crate::screen::ScreenError;
@@ -33,6 +34,8 @@ pub enum Error {
     Screen(ScreenError),
     /// Lights and material.
     Phong(PhongError),
+    /// A table of integrals.
+    Integral(IntegralError),
     /// Memory, bands and slices of a stream.
     Stream(StreamError),
 }
@@ -44,6 +47,7 @@ impl core::fmt::Display for Error {
             Self::Plan(error) => error.fmt(f),
             Self::Screen(error) => error.fmt(f),
             Self::Phong(error) => error.fmt(f),
+            Self::Integral(error) => error.fmt(f),
             Self::Stream(error) => error.fmt(f),
         }
     }
@@ -76,6 +80,12 @@ impl From<PhongError> for Error {
     }
 }
 
+impl From<IntegralError> for Error {
+    fn from(error: IntegralError) -> Self {
+        Self::Integral(error)
+    }
+}
+
 impl From<StreamError> for Error {
     fn from(error: StreamError) -> Self {
         Self::Stream(error)
@@ -103,7 +113,7 @@ mod tests {
     fn every_step_shows_its_own_words() {
         let slice = SliceError::Voxels { needed: 4, given: 3 };
         let scratch = ScratchError { needed: 9, given: 8 };
-        let alike: [(Error, &dyn core::fmt::Display); 7] = [
+        let alike: [(Error, &dyn core::fmt::Display); 8] = [
             (ViewError::NoDirection.into(), &ViewError::NoDirection),
             (
                 PlanError::Planes { given: 1 << 16 }.into(),
@@ -111,6 +121,10 @@ mod tests {
             ),
             (ScreenError::Side { given: 0 }.into(), &ScreenError::Side { given: 0 }),
             (PhongError::Lights { given: 9 }.into(), &PhongError::Lights { given: 9 }),
+            (
+                IntegralError::Grain { given: 5 }.into(),
+                &IntegralError::Grain { given: 5 },
+            ),
             (StreamError::Complete.into(), &StreamError::Complete),
             (slice.into(), &slice),
             (scratch.into(), &StreamError::from(scratch)),

@@ -64,11 +64,18 @@ pub const LENGTH_BITS: core::ops::RangeInclusive<u32> = 11..=27;
 /// log2 of the codes of a bin.
 pub const GRAINS: core::ops::RangeInclusive<u32> = 0..=4;
 
+/// 1.0 of a colour, 1.31.
+const ONE: u32 = 1 << 31;
+
 /// Samples of a row that go through one step after the other together.
 const TOGETHER: usize = 64;
 
+/// Lists of a table: extinction, and extinction times red, green, blue.
+const LISTS: [&str; 4] = ["extinction", "red", "green", "blue"];
+
 /// Why numbers are not a table of integrals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum IntegralError {
     /// Not 1, 2, 4, 8 or 16 codes to a bin.
     Grain {
@@ -89,10 +96,17 @@ pub enum IntegralError {
     },
     /// Nodes that fall, or rise above [`NODE_MAX`].
     Node {
+        /// Which list: 0 extinction, 1 red, 2 green, 3 blue.
+        list: usize,
         /// Number of the first such node.
         index: usize,
         /// Its value.
         value: u32,
+    },
+    /// A colour above 1.
+    Colour {
+        /// As given, 1.31.
+        bits: u32,
     },
     /// A length's fraction bits outside [`LENGTH_BITS`].
     Length {
@@ -107,12 +121,14 @@ impl core::fmt::Display for IntegralError {
             Self::Grain { given } => write!(f, "bins of 2^{given} codes; a bin has 2^0 to 2^4"),
             Self::Exponent { given } => write!(f, "nodes of exponent {given}; it is 15 to 28"),
             Self::Nodes { needed, given } => write!(f, "the table needs {needed} nodes a list, {given} given"),
-            Self::Node { index, value } => {
+            Self::Node { list, index, value } => {
+                let list = LISTS.get(*list).unwrap_or(&"");
                 write!(
                     f,
-                    "node {index} is {value}; nodes never fall, and end at {NODE_MAX} at most"
+                    "node {index} of {list} is {value}; nodes never fall, and end at {NODE_MAX} at most"
                 )
             }
+            Self::Colour { bits } => write!(f, "a colour of {bits}; 1 is {ONE}"),
             Self::Length { bits } => write!(f, "a length of {bits} fraction bits; it has 11 to 27"),
         }
     }
@@ -216,10 +232,17 @@ impl<L: AsRef<[u32]>> Integral<L> {
         if !LENGTH_BITS.contains(&length.bits) {
             return Err(IntegralError::Length { bits: length.bits });
         }
-        check(extinction.as_ref(), grain)?;
-        if let Colours::Each(lists) = &colours {
-            for list in lists {
-                check(list.as_ref(), grain)?;
+        check(0, extinction.as_ref(), grain)?;
+        match &colours {
+            Colours::One(colour) => {
+                if let Some(&bits) = colour.iter().find(|bits| **bits > ONE) {
+                    return Err(IntegralError::Colour { bits });
+                }
+            }
+            Colours::Each(lists) => {
+                for (number, list) in (1..).zip(lists) {
+                    check(number, list.as_ref(), grain)?;
+                }
             }
         }
         let list = extinction.as_ref();
@@ -409,8 +432,8 @@ fn by_code(list: &[u32]) -> Option<&Neighboured> {
     list.try_into().ok()
 }
 
-/// Checks a list of nodes.
-fn check(list: &[u32], grain: u32) -> Result<(), IntegralError> {
+/// Checks a list of nodes, by its place in [`LISTS`].
+fn check(number: usize, list: &[u32], grain: u32) -> Result<(), IntegralError> {
     let (needed, given) = (nodes(grain), list.len());
     if given != needed {
         return Err(IntegralError::Nodes { needed, given });
@@ -418,7 +441,11 @@ fn check(list: &[u32], grain: u32) -> Result<(), IntegralError> {
     let mut last = 0;
     for (index, &value) in list.iter().enumerate() {
         if value < last || value > NODE_MAX {
-            return Err(IntegralError::Node { index, value });
+            return Err(IntegralError::Node {
+                list: number,
+                index,
+                value,
+            });
         }
         last = value;
     }

@@ -1,5 +1,6 @@
 //! The regressions, as one program: what they link is linked once, and their tests share the processors.
 
+mod c_segments;
 mod c_stages;
 mod contract;
 mod exhaustive;

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 // Version of the structures in this header. Write it to `slicecast_scene.version`.
-#define SLICECAST_VERSION 2
+#define SLICECAST_VERSION 3
 
 // Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 // ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
@@ -73,7 +73,8 @@
 // The highlight is neither 0 (reflection) nor 1 (half vector): `given`.
 #define SLICECAST_HIGHLIGHT -18
 
-// The interpolation is neither 0 (linear) nor 1 (nearest): `given`.
+// The interpolation is neither 0 (linear) nor 1 (nearest), or not 0 where segments are classified: `given`; `needed` is the
+// largest accepted.
 #define SLICECAST_INTERPOLATION -19
 
 // A side of the picture is 0 or above `needed`: `given` pixels.
@@ -84,6 +85,25 @@
 
 // A number given to a stage is out of its range: `argument`; `needed` is the end of the range that it passes; `given`.
 #define SLICECAST_RANGE -22
+
+// A table of integrals has neither 1 list (extinction) nor 4: `given`.
+#define SLICECAST_LISTS -23
+
+// log2 of the codes of a bin is above `needed`: `given`.
+#define SLICECAST_GRAIN -24
+
+// The exponent of integrals is outside 15 to 28: `needed` is the end of the range that it passes; `given`.
+#define SLICECAST_NODE_EXPONENT -25
+
+// A node is less than the one before, or above `needed`: `given`, node `column` of list `row` (0 extinction, 1 red, 2 green,
+// 3 blue).
+#define SLICECAST_NODE -26
+
+// The colour of a table of integrals is above `needed`: `given`, 1.31.
+#define SLICECAST_COLOUR -27
+
+// Segments lie between slices, and the volume has fewer than `needed` along the viewing axis: `given`.
+#define SLICECAST_SLICES -28
 
 // `precision` of the stages: widths and roundings of `paper`.
 #define SLICECAST_PAPER 0
@@ -129,6 +149,25 @@ typedef struct SlicecastLighting {
   const struct SlicecastLight *lights;
 } SlicecastLighting;
 
+// A transfer function's integrals, by which segments between two samples are classified: one table for every view, step and
+// number of planes per voxel. docs/contract/integral.md; `slicecast table --classification integral --format c` writes it.
+typedef struct SlicecastIntegrals {
+  // Nodes of a list: 4096 divided by the codes of a bin, and one.
+  size_t nodes;
+  // 1: extinction alone, and all values have one colour; 4: extinction, and extinction times red, green and blue.
+  uint32_t lists;
+  // log2 of the codes of a bin, 0 to 4.
+  uint32_t grain;
+  // log2 of what the integrals were multiplied by, 15 to 28.
+  uint32_t exponent;
+  // The colour of all values, red, green, blue, 1.31; read where `lists` is 1.
+  uint32_t colour[3];
+  // Integrals of the extinction per smallest voxel spacing up to each node; they never fall.
+  const uint32_t *extinction;
+  // Integrals of extinction times red, green, blue; read where `lists` is 4.
+  const uint32_t *colours[3];
+} SlicecastIntegrals;
+
 // Everything that decides a base-plane image, apart from the voxels.
 typedef struct SlicecastScene {
   // SLICECAST_VERSION.
@@ -156,6 +195,8 @@ typedef struct SlicecastScene {
   const uint8_t *low_colours;
   // Lights and material; unlit pipelines do not read it, the others need it.
   const struct SlicecastLighting *lighting;
+  // What segments are classified by; the pipelines of segments need it and read no other table, the others do not read it.
+  const struct SlicecastIntegrals *integrals;
 } SlicecastScene;
 
 // What a stream takes and what its image looks like.
@@ -192,9 +233,9 @@ typedef struct SlicecastError {
   int64_t needed;
   // What was given.
   int64_t given;
-  // Row of a voxel.
+  // Row of a voxel, or a list.
   uint32_t row;
-  // Column of a voxel.
+  // Column of a voxel, or a node.
   uint32_t column;
 } SlicecastError;
 
@@ -219,6 +260,14 @@ typedef struct SlicecastWarp {
   int64_t down[2];
 } SlicecastWarp;
 
+// The length of a view's segments.
+typedef struct SlicecastLength {
+  // log2(e) times the length in smallest voxel spacings.
+  uint32_t scaled;
+  // Its fraction bits, 11 to 27.
+  uint32_t bits;
+} SlicecastLength;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -241,6 +290,9 @@ int32_t slicecast_needs(const struct SlicecastPipeline *pipeline,
                         struct SlicecastError *error);
 
 // Begins a frame, or a band of it, in the caller's memory, and clears its image.
+//
+// Pipelines of segments check all nodes of the scene's integrals here, which is little beside a frame, and take the length of
+// the view's segments from the scene.
 //
 // `first`, `rows`: the band, in rows of the base-plane image; `rows` 0 takes the whole image. `memory`: a block of
 // `bytes` bytes, at least `needs.bytes` of them, aligned to `needs.align` bytes. `stream` receives the stream, which is
@@ -351,6 +403,24 @@ const struct SlicecastPipeline *slicecast_wide_unlit_colour16(void);
 
 // The pipeline of the `Wide` precision, lit, with colours of 16 bits: 16 bytes per pixel.
 const struct SlicecastPipeline *slicecast_wide_lit_colour16(void);
+
+// The pipeline of the `Paper` precision, without lights, of segments: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_paper_unlit_segments(void);
+
+// The pipeline of the `Paper` precision, lit, of segments: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_paper_lit_segments(void);
+
+// The pipeline of the `Compact` precision (the default), without lights, of segments: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_compact_unlit_segments(void);
+
+// The pipeline of the `Compact` precision (the default), lit, of segments: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_compact_lit_segments(void);
+
+// The pipeline of the `Wide` precision, without lights, of segments: 16 bytes per pixel.
+const struct SlicecastPipeline *slicecast_wide_unlit_segments(void);
+
+// The pipeline of the `Wide` precision, lit, of segments: 16 bytes per pixel.
+const struct SlicecastPipeline *slicecast_wide_lit_segments(void);
 
 // Location: where a plane lies along one axis. docs/contract/location.md
 //
@@ -517,6 +587,33 @@ int32_t slicecast_stage_warp(uint32_t precision,
                              uint32_t *mixed,
                              uint8_t *rgb,
                              struct SlicecastError *error);
+
+// Classification of segments: the length of a scene's segments. docs/contract/integral.md
+//
+// `length` receives all that depends on the view; of the scene its tables and lights are not read. Returns SLICECAST_OK or an
+// error code.
+//
+// # Safety
+// `scene` is readable, `length` and `error` (if not null) are writable.
+int32_t slicecast_stage_length(const struct SlicecastScene *scene,
+                               struct SlicecastLength *length,
+                               struct SlicecastError *error);
+
+// Classification of segments: opacity and colour between two samples. docs/contract/integral.md
+//
+// `front`, `back`: the samples, 0 to 4095 with 12 fraction bits, 15 in wide. `opacity` receives 1.31, `colour` three values,
+// 1.15, in wide 1.31. Every call checks all nodes of the table. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `integrals`, its lists and `length` are readable, `opacity`, three values of `colour` and `error` (if not null) writable.
+int32_t slicecast_stage_segment(uint32_t precision,
+                                const struct SlicecastIntegrals *integrals,
+                                const struct SlicecastLength *length,
+                                int32_t front,
+                                int32_t back,
+                                uint32_t *opacity,
+                                uint32_t *colour,
+                                struct SlicecastError *error);
 
 #ifdef __cplusplus
 }  // extern "C"

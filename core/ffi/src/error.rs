@@ -1,5 +1,6 @@
 //! Codes and the numbers behind them.
 
+use slicecast::integral::IntegralError;
 use slicecast::plan::PlanError;
 use slicecast::screen::ScreenError;
 use slicecast::shade::PhongError;
@@ -47,7 +48,8 @@ pub const SLICECAST_BAND: i32 = -16;
 pub const SLICECAST_VOXEL: i32 = -17;
 /// The highlight is neither 0 (reflection) nor 1 (half vector): `given`.
 pub const SLICECAST_HIGHLIGHT: i32 = -18;
-/// The interpolation is neither 0 (linear) nor 1 (nearest): `given`.
+/// The interpolation is neither 0 (linear) nor 1 (nearest), or not 0 where segments are classified: `given`; `needed` is the
+/// largest accepted.
 pub const SLICECAST_INTERPOLATION: i32 = -19;
 /// A side of the picture is 0 or above `needed`: `given` pixels.
 pub const SLICECAST_PICTURE: i32 = -20;
@@ -55,6 +57,20 @@ pub const SLICECAST_PICTURE: i32 = -20;
 pub const SLICECAST_PIXEL: i32 = -21;
 /// A number given to a stage is out of its range: `argument`; `needed` is the end of the range that it passes; `given`.
 pub const SLICECAST_RANGE: i32 = -22;
+
+/// A table of integrals has neither 1 list (extinction) nor 4: `given`.
+pub const SLICECAST_LISTS: i32 = -23;
+/// log2 of the codes of a bin is above `needed`: `given`.
+pub const SLICECAST_GRAIN: i32 = -24;
+/// The exponent of integrals is outside 15 to 28: `needed` is the end of the range that it passes; `given`.
+pub const SLICECAST_NODE_EXPONENT: i32 = -25;
+/// A node is less than the one before, or above `needed`: `given`, node `column` of list `row` (0 extinction, 1 red, 2 green,
+/// 3 blue).
+pub const SLICECAST_NODE: i32 = -26;
+/// The colour of a table of integrals is above `needed`: `given`, 1.31.
+pub const SLICECAST_COLOUR: i32 = -27;
+/// Segments lie between slices, and the volume has fewer than `needed` along the viewing axis: `given`.
+pub const SLICECAST_SLICES: i32 = -28;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]
@@ -68,9 +84,9 @@ pub struct SlicecastError {
     pub needed: i64,
     /// What was given.
     pub given: i64,
-    /// Row of a voxel.
+    /// Row of a voxel, or a list.
     pub row: u32,
-    /// Column of a voxel.
+    /// Column of a voxel, or a node.
     pub column: u32,
 }
 
@@ -155,6 +171,30 @@ impl From<PhongError> for SlicecastError {
     }
 }
 
+impl From<IntegralError> for SlicecastError {
+    fn from(error: IntegralError) -> Self {
+        use slicecast::integral::{EXPONENTS, GRAINS, LENGTH_BITS, NODE_MAX};
+        let passed = |range: core::ops::RangeInclusive<u32>, given: u32| {
+            let (low, high) = range.into_inner();
+            i64::from(if given < low { low } else { high })
+        };
+        match error {
+            IntegralError::Grain { given } => Self::numbers(SLICECAST_GRAIN, passed(GRAINS, given), given.into()),
+            IntegralError::Exponent { given } => {
+                Self::numbers(SLICECAST_NODE_EXPONENT, passed(EXPONENTS, given), given.into())
+            }
+            IntegralError::Nodes { needed, given } => Self::length(2, needed, given),
+            IntegralError::Node { list, index, value } => Self {
+                row: list as u32,
+                column: index as u32,
+                ..Self::numbers(SLICECAST_NODE, NODE_MAX.into(), value.into())
+            },
+            IntegralError::Colour { bits } => Self::numbers(SLICECAST_COLOUR, 1 << 31, bits.into()),
+            IntegralError::Length { bits } => Self::range(3, passed(LENGTH_BITS, bits), bits.into()),
+        }
+    }
+}
+
 impl From<ScreenError> for SlicecastError {
     fn from(error: ScreenError) -> Self {
         use slicecast::screen::{PICTURE_SIDE_MAX, PIXEL_MAX};
@@ -174,6 +214,7 @@ impl From<slicecast::Error> for SlicecastError {
             slicecast::Error::Plan(error) => error.into(),
             slicecast::Error::Screen(error) => error.into(),
             slicecast::Error::Phong(error) => error.into(),
+            slicecast::Error::Integral(error) => error.into(),
             slicecast::Error::Stream(error) => error.into(),
         }
     }

@@ -6,6 +6,7 @@ use core::ffi::c_void;
 use slicecast::classify::{Classifier, Colour16, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::FrontToBack;
 use slicecast::format::Intensity;
+use slicecast::integral::{Integral, Length};
 use slicecast::plan::Plan;
 use slicecast::plane::{Composite, Pictured, Pipeline};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
@@ -14,7 +15,7 @@ use slicecast::slice::RowRange;
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::warp::in_front_of;
 
-use crate::error::{SLICECAST_COMPLETE, SlicecastError};
+use crate::error::{SLICECAST_COMPLETE, SLICECAST_INTERPOLATION, SLICECAST_SLICES, SlicecastError};
 use crate::scene::{SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastWarp};
 use crate::{SLICECAST_STATE_BYTES, SlicecastStream, check, read};
 
@@ -80,7 +81,7 @@ impl Layout {
 trait Instance: Pictured + Sized + 'static {
     /// # Safety
     /// The scene's pointers are null, misaligned or good; tables stay readable and unchanged.
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError>;
+    unsafe fn of(scene: &SlicecastScene, plan: &Plan) -> Result<Self, SlicecastError>;
 
     const DESCRIPTION: SlicecastPipeline = SlicecastPipeline {
         mark: PIPELINE_MARK,
@@ -105,7 +106,7 @@ unsafe fn open<L: Instance>(
     layout: &Layout,
 ) -> Result<(), SlicecastError> {
     // SAFETY: the caller's promise.
-    let pipeline = unsafe { L::of(scene)? };
+    let pipeline = unsafe { L::of(scene, &plan)? };
     let [slices, ranges, scratch, image] = layout.parts;
     let needs = &layout.needs;
     // SAFETY: the parts lie one behind the other inside the block, aligned to 8, and all their memory is written before
@@ -314,31 +315,48 @@ type Fine16 = PointTable<'static, Sqrt16, Linear>;
 /// The same with colours of 16 bits.
 type Colours16 = PointTable<'static, Colour16, Linear>;
 
+/// Integrals, for segments.
+type Integrals = Integral<&'static [u32]>;
+
 /// A table that can be made from a C scene.
 trait Table: Sized + 'static {
     /// # Safety
     /// As for [`Instance::of`].
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError>;
+    unsafe fn of(scene: &SlicecastScene, plan: &Plan) -> Result<Self, SlicecastError>;
 }
 
 impl Table for Paper8 {
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(scene: &SlicecastScene, _: &Plan) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
         Ok(Self::new(unsafe { scene.entries()? }, ()))
     }
 }
 
 impl Table for Fine16 {
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(scene: &SlicecastScene, _: &Plan) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
         Ok(unsafe { Self::new(scene.entries()?, scene.low_roots()?) })
     }
 }
 
 impl Table for Colours16 {
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(scene: &SlicecastScene, _: &Plan) -> Result<Self, SlicecastError> {
         // SAFETY: the caller's promise.
         Ok(unsafe { Self::new(scene.entries()?, (scene.low_roots()?, scene.low_colours()?)) })
+    }
+}
+
+impl Table for Integrals {
+    unsafe fn of(scene: &SlicecastScene, plan: &Plan) -> Result<Self, SlicecastError> {
+        let [_, _, slices] = plan.dims();
+        if plan.is_nearest() {
+            return Err(SlicecastError::numbers(SLICECAST_INTERPOLATION, 0, 1));
+        }
+        if slices < 2 {
+            return Err(SlicecastError::numbers(SLICECAST_SLICES, 2, slices.into()));
+        }
+        // SAFETY: the caller's promise.
+        unsafe { read(scene.integrals, 2)?.table(2, Length::of(plan)) }
     }
 }
 
@@ -349,10 +367,10 @@ where
     S: Lights<P>,
     Self: Pictured,
 {
-    unsafe fn of(scene: &SlicecastScene) -> Result<Self, SlicecastError> {
+    unsafe fn of(scene: &SlicecastScene, plan: &Plan) -> Result<Self, SlicecastError> {
         let precision = P::default();
         // SAFETY: the caller's promise.
-        Ok(unsafe { Self::new(precision, T::of(scene)?, S::of(precision, scene.lighting)?) })
+        Ok(unsafe { Self::new(precision, T::of(scene, plan)?, S::of(precision, scene.lighting)?) })
     }
 }
 
@@ -414,4 +432,40 @@ pub extern "C" fn slicecast_wide_unlit_colour16() -> *const SlicecastPipeline {
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_wide_lit_colour16() -> *const SlicecastPipeline {
     const { &<Composite<Wide, Colours16, Phong<Wide>, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Paper` precision, without lights, of segments: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_paper_unlit_segments() -> *const SlicecastPipeline {
+    const { &<Composite<Paper, Integrals, Unlit, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Paper` precision, lit, of segments: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_paper_lit_segments() -> *const SlicecastPipeline {
+    const { &<Composite<Paper, Integrals, Phong<Paper>, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Compact` precision (the default), without lights, of segments: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_compact_unlit_segments() -> *const SlicecastPipeline {
+    const { &<Composite<Compact, Integrals, Unlit, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Compact` precision (the default), lit, of segments: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_compact_lit_segments() -> *const SlicecastPipeline {
+    const { &<Composite<Compact, Integrals, Phong<Compact>, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Wide` precision, without lights, of segments: 16 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_wide_unlit_segments() -> *const SlicecastPipeline {
+    const { &<Composite<Wide, Integrals, Unlit, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Wide` precision, lit, of segments: 16 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_wide_lit_segments() -> *const SlicecastPipeline {
+    const { &<Composite<Wide, Integrals, Phong<Wide>, FrontToBack> as Instance>::DESCRIPTION }
 }

@@ -10,20 +10,25 @@
 //! benches.
 //!
 //! There is one function a pipeline ([`slicecast_compact_lit`] and so on), which returns its description; what a program
-//! does not name is not linked.
+//! does not name is not linked. Pipelines named `_segments` classify the segment between two samples, by integrals that hold
+//! for every view: a view is turned by opening a stream of another direction over the same table.
 #![cfg_attr(target_os = "none", no_std)]
 
 mod error;
 mod instance;
+mod integrals;
 mod scene;
 mod stages;
 
 pub use error::*;
 pub use instance::{
-    SlicecastPipeline, slicecast_compact_lit, slicecast_compact_lit_colour16, slicecast_compact_unlit,
-    slicecast_compact_unlit_colour16, slicecast_paper_lit, slicecast_paper_unlit, slicecast_wide_lit,
-    slicecast_wide_lit_colour16, slicecast_wide_unlit, slicecast_wide_unlit_colour16,
+    SlicecastPipeline, slicecast_compact_lit, slicecast_compact_lit_colour16, slicecast_compact_lit_segments,
+    slicecast_compact_unlit, slicecast_compact_unlit_colour16, slicecast_compact_unlit_segments, slicecast_paper_lit,
+    slicecast_paper_lit_segments, slicecast_paper_unlit, slicecast_paper_unlit_segments, slicecast_wide_lit,
+    slicecast_wide_lit_colour16, slicecast_wide_lit_segments, slicecast_wide_unlit, slicecast_wide_unlit_colour16,
+    slicecast_wide_unlit_segments,
 };
+pub use integrals::SlicecastIntegrals;
 pub use scene::{SlicecastLight, SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastScreen, SlicecastWarp};
 pub use stages::*;
 
@@ -32,7 +37,7 @@ use core::ffi::c_void;
 use crate::instance::{Handle, Header};
 
 /// Version of the structures in this header. Write it to `slicecast_scene.version`.
-pub const SLICECAST_VERSION: u32 = 2;
+pub const SLICECAST_VERSION: u32 = 3;
 
 /// Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 /// ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
@@ -76,6 +81,9 @@ pub unsafe extern "C" fn slicecast_needs(
 }
 
 /// Begins a frame, or a band of it, in the caller's memory, and clears its image.
+///
+/// Pipelines of segments check all nodes of the scene's integrals here, which is little beside a frame, and take the length of
+/// the view's segments from the scene.
 ///
 /// `first`, `rows`: the band, in rows of the base-plane image; `rows` 0 takes the whole image. `memory`: a block of
 /// `bytes` bytes, at least `needs.bytes` of them, aligned to `needs.align` bytes. `stream` receives the stream, which is
@@ -303,6 +311,8 @@ impl Checked for SlicecastScene {}
 impl Checked for SlicecastScreen {}
 impl Checked for SlicecastWarp {}
 impl Checked for SlicecastLighting {}
+impl Checked for SlicecastIntegrals {}
+impl Checked for SlicecastLength {}
 impl Checked for SlicecastPipeline {
     fn is_genuine(&self) -> bool {
         self.is_genuine()

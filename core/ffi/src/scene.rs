@@ -12,6 +12,7 @@ use slicecast::warp::Warp;
 use crate::error::{
     SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH, SlicecastError,
 };
+use crate::integrals::SlicecastIntegrals;
 use crate::{SLICECAST_VERSION, check, slice};
 
 /// Everything that decides a base-plane image, apart from the voxels.
@@ -43,6 +44,8 @@ pub struct SlicecastScene {
     pub low_colours: *const u8,
     /// Lights and material; unlit pipelines do not read it, the others need it.
     pub lighting: *const SlicecastLighting,
+    /// What segments are classified by; the pipelines of segments need it and read no other table, the others do not read it.
+    pub integrals: *const SlicecastIntegrals,
 }
 
 /// Lights and material.

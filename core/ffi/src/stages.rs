@@ -51,6 +51,10 @@ macro_rules! with_precision {
     };
 }
 
+mod segment;
+
+pub use segment::*;
+
 /// Refuses a number outside `low ..= high`; the end that it passes is told.
 fn within(argument: u32, given: i64, low: i64, high: i64) -> Result<(), SlicecastError> {
     if given < low {

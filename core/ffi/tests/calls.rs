@@ -73,6 +73,7 @@ impl Data {
             low_roots: self.low.as_ptr(),
             low_colours: self.low_colours.as_ptr().cast(),
             lighting: &self.lighting,
+            integrals: null(),
         }
     }
 }
@@ -327,7 +328,7 @@ fn misused_arguments_are_named_with_numbers() {
         let other = SlicecastScene { version: 1, ..scene };
         assert_eq!(
             open(memory, needs.bytes, &other, 0, 0),
-            (SLICECAST_VERSION_MISMATCH, 0, 2, 1)
+            (SLICECAST_VERSION_MISMATCH, 0, 3, 1)
         );
         let rows = i64::from(needs.rows);
         assert_eq!(

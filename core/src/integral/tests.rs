@@ -161,14 +161,24 @@ fn what_is_no_table_is_refused() {
     let (index, value) = (7, falling[7]);
     assert_eq!(
         refused(&falling, 0, exponent, l),
-        Some(IntegralError::Node { index, value })
+        Some(IntegralError::Node { list: 0, index, value })
+    );
+    let (list, each) = (2, Colours::Each([t, &falling, t]));
+    assert_eq!(
+        Integral::new(t, each, 0, exponent, l).err(),
+        Some(IntegralError::Node { list, index, value })
     );
     let mut high = t.clone();
     high[4096] = NODE_MAX + 1;
     let (index, value) = (4096, high[4096]);
     assert_eq!(
         refused(&high, 0, exponent, l),
-        Some(IntegralError::Node { index, value })
+        Some(IntegralError::Node { list: 0, index, value })
+    );
+    let bits = (1 << 31) + 1;
+    assert_eq!(
+        Integral::new(t, Colours::One([0, bits, 0]), 0, exponent, l).err(),
+        Some(IntegralError::Colour { bits })
     );
 }
 

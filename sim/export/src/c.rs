@@ -95,7 +95,8 @@ fn scene(numbers: &Numbers<'_>, name: &str, pipeline: &str) -> String {
     let _ = write!(
         out,
         "
-/* The scene: version, dims, direction, spacing factors, planes and rays per voxel, interpolation, table, lights. */
+/* The scene: version, dims, direction, spacing factors, planes and rays per voxel, interpolation, table, lights; no
+   integrals: segments have a table of their own, which `slicecast table` writes. */
 static const SlicecastScene {lower} = {{
     SLICECAST_VERSION,
     {dims},
@@ -107,6 +108,7 @@ static const SlicecastScene {lower} = {{
     {lower}_table,
     {low},
     {lighting},
+    0,
 }};
 
 /* Its pipeline: a call that gives the description. */

@@ -22,7 +22,8 @@ pub struct Source<'a> {
 ///
 /// Rust and C get a list of nodes for extinction and, where colours differ, one each for red, green, blue; else the colour
 /// (1.31). A line of `$readmemh` is a node: extinction (32 bits); where colours differ blue, green, red and extinction, blue in
-/// the highest of 128 bits. All begin with grain, exponent, bytes and source.
+/// the highest of 128 bits. All begin with grain, exponent, bytes and source. C behind `slicecast.h` gets a `SlicecastIntegrals`,
+/// too.
 pub fn integrals(table: &Cumulative, source: Source<'_>, name: &str, language: Language) -> String {
     let name = identifier(name);
     let mut out = String::new();
@@ -131,6 +132,21 @@ fn c(out: &mut String, table: &Cumulative, source: &Source<'_>, name: &str) -> s
         out,
         "\n/* log2 of what the integrals were multiplied by. */\nstatic const uint32_t {name}_exponent = {};",
         table.exponent
+    )?;
+    let (lists, colour, colours) = match &table.colours {
+        Colours::One([red, green, blue]) => (1, format!("{red}u, {green}u, {blue}u"), "0, 0, 0".into()),
+        Colours::Each(_) => (
+            4,
+            "0, 0, 0".into(),
+            CHANNELS.map(|channel| format!("{name}_{channel}")).join(", "),
+        ),
+    };
+    let (grain, exponent) = (table.grain, table.exponent);
+    writeln!(
+        out,
+        "\n#ifdef SLICECAST_H\n/* The same for slicecast.h: nodes, lists, grain, exponent, the colour, the lists. */\n\
+         static const SlicecastIntegrals {name}_integrals = {{\n    {len}, {lists}, {grain}, {exponent}, {{{colour}}}, {name}, \
+         {{{colours}}},\n}};\n#endif"
     )
 }
 
