@@ -1,5 +1,6 @@
 //! One error for all steps of a frame, so that a device's set-up is a chain of `?`.
 
+use crate::cut::CutError;
 use crate::integral::IntegralError;
 use crate::plan::PlanError;
 use crate::plane::ScratchError;
@@ -7,6 +8,7 @@ use crate::screen::ScreenError;
 use crate::shade::PhongError;
 use crate::slice::SliceError;
 use crate::stream::StreamError;
+use crate::surface::SurfaceError;
 use crate::view::ViewError;
 
 /// Why there is no frame. Every step's own error becomes this one with `?`.
@@ -36,6 +38,8 @@ pub enum Error {
     Phong(PhongError),
     /// A table of integrals.
     Integral(IntegralError),
+    /// Isosurfaces, and pieces of segments.
+    Cut(CutError),
     /// Memory, bands and slices of a stream.
     Stream(StreamError),
 }
@@ -48,6 +52,7 @@ impl core::fmt::Display for Error {
             Self::Screen(error) => error.fmt(f),
             Self::Phong(error) => error.fmt(f),
             Self::Integral(error) => error.fmt(f),
+            Self::Cut(error) => error.fmt(f),
             Self::Stream(error) => error.fmt(f),
         }
     }
@@ -86,6 +91,18 @@ impl From<IntegralError> for Error {
     }
 }
 
+impl From<CutError> for Error {
+    fn from(error: CutError) -> Self {
+        Self::Cut(error)
+    }
+}
+
+impl From<SurfaceError> for Error {
+    fn from(error: SurfaceError) -> Self {
+        Self::Cut(error.into())
+    }
+}
+
 impl From<StreamError> for Error {
     fn from(error: StreamError) -> Self {
         Self::Stream(error)
@@ -113,7 +130,7 @@ mod tests {
     fn every_step_shows_its_own_words() {
         let slice = SliceError::Voxels { needed: 4, given: 3 };
         let scratch = ScratchError { needed: 9, given: 8 };
-        let alike: [(Error, &dyn core::fmt::Display); 8] = [
+        let alike: [(Error, &dyn core::fmt::Display); 10] = [
             (ViewError::NoDirection.into(), &ViewError::NoDirection),
             (
                 PlanError::Planes { given: 1 << 16 }.into(),
@@ -124,6 +141,11 @@ mod tests {
             (
                 IntegralError::Grain { given: 5 }.into(),
                 &IntegralError::Grain { given: 5 },
+            ),
+            (CutError::Pieces { given: 3 }.into(), &CutError::Pieces { given: 3 }),
+            (
+                SurfaceError::Order { index: 1 }.into(),
+                &SurfaceError::Order { index: 1 },
             ),
             (StreamError::Complete.into(), &StreamError::Complete),
             (slice.into(), &slice),

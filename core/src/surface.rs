@@ -33,6 +33,7 @@ use crate::precision::Precision;
 pub const VALUE_MAX: u32 = 4096 << 16;
 
 /// One side of a surface.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {
     /// Red, green, blue, 1.31, not weighted by the opacity.
@@ -42,6 +43,7 @@ pub struct Face {
 }
 
 /// An isosurface.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Surface {
     /// Its value, 16.16.

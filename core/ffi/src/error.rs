@@ -72,6 +72,13 @@ pub const SLICECAST_COLOUR: i32 = -27;
 /// Segments lie between slices, and the volume has fewer than `needed` along the viewing axis: `given`.
 pub const SLICECAST_SLICES: i32 = -28;
 
+/// Surface `row` of a list has a lower value than the one before it.
+pub const SLICECAST_SURFACE_ORDER: i32 = -29;
+/// The value of surface `row` is above `needed`: `given`, 16.16.
+pub const SLICECAST_SURFACE_VALUE: i32 = -30;
+/// A colour or an opacity of surface `row` is above `needed`: `given`, 1.31.
+pub const SLICECAST_FACE: i32 = -31;
+
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,7 +91,7 @@ pub struct SlicecastError {
     pub needed: i64,
     /// What was given.
     pub given: i64,
-    /// Row of a voxel, or a list.
+    /// Row of a voxel, a list, or a surface.
     pub row: u32,
     /// Column of a voxel, or a node.
     pub column: u32,
@@ -215,6 +222,7 @@ impl From<slicecast::Error> for SlicecastError {
             slicecast::Error::Screen(error) => error.into(),
             slicecast::Error::Phong(error) => error.into(),
             slicecast::Error::Integral(error) => error.into(),
+            slicecast::Error::Cut(error) => error.into(),
             slicecast::Error::Stream(error) => error.into(),
         }
     }

@@ -5,14 +5,16 @@ use core::ffi::c_void;
 
 use slicecast::classify::{Classifier, Colour16, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::FrontToBack;
+use slicecast::cut::Cut;
 use slicecast::format::Intensity;
 use slicecast::integral::{Integral, Length};
 use slicecast::plan::Plan;
-use slicecast::plane::{Composite, Pictured, Pipeline};
+use slicecast::plane::{Composite, Depth, Pictured, Pipeline};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Phong, Shader, Unlit};
 use slicecast::slice::RowRange;
 use slicecast::stream::{Memory, Needs, Stream};
+use slicecast::surface::Surface;
 use slicecast::warp::in_front_of;
 
 use crate::error::{SLICECAST_COMPLETE, SLICECAST_INTERPOLATION, SLICECAST_SLICES, SlicecastError};
@@ -318,6 +320,9 @@ type Colours16 = PointTable<'static, Colour16, Linear>;
 /// Integrals, for segments.
 type Integrals = Integral<&'static [u32]>;
 
+/// Isosurfaces, in a volume or alone.
+type Surfaces = Cut<&'static [u32], &'static [Surface]>;
+
 /// A table that can be made from a C scene.
 trait Table: Sized + 'static {
     /// # Safety
@@ -346,17 +351,48 @@ impl Table for Colours16 {
     }
 }
 
+/// Refuses plans that have no segments.
+fn has_segments(plan: &Plan) -> Result<(), SlicecastError> {
+    let [_, _, slices] = plan.dims();
+    if plan.is_nearest() {
+        return Err(SlicecastError::numbers(SLICECAST_INTERPOLATION, 0, 1));
+    }
+    if slices < 2 {
+        return Err(SlicecastError::numbers(SLICECAST_SLICES, 2, slices.into()));
+    }
+    Ok(())
+}
+
+impl Table for Surfaces {
+    unsafe fn of(scene: &SlicecastScene, plan: &Plan) -> Result<Self, SlicecastError> {
+        has_segments(plan)?;
+        let volume = if scene.integrals.is_null() {
+            None
+        } else {
+            // SAFETY: the caller's promise.
+            Some(unsafe { Integrals::of(scene, plan)? })
+        };
+        // SAFETY: the caller's promise.
+        Ok(Self::new(volume, unsafe { scene.surfaces(2)? }, 1)?)
+    }
+}
+
 impl Table for Integrals {
     unsafe fn of(scene: &SlicecastScene, plan: &Plan) -> Result<Self, SlicecastError> {
-        let [_, _, slices] = plan.dims();
-        if plan.is_nearest() {
-            return Err(SlicecastError::numbers(SLICECAST_INTERPOLATION, 0, 1));
-        }
-        if slices < 2 {
-            return Err(SlicecastError::numbers(SLICECAST_SLICES, 2, slices.into()));
-        }
+        has_segments(plan)?;
         // SAFETY: the caller's promise.
         unsafe { read(scene.integrals, 2)?.table(2, Length::of(plan)) }
+    }
+}
+
+impl<P: Precision + Default> Instance for Depth<P, &'static [Surface]>
+where
+    Self: Pictured,
+{
+    unsafe fn of(scene: &SlicecastScene, plan: &Plan) -> Result<Self, SlicecastError> {
+        has_segments(plan)?;
+        // SAFETY: the caller's promise.
+        Ok(Self::new(P::default(), unsafe { scene.surfaces(2)? }, plan)?)
     }
 }
 
@@ -468,4 +504,61 @@ pub extern "C" fn slicecast_wide_unlit_segments() -> *const SlicecastPipeline {
 #[unsafe(no_mangle)]
 pub extern "C" fn slicecast_wide_lit_segments() -> *const SlicecastPipeline {
     const { &<Composite<Wide, Integrals, Phong<Wide>, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Paper` precision, without lights, of isosurfaces, in a volume or alone: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_paper_unlit_surfaces() -> *const SlicecastPipeline {
+    const { &<Composite<Paper, Surfaces, Unlit, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Paper` precision, lit, of isosurfaces, in a volume or alone: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_paper_lit_surfaces() -> *const SlicecastPipeline {
+    const { &<Composite<Paper, Surfaces, Phong<Paper>, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Paper` precision that finds the depth of the first isosurface: 4 bytes per pixel, a uint32_t, in
+/// planes from the first, 16.16, and 4294967295 where a ray meets none. A picture of it is grey, white on the first plane.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_paper_depth() -> *const SlicecastPipeline {
+    const { &<Depth<Paper, &'static [Surface]> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Compact` precision (the default), without lights, of isosurfaces, in a volume or alone: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_compact_unlit_surfaces() -> *const SlicecastPipeline {
+    const { &<Composite<Compact, Surfaces, Unlit, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Compact` precision (the default), lit, of isosurfaces, in a volume or alone: 8 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_compact_lit_surfaces() -> *const SlicecastPipeline {
+    const { &<Composite<Compact, Surfaces, Phong<Compact>, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Compact` precision (the default) that finds the depth of the first isosurface: 4 bytes per pixel, a uint32_t, in
+/// planes from the first, 16.16, and 4294967295 where a ray meets none. A picture of it is grey, white on the first plane.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_compact_depth() -> *const SlicecastPipeline {
+    const { &<Depth<Compact, &'static [Surface]> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Wide` precision, without lights, of isosurfaces, in a volume or alone: 16 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_wide_unlit_surfaces() -> *const SlicecastPipeline {
+    const { &<Composite<Wide, Surfaces, Unlit, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Wide` precision, lit, of isosurfaces, in a volume or alone: 16 bytes per pixel.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_wide_lit_surfaces() -> *const SlicecastPipeline {
+    const { &<Composite<Wide, Surfaces, Phong<Wide>, FrontToBack> as Instance>::DESCRIPTION }
+}
+
+/// The pipeline of the `Wide` precision that finds the depth of the first isosurface: 4 bytes per pixel, a uint32_t, in
+/// planes from the first, 16.16, and 4294967295 where a ray meets none. A picture of it is grey, white on the first plane.
+#[unsafe(no_mangle)]
+pub extern "C" fn slicecast_wide_depth() -> *const SlicecastPipeline {
+    const { &<Depth<Wide, &'static [Surface]> as Instance>::DESCRIPTION }
 }

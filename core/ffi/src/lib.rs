@@ -11,7 +11,8 @@
 //!
 //! There is one function a pipeline ([`slicecast_compact_lit`] and so on), which returns its description; what a program
 //! does not name is not linked. Pipelines named `_segments` classify the segment between two samples, by integrals that hold
-//! for every view: a view is turned by opening a stream of another direction over the same table.
+//! for every view: a view is turned by opening a stream of another direction over the same table. Pipelines named `_surfaces`
+//! draw isosurfaces with them, or alone; pipelines named `_depth` find where each ray meets the first of them.
 #![cfg_attr(target_os = "none", no_std)]
 
 mod error;
@@ -19,18 +20,22 @@ mod instance;
 mod integrals;
 mod scene;
 mod stages;
+mod surfaces;
 
 pub use error::*;
 pub use instance::{
-    SlicecastPipeline, slicecast_compact_lit, slicecast_compact_lit_colour16, slicecast_compact_lit_segments,
-    slicecast_compact_unlit, slicecast_compact_unlit_colour16, slicecast_compact_unlit_segments, slicecast_paper_lit,
-    slicecast_paper_lit_segments, slicecast_paper_unlit, slicecast_paper_unlit_segments, slicecast_wide_lit,
-    slicecast_wide_lit_colour16, slicecast_wide_lit_segments, slicecast_wide_unlit, slicecast_wide_unlit_colour16,
-    slicecast_wide_unlit_segments,
+    SlicecastPipeline, slicecast_compact_depth, slicecast_compact_lit, slicecast_compact_lit_colour16,
+    slicecast_compact_lit_segments, slicecast_compact_lit_surfaces, slicecast_compact_unlit,
+    slicecast_compact_unlit_colour16, slicecast_compact_unlit_segments, slicecast_compact_unlit_surfaces,
+    slicecast_paper_depth, slicecast_paper_lit, slicecast_paper_lit_segments, slicecast_paper_lit_surfaces,
+    slicecast_paper_unlit, slicecast_paper_unlit_segments, slicecast_paper_unlit_surfaces, slicecast_wide_depth,
+    slicecast_wide_lit, slicecast_wide_lit_colour16, slicecast_wide_lit_segments, slicecast_wide_lit_surfaces,
+    slicecast_wide_unlit, slicecast_wide_unlit_colour16, slicecast_wide_unlit_segments, slicecast_wide_unlit_surfaces,
 };
 pub use integrals::SlicecastIntegrals;
 pub use scene::{SlicecastLight, SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastScreen, SlicecastWarp};
 pub use stages::*;
+pub use surfaces::{SlicecastFace, SlicecastSurface};
 
 use core::ffi::c_void;
 

@@ -5,6 +5,7 @@ use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::precision::Precision;
 use slicecast::screen::Screen;
 use slicecast::shade::{Highlight, LIGHTS_MAX, Light, Phong};
+use slicecast::surface::Surface;
 use slicecast::table::ENTRIES;
 use slicecast::view::View;
 use slicecast::warp::Warp;
@@ -13,6 +14,7 @@ use crate::error::{
     SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH, SlicecastError,
 };
 use crate::integrals::SlicecastIntegrals;
+use crate::surfaces::SlicecastSurface;
 use crate::{SLICECAST_VERSION, check, slice};
 
 /// Everything that decides a base-plane image, apart from the voxels.
@@ -46,6 +48,22 @@ pub struct SlicecastScene {
     pub lighting: *const SlicecastLighting,
     /// What segments are classified by; the pipelines of segments need it and read no other table, the others do not read it.
     pub integrals: *const SlicecastIntegrals,
+    /// Isosurfaces in ascending order of their values; the pipelines of surfaces and of depths need them, the others do not read
+    /// them. With surfaces, integrals may be null: surfaces are drawn alone.
+    pub surfaces: *const SlicecastSurface,
+    /// How many they are.
+    pub surface_count: usize,
+}
+
+impl SlicecastScene {
+    /// The surfaces, where they lie; `argument` is the scene's place.
+    ///
+    /// # Safety
+    /// The pointer is null, misaligned, or points to as many surfaces, which stay readable and unchanged.
+    pub(crate) unsafe fn surfaces(&self, argument: u32) -> Result<&'static [Surface], SlicecastError> {
+        // SAFETY: the caller's promise; both structures are laid out alike (`surfaces.rs`).
+        unsafe { slice(self.surfaces.cast::<Surface>(), self.surface_count, argument) }
+    }
 }
 
 /// Lights and material.

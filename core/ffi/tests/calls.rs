@@ -74,6 +74,8 @@ impl Data {
             low_colours: self.low_colours.as_ptr().cast(),
             lighting: &self.lighting,
             integrals: null(),
+            surfaces: null(),
+            surface_count: 0,
         }
     }
 }

@@ -5,14 +5,16 @@ use core::ptr::{null, null_mut};
 
 use slicecast::classify::Classifier;
 use slicecast::composite::{Channel, ChannelFormat, FrontToBack, Recurrence};
-use slicecast::format::{Coefficient, Direction, Intensity, Vector};
+use slicecast::cut::Cut;
+use slicecast::format::{Coefficient, Direction, Intensity, Opacity, Vector};
 use slicecast::integral::{Colours, Integral, Length, NODE_MAX, nodes};
 use slicecast::plan::{Plan, Sampling, Spacing};
-use slicecast::plane::{ChannelOf, Composite};
+use slicecast::plane::{Composite, Depth, NO_DEPTH, Pipeline};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Phong, Shader, Unlit};
 use slicecast::slice::RowRange;
 use slicecast::stream::{Memory, Needs, Stream};
+use slicecast::surface::{Face, Surface, VALUE_MAX};
 use slicecast::view::View;
 use slicecast_ffi::*;
 
@@ -123,6 +125,8 @@ fn scene(direction: [i64; 3], lighting: &SlicecastLighting, integrals: &Slicecas
         low_colours: null(),
         lighting,
         integrals,
+        surfaces: null(),
+        surface_count: 0,
     }
 }
 
@@ -193,9 +197,15 @@ where
     S: Shader<P>,
 {
     let pipeline = Composite::<P, C, S, FrontToBack>::new(p, table, shader);
-    let needs = Needs::of::<Composite<P, C, S, FrontToBack>>(&plan);
+    let image = streamed(pipeline, plan, voxels);
+    image.iter().map(|element| element.bits()).collect()
+}
+
+/// The image of a pipeline.
+fn streamed<L: Pipeline>(pipeline: L, plan: Plan, voxels: &[u16]) -> Vec<L::Element> {
+    let needs = Needs::of::<L>(&plan);
     let (mut slices, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
-    let (mut scratch, mut image) = (vec![0; needs.scratch], vec![ChannelOf::<P>::default(); needs.image]);
+    let (mut scratch, mut image) = (vec![0; needs.scratch], vec![L::Element::default(); needs.image]);
     let memory = Memory {
         slices: &mut slices,
         ranges: &mut ranges,
@@ -207,7 +217,7 @@ where
     for slice in voxels.chunks_exact((width * height) as usize) {
         stream.push(slice).unwrap();
     }
-    stream.image().iter().map(|element| element.bits()).collect()
+    stream.image().to_vec()
 }
 
 fn phong<P: Precision>(p: P, data: &Data) -> Phong<P> {
@@ -352,6 +362,8 @@ fn what_is_no_table_of_segments_is_refused_with_numbers() {
 
     let bare = SlicecastScene {
         integrals: null(),
+        surfaces: null(),
+        surface_count: 0,
         ..good
     };
     assert_eq!(open(&bare), (SLICECAST_NULL, 2, 0, 0, 0, 0));
@@ -448,4 +460,119 @@ fn the_stage_refuses_with_numbers() {
     let short = SlicecastLength { bits: 10, ..good };
     assert_eq!(stage(SLICECAST_WIDE, &short, 0, 0), range(3, 11, 10));
     assert_eq!(stage(SLICECAST_WIDE, null(), 0, 0), (SLICECAST_NULL, 3, 0, 0, 0, 0));
+}
+
+/// Four surfaces, two of them of one value; faces that differ, one of them clear.
+fn surfaces() -> [SlicecastSurface; 4] {
+    let face = |seed: u32, opacity: u32| SlicecastFace {
+        colour: [seed << 24, (seed * 5 % 128) << 24, (seed * 11 % 128) << 24],
+        opacity,
+    };
+    [(1000, 9), (2000, 77), (2000, 31), (3100, 120)].map(|(code, seed)| SlicecastSurface {
+        value: (code << 16) + seed,
+        front: face(seed, if seed == 77 { 0 } else { 3 << 29 }),
+        back: face(seed + 5, 1 << 30),
+    })
+}
+
+/// Surfaces in a volume and alone, and their depths, in every precision.
+#[test]
+fn surfaces_and_depths_have_rusts_bits() {
+    fn held_by<P>(p: P, pipelines: [*const SlicecastPipeline; 3], data: &Data) -> usize
+    where
+        P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>,
+    {
+        let (lighting, integrals, listed) = (data.lighting(), data.integrals(4), surfaces());
+        let face = |face: SlicecastFace| Face {
+            colour: face.colour,
+            opacity: Opacity::from_bits(face.opacity),
+        };
+        let list = listed.map(|surface| Surface {
+            value: surface.value,
+            front: face(surface.front),
+            back: face(surface.back),
+        });
+        let mut images: Vec<Vec<u32>> = Vec::new();
+        for direction in TURNS {
+            for alone in [false, true] {
+                let mut scene = scene(direction, &lighting, &integrals);
+                (scene.surfaces, scene.surface_count) = (listed.as_ptr(), listed.len());
+                if alone {
+                    scene.integrals = null();
+                }
+                let plan = plan(&scene);
+                let volume = (!alone).then(|| data.table(4, Length::of(&plan)));
+                let cut = Cut::new(volume, &list[..], 1).unwrap();
+                let [unlit, lit, depth] = pipelines;
+                let dark = from_c(unlit, &scene, &data.voxels, [0, 0]).1;
+                assert!(dark == from_rust(p, cut, Unlit, plan, &data.voxels));
+                let bright = from_c(lit, &scene, &data.voxels, [0, 0]).1;
+                assert!(bright == from_rust(p, cut, phong(p, data), plan, &data.voxels));
+                let depths = from_c(depth, &scene, &data.voxels, [0, 0]).1;
+                assert!(depths == streamed(Depth::new(p, &list[..], &plan).unwrap(), plan, &data.voxels));
+                assert!(depths.iter().any(|depth| *depth < 2 << 16) && depths.contains(&NO_DEPTH));
+                images.extend([dark, bright]);
+            }
+        }
+        images.sort();
+        images.dedup();
+        images.len()
+    }
+    let data = Data::new(0);
+    let compact = [
+        slicecast_compact_unlit_surfaces(),
+        slicecast_compact_lit_surfaces(),
+        slicecast_compact_depth(),
+    ];
+    assert_eq!(held_by(Compact, compact, &data), 12, "an image twice proves nothing");
+    let wide = [
+        slicecast_wide_unlit_surfaces(),
+        slicecast_wide_lit_surfaces(),
+        slicecast_wide_depth(),
+    ];
+    assert_eq!(held_by(Wide, wide, &data), 12);
+    let paper = [
+        slicecast_paper_unlit_surfaces(),
+        slicecast_paper_lit_surfaces(),
+        slicecast_paper_depth(),
+    ];
+    assert_eq!(held_by(Paper, paper, &data), 12);
+}
+
+#[test]
+fn what_are_no_surfaces_is_refused_with_numbers() {
+    let data = Data::new(2);
+    let (lighting, integrals, mut listed) = (data.lighting(), data.integrals(4), surfaces());
+    let open = |list: &[SlicecastSurface], pointer: *const SlicecastSurface, pipeline| {
+        let mut scene = scene(TURNS[0], &lighting, &integrals);
+        (scene.surfaces, scene.surface_count) = (pointer, list.len());
+        let (mut needs, mut stream, mut error) = (SlicecastNeeds::default(), null_mut(), error());
+        // SAFETY: good pointers, or null.
+        let code = unsafe {
+            slicecast_needs(pipeline, &scene, 0, &mut needs, null_mut());
+            let mut memory = vec![0_u64; needs.bytes.div_ceil(8)];
+            let block = memory.as_mut_ptr().cast();
+            slicecast_open(pipeline, &scene, 0, 0, block, needs.bytes, &mut stream, &mut error)
+        };
+        (code, error)
+    };
+    for pipeline in [slicecast_compact_lit_surfaces(), slicecast_wide_depth()] {
+        let (code, found) = open(&listed, null(), pipeline);
+        assert_eq!((code, found.argument), (SLICECAST_NULL, 2));
+        listed.swap(0, 1);
+        let (code, found) = open(&listed, listed.as_ptr(), pipeline);
+        assert_eq!(told(code, found), (SLICECAST_SURFACE_ORDER, 0, 0, 0, 1, 0));
+        listed.swap(0, 1);
+        let good = listed[3];
+        listed[3].value = VALUE_MAX + 1;
+        let (code, found) = open(&listed, listed.as_ptr(), pipeline);
+        let given = i64::from(VALUE_MAX);
+        assert_eq!(told(code, found), (SLICECAST_SURFACE_VALUE, 0, given, given + 1, 3, 0));
+        listed[3] = good;
+        listed[3].back.opacity = u32::MAX;
+        let (code, found) = open(&listed, listed.as_ptr(), pipeline);
+        assert_eq!(told(code, found), (SLICECAST_FACE, 0, 1 << 31, u32::MAX.into(), 3, 0));
+        listed[3] = good;
+        assert_eq!(open(&listed, listed.as_ptr(), pipeline).0, SLICECAST_OK);
+    }
 }
