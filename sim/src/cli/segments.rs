@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use slicecast_laboratory::segments::curves::{self, Curve, Frame};
+use slicecast_laboratory::segments::curves::{self, Curve, Frame, Worth};
 use slicecast_laboratory::segments::figures::{Error, Figures, run};
 use slicecast_laboratory::segments::plot;
 
@@ -56,8 +56,8 @@ impl Args {
     fn curves(self) -> Result<(), Failure> {
         let curves = with_bar("segments", |progress| curves::run(self.reduced, progress))?;
         println!(
-            "Errors of the base plane in steps of 1/255, mean / maximum, wide, against the converged integral; milliseconds of \
-             one processor, the base plane alone."
+            "Errors of the base plane in steps of 1/255, mean / maximum, wide, against the converged integral; of whole rays, \
+             which cross no side of the volume, the mean. Milliseconds of one processor, the base plane alone."
         );
         curves.iter().for_each(print_curve);
         if let Some(path) = &self.plot {
@@ -81,35 +81,33 @@ fn print_curve(curve: &Curve) {
         "way",
         "planes",
         "error",
+        "whole rays",
         "ms",
         "time",
-        "worth planes of samples",
+        "worth planes",
         "gain in time",
+        "whole: worth",
+        "gain",
     ]);
     let unit = curve.samples[0].milliseconds;
-    let mut row = |way: &str, frame: &Frame, worth: [String; 2]| {
-        let Frame {
-            planes,
-            mean,
-            most,
-            milliseconds,
-        } = frame;
-        let [samples, gain] = worth;
-        table.add_row([
+    let mut row = |way: &str, frame: &Frame, worth: [String; 4]| {
+        let mut cells = vec![
             way.to_owned(),
-            planes.to_string(),
-            format!("{mean:.4} / {most:.2}"),
-            format!("{milliseconds:.2}"),
-            format!("{:.2}", milliseconds / unit),
-            samples,
-            gain,
-        ]);
+            frame.planes.to_string(),
+            format!("{:.4} / {:.2}", frame.mean, frame.most),
+            format!("{:.4}", frame.whole),
+            format!("{:.2}", frame.milliseconds),
+            format!("{:.2}", frame.milliseconds / unit),
+        ];
+        cells.extend(worth);
+        table.add_row(cells);
     };
     for frame in &curve.samples {
-        row("samples", frame, ["-", "-"].map(str::to_owned));
+        row("samples", frame, [(); 4].map(|()| "-".to_owned()));
     }
-    for (frame, worth) in curve.segments.iter().zip(&curve.worth) {
-        row("segments", frame, [worth.samples.to_string(), worth.gain.to_string()]);
+    for (frame, Worth { all, whole, .. }) in curve.segments.iter().zip(&curve.worth) {
+        let worth = [all.samples, all.gain, whole.samples, whole.gain];
+        row("segments", frame, worth.map(|number| number.to_string()));
     }
     println!("\n{}\n\n{table}", curve.case);
 }

@@ -4,6 +4,7 @@
 use std::time::Duration;
 
 use serde::Serialize;
+use slicecast::plan::Plan;
 use slicecast_compare::image::base_figures;
 use slicecast_compare::{ModelPositions, model};
 use slicecast_engine::error::RenderError;
@@ -33,6 +34,9 @@ pub struct Frame {
     pub mean: f64,
     /// The largest.
     pub most: f64,
+    /// The mean over those pixels alone whose rays run from the first slice to the last. A ray that enters or leaves by a side
+    /// loses the part of a segment that lies between the side and a plane.
+    pub whole: f64,
     /// Milliseconds of a processor: the base plane alone, on one thread, the quickest of all rounds.
     pub milliseconds: f64,
 }
@@ -59,15 +63,24 @@ impl std::fmt::Display for Bounded {
     }
 }
 
-/// What a frame of segments is worth: samples with the same mean error.
+/// Samples with the mean error of a frame of segments.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Equal {
+    /// Planes of samples per voxel.
+    pub samples: Bounded,
+    /// Their time divided by that of the segments: above 1, segments are quicker at the same error.
+    pub gain: Bounded,
+}
+
+/// What a frame of segments is worth.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Worth {
     /// Planes of segments per voxel.
     pub planes: u32,
-    /// Planes of samples per voxel with the same mean error.
-    pub samples: Bounded,
-    /// Their time divided by that of the segments: above 1, segments are quicker at the same error.
-    pub gain: Bounded,
+    /// By the error of all pixels.
+    pub all: Equal,
+    /// By that of whole rays.
+    pub whole: Equal,
 }
 
 /// The frames of a scene.
@@ -235,7 +248,13 @@ fn of_setting(setting: &Setting, rounds: usize) -> Result<Curve, RenderError> {
     let slices = turned.slices()?;
     let volume = Oriented::of(&slices);
     let converged = model(&frames[0], ModelPositions::Exact).render_integral();
-    let mut found = vec![([0.0; 2], Duration::MAX); frames.len()];
+    let others: Vec<usize> = not_whole(&frames[0].setup.plan).collect();
+    let converged_whole = {
+        let mut image = converged.clone();
+        others.iter().for_each(|&pixel| image.t[pixel] = 1.0);
+        image
+    };
+    let mut found = vec![([0.0; 3], Duration::MAX); frames.len()];
     // One thread: how well tiles share the processors is another question.
     let single = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let single = single.unwrap_or_else(|error| unreachable!("a pool of one thread: {error}"));
@@ -249,20 +268,30 @@ fn of_setting(setting: &Setting, rounds: usize) -> Result<Curve, RenderError> {
             });
             *least = took.min(*least);
             if round == 0 {
-                let figures = base_figures(&rendering.base(), &converged);
-                *error = [figures.mean_lsb8, figures.max_lsb8];
+                let mut base = rendering.base();
+                let all = base_figures(&base, &converged);
+                // Pixels that are transparent in both are left out.
+                others.iter().for_each(|&pixel| base.planes[3][pixel] = base.one);
+                let whole = base_figures(&base, &converged_whole);
+                *error = [all.mean_lsb8, all.max_lsb8, whole.mean_lsb8];
             }
         }
     }
-    let frame = |(scene, ([mean, most], least)): (&Scene, &([f64; 2], Duration))| Frame {
+    let frame = |(scene, ([mean, most, whole], least)): (&Scene, &([f64; 3], Duration))| Frame {
         planes: scene.sampling.planes_per_voxel,
         mean: *mean,
         most: *most,
+        whole: *whole,
         milliseconds: least.as_secs_f64() * 1e3,
     };
     let mut samples: Vec<Frame> = scenes.iter().zip(&found).map(frame).collect();
     let segments = samples.split_off(SAMPLES.len());
-    let worth = segments.iter().map(|frame| worth(&samples, frame)).collect();
+    let worth = |frame: &Frame| Worth {
+        planes: frame.planes,
+        all: equal(&samples, frame, |frame| frame.mean),
+        whole: equal(&samples, frame, |frame| frame.whole),
+    };
+    let worth = segments.iter().map(worth).collect();
     Ok(Curve {
         case: setting.name,
         samples,
@@ -271,25 +300,40 @@ fn of_setting(setting: &Setting, rounds: usize) -> Result<Curve, RenderError> {
     })
 }
 
-/// What a frame is worth, on straight lines between the logarithms of planes, errors and times of frames by samples; where an
-/// error is met more than once, the fewest planes count.
-fn worth(samples: &[Frame], frame: &Frame) -> Worth {
-    let [first, last] = [&samples[0], &samples[samples.len() - 1]];
-    let told = |samples: Bounded, gain: Bounded| Worth {
-        planes: frame.planes,
-        samples,
-        gain,
+/// The pixels whose rays enter or leave by a side, of a plan of one ray per voxel.
+fn not_whole(plan: &Plan) -> impl Iterator<Item = usize> {
+    let [columns, _] = plan.base();
+    let ([width, height, slices], [i, j, k]) = (plan.dims(), plan.step().map(|step| step.to_bits() as f64));
+    let start = plan.start(plan.phase(0)).map(|start| start.to_num::<f64>());
+    let through = f64::from(slices - 1);
+    let inside = move |start: f64, step: f64, side: u32| {
+        let last = f64::from(side - 1);
+        (0.0..=last).contains(&start) && (0.0..=last).contains(&(start + step / k * through))
     };
+    let pixels = columns * plan.base()[1];
+    (0..pixels).filter_map(move |pixel| {
+        let [u, v] = [pixel % columns, pixel / columns].map(f64::from);
+        let whole = inside(start[0] + u, i, width) && inside(start[1] + v, j, height);
+        (!whole).then_some(pixel as usize)
+    })
+}
+
+/// Samples with the error of a frame, on straight lines between the logarithms of planes, errors and times; where an error is met
+/// more than once, the fewest planes count.
+fn equal(samples: &[Frame], frame: &Frame, error: fn(&Frame) -> f64) -> Equal {
+    let [first, last] = [&samples[0], &samples[samples.len() - 1]];
+    let told = |samples: Bounded, gain: Bounded| Equal { samples, gain };
     let times = |of: &Frame| of.milliseconds / frame.milliseconds;
-    if frame.mean > first.mean {
+    if error(frame) > error(first) {
         return told(Bounded::Below(f64::from(first.planes)), Bounded::Below(times(first)));
     }
-    let between = samples.windows(2).find(|pair| pair[1].mean <= frame.mean);
+    let between = samples.windows(2).find(|pair| error(&pair[1]) <= error(frame));
     let Some([a, b]) = between else {
         return told(Bounded::Above(f64::from(last.planes)), Bounded::Above(times(last)));
     };
-    let t = if a.mean > b.mean && b.mean > 0.0 {
-        ((a.mean / frame.mean).ln() / (a.mean / b.mean).ln()).clamp(0.0, 1.0)
+    let [from, to] = [error(a), error(b)];
+    let t = if from > to && to > 0.0 {
+        ((from / error(frame)).ln() / (from / to).ln()).clamp(0.0, 1.0)
     } else {
         0.0
     };
@@ -309,6 +353,7 @@ mod tests {
             planes,
             mean,
             most: mean,
+            whole: 2.0 * mean,
             milliseconds,
         }
     }
@@ -317,8 +362,10 @@ mod tests {
     fn worth_is_read_between_frames_and_bounded_beyond_them() {
         let samples = [frame(1, 16.0, 10.0), frame(2, 8.0, 20.0), frame(4, 4.0, 40.0)];
         let of = |mean, milliseconds| {
-            let found = worth(&samples, &frame(1, mean, milliseconds));
-            (found.samples, found.gain)
+            let [all, whole] = [|frame: &Frame| frame.mean, |frame: &Frame| frame.whole]
+                .map(|error| equal(&samples, &frame(1, mean, milliseconds), error));
+            assert_eq!(all, whole);
+            (all.samples, all.gain)
         };
         assert_eq!(of(17.0, 20.0), (Bounded::Below(1.0), Bounded::Below(0.5)));
         assert_eq!(of(3.0, 20.0), (Bounded::Above(4.0), Bounded::Above(2.0)));
@@ -342,7 +389,8 @@ mod tests {
             curve
         };
         let shells = of("sphere, shells of 3 codes");
-        assert_eq!(shells.worth[0].samples, Bounded::Above(16.0));
+        assert_eq!(shells.worth[0].all.samples, Bounded::Above(16.0));
+        assert!(shells.segments[0].whole < shells.segments[0].mean);
         assert!(shells.segments[0].mean < shells.samples[4].mean);
         let fog = of("sphere, thin fog");
         assert!(fog.segments[0].mean < 1.0 && fog.samples[0].mean < 1.0);

@@ -100,6 +100,7 @@ mod tests {
             planes,
             mean,
             most: mean,
+            whole: mean,
             milliseconds: f64::from(planes),
         };
         let curve = |case| Curve {
