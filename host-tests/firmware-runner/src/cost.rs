@@ -12,8 +12,9 @@ use crate::References;
 use crate::footprint::Footprint;
 use crate::images::{Case, Workshop, execute, parse};
 use crate::machines::Machine;
-use crate::proofs::{library, link};
+use crate::proofs::{entry, library, link};
 use crate::scenes::Kind;
+use crate::segments::{self, Segments};
 use crate::shell::{Failure, fail};
 
 /// The boundaries up to compositing.
@@ -99,13 +100,22 @@ struct Taken {
 ///
 /// # Errors
 /// If anything cannot be built or run, or a program's image is not the host's.
-pub fn write(workshop: &Workshop, machines: &[Machine], references: &References) -> Result<(), Failure> {
-    let mut rows = Vec::new();
+pub fn write(
+    workshop: &Workshop,
+    machines: &[Machine],
+    references: &References,
+    segments: &Segments,
+) -> Result<(), Failure> {
+    let (mut rows, mut beside) = (Vec::new(), segments::HEADING.to_owned());
     for machine in machines {
         println!("measuring {}", machine.name);
         rows.extend(measure(workshop, machine, references)?);
+        let programs = workshop.images(machine, "release", &["segments"])?;
+        let (tools, root) = (&workshop.toolchain, &workshop.root);
+        let archive = library(tools, root, "firmware", machine.target, machine.cpu)?;
+        beside.push_str(&segments.rows(workshop, machine, &programs, &archive)?);
     }
-    let text = table(&rows, machines, references, &workshop.toolchain.describe());
+    let text = table(&rows, machines, references, &workshop.toolchain.describe(), &beside);
     let path = workshop.root.join("docs/firmware-cost.md");
     fs::create_dir_all(workshop.root.join("docs")).map_err(|error| Failure(error.to_string()))?;
     fs::write(&path, &text).map_err(|error| Failure(format!("{}: {error}", path.display())))?;
@@ -219,7 +229,7 @@ fn take(
     }
     let memory = report.cases.first().and_then(|case| case.memory);
     Ok(Taken {
-        library: link(workshop, machine, archive, kind)?.flash,
+        library: link(workshop, machine, archive, &entry(kind, false))?.flash,
         program: Footprint::of(&program)?.flash,
         memory: memory.map_or(0, |m| m.iter().sum()),
         stack: report.stack.unwrap_or(0),
@@ -227,7 +237,7 @@ fn take(
     })
 }
 
-fn table(rows: &[Measured], machines: &[Machine], references: &References, compiler: &str) -> String {
+fn table(rows: &[Measured], machines: &[Machine], references: &References, compiler: &str, segments: &str) -> String {
     let counts = |scene, kind| references[&(scene, kind)].1;
     let mut out = String::new();
     let _ = writeln!(
@@ -292,6 +302,7 @@ fn table(rows: &[Measured], machines: &[Machine], references: &References, compi
             each(HEAD),
         );
     }
+    let _ = write!(out, "\n{segments}");
     for (scene, heading) in [
         (DENSE, "Where the instructions go, dense"),
         (HEAD, "Where the instructions go, head"),

@@ -11,7 +11,7 @@ use std::time::Duration;
 use crate::References;
 use crate::images::{Workshop, execute, first_difference, parse};
 use crate::machines::Machine;
-use crate::proofs::{findings, library, link};
+use crate::proofs::{entry, findings, library, link};
 use crate::scenes::Kind;
 use crate::shell::{Failure, fail, run};
 
@@ -203,7 +203,7 @@ fn find(
                 machine.target,
                 machine.cpu,
             )?;
-            let all = findings(&link(workshop, machine, &archive, Kind::COMPACT_LIT)?);
+            let all = findings(&link(workshop, machine, &archive, &entry(Kind::COMPACT_LIT, false))?);
             Ok(all.into_iter().find(|finding| finding.contains(&format!("({kind})"))))
         }
         Finder::Header => {

@@ -89,7 +89,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     write_if_changed(&workshop.scenes, &source)?;
     let head = exported::write(&workshop)?;
     if arguments.cost {
-        return cost::write(&workshop, &machines, &references);
+        return cost::write(&workshop, &machines, &references, &segments);
     }
     if let Some(small) = scenes.first() {
         let sums = |kind| references[&(small.name, kind)].0.image;
@@ -122,7 +122,6 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         names.extend(renders_head.then_some("exported"));
         let programs = workshop.images(machine, "release", &names)?;
         failed += bits(&programs, machine, &references)?;
-        failed += segments.check(&programs, machine)?;
         failed += bands(&programs, machine, &references)?;
         failed += queue(&programs, machine, &references)?;
         let library = proofs::library(
@@ -132,6 +131,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             machine.target,
             machine.cpu,
         )?;
+        failed += segments.check(&workshop, &programs, machine, &library)?;
         failed += proofs::prove(&workshop, machine, &library)?;
         failed += c::on_machine(&workshop, machine, &library)?;
         if renders_head {

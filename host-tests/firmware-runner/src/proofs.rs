@@ -55,15 +55,20 @@ pub fn all_features(workshop: &Workshop, machine: &Machine) -> Result<(), Failur
     build(&mut command)
 }
 
-/// Links one pipeline of a library.
+/// The function of a kind's pipeline: of points, or of segments.
+pub fn entry(kind: Kind, segments: bool) -> String {
+    let suffix = if segments { "_segments" } else { "" };
+    format!("slicecast_{}{suffix}", kind.name().replace(' ', "_"))
+}
+
+/// Links one pipeline of a library, by its function.
 ///
 /// # Errors
 /// With what the linker said: a symbol that the library does not bring is one too.
-pub fn link(workshop: &Workshop, machine: &Machine, library: &Path, kind: Kind) -> Result<Footprint, Failure> {
-    let entry = format!("slicecast_{}", kind.name().replace(' ', "_"));
+pub fn link(workshop: &Workshop, machine: &Machine, library: &Path, entry: &str) -> Result<Footprint, Failure> {
     let program = workshop.directory().join(format!("{}-{entry}.elf", machine.name));
     let mut command = Command::new(workshop.toolchain.linker());
-    command.args(["-flavor", "gnu", "--gc-sections", "-e", &entry]);
+    command.args(["-flavor", "gnu", "--gc-sections", "-e", entry]);
     for function in FUNCTIONS {
         command.arg(format!("--undefined={function}"));
     }
@@ -78,8 +83,9 @@ pub fn link(workshop: &Workshop, machine: &Machine, library: &Path, kind: Kind) 
 /// If a pipeline cannot be linked.
 pub fn prove(workshop: &Workshop, machine: &Machine, library: &Path) -> Result<u32, Failure> {
     let mut failed = 0;
-    for kind in Kind::all() {
-        let footprint = link(workshop, machine, library, kind)?;
+    let kinds = Kind::all().flat_map(|kind| [(kind, false), (kind, true)]);
+    for (kind, segments) in kinds {
+        let footprint = link(workshop, machine, library, &entry(kind, segments))?;
         let found = findings(&footprint);
         let wanted = FUNCTIONS.iter().find(|f| !footprint.symbols.contains(**f));
         let failure = match (wanted, found.as_slice()) {
@@ -87,7 +93,7 @@ pub fn prove(workshop: &Workshop, machine: &Machine, library: &Path) -> Result<u
             (None, []) => None,
             (None, found) => Some(found.join(", ")),
         };
-        let what = format!("proofs {}", kind.name());
+        let what = format!("proofs {}{}", kind.name(), if segments { ", segments" } else { "" });
         failed += line(machine, &what, "", failure.map(|f| format!("reachable: {f}")));
     }
     Ok(failed)

@@ -42,6 +42,12 @@ impl Kind {
         (0..3).flat_map(|precision| [false, true].map(|lit| Self { precision, lit }))
     }
 
+    /// The default precision, unlit.
+    pub const COMPACT_UNLIT: Self = Self {
+        precision: 1,
+        lit: false,
+    };
+
     /// The default precision, lit.
     pub const COMPACT_LIT: Self = Self {
         precision: 1,

@@ -12,17 +12,21 @@ use slicecast_scene::{Classification, PrecisionName, Scene};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
 
-use crate::images::{execute, first_difference, parse as parse_report};
+use crate::images::{Case, Report, Workshop, execute, first_difference, parse as parse_report};
 use crate::line;
 use crate::machines::Machine;
-use crate::reference::{Counts, Sums, sums};
+use crate::proofs::{entry, link};
+use crate::reference::{Counts, Sums, reference, sums};
 use crate::scenes::{Kind, LARGE, Named, constant_name, crop};
 use crate::shell::{Failure, fail};
 
 /// Codes of a bin on a device, log2: lists of 1025 nodes, 4 KiB each.
 const GRAIN: u32 = 2;
 
-/// Instructions that a dense unlit sample may take on a Cortex-M4.
+/// The kind that is bounded.
+const UNLIT: Kind = Kind::COMPACT_UNLIT;
+
+/// Instructions that a dense unlit sample of that kind may take on a Cortex-M4.
 const DENSE_UNLIT_MAX: f64 = 400.0;
 
 /// What the host knows.
@@ -32,9 +36,17 @@ pub struct Segments {
     dense: Named,
     /// Of every turn and kind,
     references: Vec<(String, Sums)>,
-    /// and of the dense scene.
-    counted: Vec<(String, Sums, Counts)>,
+    /// and of the dense scene, by points and by segments.
+    counted: Vec<(Kind, [(Sums, Counts); 2])>,
 }
+
+/// What the rows of the cost are.
+pub const HEADING: &str = "## Segments\n\nThe same dense scene by points and by segments ([contract/integral.md](contract/integral.md)), \
+     counted in one program (`host-tests/firmware/src/bin/segments.rs`; `host-tests/run-firmware MACHINE` prints these rows, too). A \
+     table of integrals has 16400 bytes (1025 nodes; of one colour 4100) and holds for every view; one of points has 20480 \
+     (`compact`) or 32768 (`wide`) and holds for one length of step. `library` and `memory` are as above.\n\n\
+     | core | pipeline | library: points | segments | memory: points | segments | dense, instr. a sample: points | segments | \
+     ratio |\n|---|---|---|---|---|---|---|---|---|\n";
 
 /// The precisions that are shown.
 fn kinds() -> impl Iterator<Item = Kind> {
@@ -101,9 +113,8 @@ impl Segments {
             }
         }
         let mut counted = Vec::new();
-        for kind in kinds().filter(|kind| kind.precision() == PrecisionName::Compact) {
-            let (sums, counts) = of_kind(&dense, kind)?;
-            counted.push((format!("{} {}", dense.name, kind.name()), sums, counts));
+        for kind in kinds() {
+            counted.push((kind, [reference(&dense, kind)?, of_kind(&dense, kind)?]));
         }
         Ok(Self {
             turns,
@@ -154,7 +165,13 @@ impl Segments {
     ///
     /// # Errors
     /// If the program does not run.
-    pub fn check(&self, programs: &Path, machine: &Machine) -> Result<u32, Failure> {
+    pub fn check(
+        &self,
+        workshop: &Workshop,
+        programs: &Path,
+        machine: &Machine,
+        library: &Path,
+    ) -> Result<u32, Failure> {
         let finished = execute(machine, &programs.join("segments"), true)?;
         let report = parse_report(&finished.out)?;
         let find = |name: &String| report.cases.iter().find(|case| case.name == *name);
@@ -171,31 +188,91 @@ impl Segments {
                 verdict,
             );
         }
-        for (name, host, counts) in &self.counted {
-            let case = find(name);
-            let instructions = case.and_then(|case| case.instructions).unwrap_or(u64::MAX);
-            let per_sample = instructions as f64 / counts.places as f64;
-            let bounded = machine.core == "Cortex-M4" && name.ends_with("unlit");
-            let verdict = if case.is_none_or(|case| case.sums.image != host.image) {
-                Some(format!("image {:08x?}", case.map(|case| case.sums.image)))
-            } else if bounded && per_sample > DENSE_UNLIT_MAX {
-                Some(format!(
-                    "{per_sample:.1} instructions per sample, more than {DENSE_UNLIT_MAX}"
-                ))
-            } else {
-                None
-            };
-            failed += line(
-                machine,
-                &format!("segments {name}"),
-                &format!("{:08x}", host.image),
-                verdict,
-            );
-            println!("    {per_sample:.1} instructions per sample");
+        let rows = self.costs(&report)?;
+        for (kind, [_, per_sample]) in &rows {
+            let bounded = machine.core == "Cortex-M4" && *kind == UNLIT;
+            let verdict = (bounded && *per_sample > DENSE_UNLIT_MAX)
+                .then(|| format!("{per_sample:.1} instructions per sample, more than {DENSE_UNLIT_MAX}"));
+            let what = format!("segments {} {}", self.dense.name, kind.name());
+            failed += line(machine, &what, &format!("{per_sample:.1}"), verdict);
         }
+        print!("{HEADING}{}", self.table(workshop, machine, &report, library)?);
         let verdict = (!finished.passed || !report.verdict).then(|| "its own verdict: fail".to_owned());
         failed += line(machine, "segments exit", "", verdict);
         Ok(failed)
+    }
+
+    /// Rows of the cost table of a machine.
+    ///
+    /// # Errors
+    /// If the program does not run, or an image is not the host's.
+    pub fn rows(
+        &self,
+        workshop: &Workshop,
+        machine: &Machine,
+        programs: &Path,
+        library: &Path,
+    ) -> Result<String, Failure> {
+        let finished = execute(machine, &programs.join("segments"), true)?;
+        self.table(workshop, machine, &parse_report(&finished.out)?, library)
+    }
+
+    /// A case of the dense scene, whose image must be the host's.
+    fn case<'r>(&self, report: &'r Report, way: &str, kind: Kind, host: &Sums) -> Result<&'r Case, Failure> {
+        let name = format!("{way} {} {}", self.dense.name, kind.name());
+        match report.cases.iter().find(|case| case.name == name) {
+            Some(case) if case.sums.image == host.image => Ok(case),
+            Some(case) => fail(format!("{name}: {:08x}, host {:08x}", case.sums.image, host.image)),
+            None => fail(format!("{name} did not run")),
+        }
+    }
+
+    /// Instructions per sample by points and by segments.
+    fn costs(&self, report: &Report) -> Result<Vec<(Kind, [f64; 2])>, Failure> {
+        let each = |way, kind, (sums, counts): &(Sums, Counts)| -> Result<f64, Failure> {
+            let instructions = self.case(report, way, kind, sums)?.instructions;
+            Ok(instructions.unwrap_or(u64::MAX) as f64 / counts.places as f64)
+        };
+        let row = |(kind, [points, segments]): &(Kind, [(Sums, Counts); 2])| {
+            Ok((
+                *kind,
+                [each("points", *kind, points)?, each("segments", *kind, segments)?],
+            ))
+        };
+        self.counted.iter().map(row).collect()
+    }
+
+    fn table(
+        &self,
+        workshop: &Workshop,
+        machine: &Machine,
+        report: &Report,
+        library: &Path,
+    ) -> Result<String, Failure> {
+        let mut out = String::new();
+        for ((kind, [points, segments]), (_, hosts)) in self.costs(report)?.into_iter().zip(&self.counted) {
+            let flash = |of_segments: bool| -> Result<u64, Failure> {
+                Ok(link(workshop, machine, library, &entry(kind, of_segments))?.flash)
+            };
+            let memory = |way: &str, (host, _): &(Sums, Counts)| -> Result<u64, Failure> {
+                Ok(self
+                    .case(report, way, kind, host)?
+                    .memory
+                    .map_or(0, |parts| parts.iter().sum()))
+            };
+            let _ = writeln!(
+                out,
+                "| {} | {} | {} | {} | {} | {} | {points:.1} | {segments:.1} | {:.2} |",
+                machine.core,
+                kind.name(),
+                flash(false)?,
+                flash(true)?,
+                memory("points", &hosts[0])?,
+                memory("segments", &hosts[1])?,
+                segments / points,
+            );
+        }
+        Ok(out)
     }
 }
 

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use slicecast_laboratory::segments::curves::{self, Curve, Frame, Worth};
 use slicecast_laboratory::segments::figures::{Error, Figures, run};
+use slicecast_laboratory::segments::plot;
 
 use super::Failure;
 use super::output::{check_free, write_file};
@@ -10,14 +12,24 @@ use super::progress::with_bar;
 use super::tables::header;
 
 /// Compare ways of classifying segments: two-dimensional tables, integrals, and samples of many planes.
+///
+/// With --curves whole frames are rendered instead: errors and times of samples and of segments of several planes per voxel, and
+/// how many planes of samples one of segments is worth.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast segments
-  slicecast segments --json segments.json")]
+  slicecast segments --json segments.json
+  slicecast segments --curves --plot curves.svg")]
 pub struct Args {
     /// Fewer rays, smaller fields and tables.
     #[arg(long)]
     reduced: bool,
+    /// Error against time of whole frames.
+    #[arg(long)]
+    curves: bool,
+    /// Draw the curves as SVG.
+    #[arg(long, value_name = "FILE", requires = "curves")]
+    plot: Option<PathBuf>,
     /// Write the figures as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -30,15 +42,74 @@ impl Args {
     /// Runs the comparison.
     pub fn run(self) -> Result<(), Failure> {
         check_free(&self.json, self.force)?;
+        check_free(&self.plot, self.force)?;
+        if self.curves {
+            return self.curves();
+        }
         let figures = with_bar("segments", |progress| run(self.reduced, progress));
         println!("Errors in steps of 1/255, mean / maximum. Times are of one thread.");
         figures.iter().for_each(print);
+        self.write_json(&figures)
+    }
+
+    /// The frames of every scene.
+    fn curves(self) -> Result<(), Failure> {
+        let curves = with_bar("segments", |progress| curves::run(self.reduced, progress))?;
+        println!(
+            "Errors of the base plane in steps of 1/255, mean / maximum, wide, against the converged integral; of whole rays, \
+             which cross no side of the volume, the mean. Milliseconds of one processor, the base plane alone."
+        );
+        curves.iter().for_each(print_curve);
+        if let Some(path) = &self.plot {
+            let svg = plot::curves(&curves).map_err(Failure::machine)?;
+            write_file(path, self.force, svg.as_bytes())?;
+        }
+        self.write_json(&curves)
+    }
+
+    fn write_json<T: serde::Serialize>(&self, figures: &T) -> Result<(), Failure> {
         if let Some(path) = &self.json {
-            let json = serde_json::to_vec_pretty(&figures).map_err(Failure::machine)?;
+            let json = serde_json::to_vec_pretty(figures).map_err(Failure::machine)?;
             write_file(path, self.force, &json)?;
         }
         Ok(())
     }
+}
+
+fn print_curve(curve: &Curve) {
+    let mut table = header(&[
+        "way",
+        "planes",
+        "error",
+        "whole rays",
+        "ms",
+        "time",
+        "worth planes",
+        "gain in time",
+        "whole: worth",
+        "gain",
+    ]);
+    let unit = curve.samples[0].milliseconds;
+    let mut row = |way: &str, frame: &Frame, worth: [String; 4]| {
+        let mut cells = vec![
+            way.to_owned(),
+            frame.planes.to_string(),
+            format!("{:.4} / {:.2}", frame.mean, frame.most),
+            format!("{:.4}", frame.whole),
+            format!("{:.2}", frame.milliseconds),
+            format!("{:.2}", frame.milliseconds / unit),
+        ];
+        cells.extend(worth);
+        table.add_row(cells);
+    };
+    for frame in &curve.samples {
+        row("samples", frame, [(); 4].map(|()| "-".to_owned()));
+    }
+    for (frame, Worth { all, whole, .. }) in curve.segments.iter().zip(&curve.worth) {
+        let worth = [all.samples, all.gain, whole.samples, whole.gain];
+        row("segments", frame, worth.map(|number| number.to_string()));
+    }
+    println!("\n{}\n\n{table}", curve.case);
 }
 
 fn print(figures: &Figures) {

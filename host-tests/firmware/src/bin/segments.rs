@@ -1,22 +1,24 @@
 //! Classified segments: one table of integrals, and views that turn without a new one. Prints the sums of every stage
-//! boundary as `bits` does, and what a frame of the dense scene costs.
+//! boundary as `bits` does, and what a frame of the dense scene costs, by points and by segments.
 #![no_std]
 #![no_main]
 
 use semihosting::println;
-use slicecast::composite::Unorm16;
+use slicecast::classify::Classifier;
+use slicecast::composite::{FrontToBack, Unorm16};
+use slicecast::integral::Integral;
 use slicecast::plane::{ChannelOf, Composite};
 use slicecast::precision::{Compact, Wide};
 use slicecast::shade::{Phong, Unlit};
-use slicecast::stream::{Memory, Stream};
+use slicecast::stream::{Memory, Needs, Stream};
 use slicecast_firmware::boundaries::show;
 use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
 use slicecast_firmware::memory::{Reserved, with_image};
 use slicecast_firmware::scenes::{DENSE, DENSE_INTEGRALS, TURN_INTEGRALS, TURNS, TURNS_EXPECTED};
 use slicecast_firmware::stack;
-use slicecast_firmware_shared::image;
 use slicecast_firmware_shared::scene::{IntegralData, Lights, Model, SceneData, SceneError};
 use slicecast_firmware_shared::sum::Sum;
+use slicecast_firmware_shared::{image, scene};
 use static_cell::ConstStaticCell;
 
 #[cfg(target_arch = "arm")]
@@ -50,15 +52,20 @@ fn main() -> ! {
         *wl = shown::<Wide, Phong<Wide>>(scene, with_image(narrow.lend(), broad));
         passed &= images == *expected;
     }
-    counted::<Compact, Unlit>(narrow.lend());
-    counted::<Compact, Phong<Compact>>(narrow.lend());
+    by_points::<Compact, Unlit>(narrow.lend());
+    by_segments::<Compact, Unlit>(narrow.lend());
+    by_points::<Compact, Phong<Compact>>(narrow.lend());
+    by_segments::<Compact, Phong<Compact>>(narrow.lend());
+    by_points::<Wide, Unlit>(with_image(narrow.lend(), broad));
+    by_segments::<Wide, Unlit>(with_image(narrow.lend(), broad));
+    by_points::<Wide, Phong<Wide>>(with_image(narrow.lend(), broad));
+    by_segments::<Wide, Phong<Wide>>(with_image(narrow.lend(), broad));
     println!("stack {}", stack::high_water());
     finish(passed)
 }
 
 /// The pipeline of a scene with a table of integrals.
-type Segmented<P, S> =
-    Composite<P, slicecast::integral::Integral<&'static [u32]>, S, slicecast::composite::FrontToBack>;
+type Segmented<P, S> = Composite<P, Integral<&'static [u32]>, S, FrontToBack>;
 
 fn pipeline<P: Model, S: Lights<P>>(scene: &SceneData, table: &IntegralData) -> Result<Segmented<P, S>, SceneError> {
     let (precision, plan) = (P::default(), scene.plan()?);
@@ -83,14 +90,32 @@ fn shown<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, ChannelOf
     }
 }
 
-/// Counts the instructions of a frame of the dense scene.
+/// Counts a frame of the dense scene by points.
 #[inline(never)]
-fn counted<P: Model, S: Lights<P>>(memory: Memory<'_, ChannelOf<P>>) {
-    println!("case {} {} {}", DENSE.name, P::NAME, S::NAME);
-    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline::<P, S>(DENSE, DENSE_INTEGRALS)) else {
+fn by_points<P: Model, S: Lights<P>>(memory: Memory<'_, ChannelOf<P>>) {
+    println!("case points {} {} {}", DENSE.name, P::NAME, S::NAME);
+    counted(scene::pipeline::<P, S>(DENSE), memory);
+}
+
+/// Counts a frame of the dense scene by segments.
+#[inline(never)]
+fn by_segments<P: Model, S: Lights<P>>(memory: Memory<'_, ChannelOf<P>>) {
+    println!("case segments {} {} {}", DENSE.name, P::NAME, S::NAME);
+    counted(pipeline::<P, S>(DENSE, DENSE_INTEGRALS), memory);
+}
+
+/// Prints the memory lent to a frame of the dense scene, its instructions and its image's sum.
+#[inline(always)]
+fn counted<P: Model, C: Classifier<P>, S: Lights<P>>(
+    pipeline: Result<Composite<P, C, S, FrontToBack>, SceneError>,
+    memory: Memory<'_, ChannelOf<P>>,
+) {
+    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline) else {
         println!("error the scene is out of range");
         return;
     };
+    let [slices, ranges, scratch, image] = Needs::of::<Composite<P, C, S, FrontToBack>>(&plan).bytes();
+    println!("memory {slices} {ranges} {scratch} {image}");
     let Ok(mut stream) = Stream::new(plan, &pipeline, memory) else {
         println!("error too little memory");
         return;

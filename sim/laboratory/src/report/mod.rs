@@ -11,7 +11,7 @@
 pub mod machine;
 pub mod page;
 mod picture;
-mod plots;
+pub(crate) mod plots;
 
 use crate::hard::Case;
 use crate::rows::Row;

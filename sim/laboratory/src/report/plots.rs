@@ -21,7 +21,7 @@ const SERIES: [RGBColor; 4] = [
 ];
 
 /// A plot that cannot be drawn.
-type PlotError = Box<dyn std::error::Error>;
+pub(crate) type PlotError = Box<dyn std::error::Error>;
 
 /// Puts the page's colours in and makes the drawing as wide as its place.
 fn finish(svg: &str, label: &str) -> String {
@@ -42,7 +42,7 @@ fn finish(svg: &str, label: &str) -> String {
 
 /// Places on a logarithmic axis: 1, 2 and 5 of each decade, or of many decades each 1. A range without a power of ten has
 /// some as well.
-fn decades(low: f64, high: f64) -> Vec<f64> {
+pub(crate) fn decades(low: f64, high: f64) -> Vec<f64> {
     let [first, last] = [low, high].map(|end| end.log10().floor() as i32);
     let steps: &[f64] = if last - first > 4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let places = (first..=last).flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
@@ -50,7 +50,7 @@ fn decades(low: f64, high: f64) -> Vec<f64> {
 }
 
 /// The label of a place on an axis: as many digits as tell it from its neighbours, and none of the noise of its sum.
-fn tick(value: f64) -> String {
+pub(crate) fn tick(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     match rounded.abs() {
         0.0 => "0".into(),

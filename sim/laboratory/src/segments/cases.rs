@@ -39,6 +39,11 @@ impl Case {
         self.side
     }
 
+    /// The voxels, x fastest: whole numbers of 0 to 4095.
+    pub fn codes(&self) -> impl Iterator<Item = f64> + '_ {
+        self.voxels.iter().copied()
+    }
+
     /// The trilinear field at a place in voxels.
     pub fn at(&self, place: [f64; 3]) -> f64 {
         let low = place.map(|c| (c.max(0.0) as usize).min(self.side - 2));
@@ -134,9 +139,24 @@ fn shells(width: f64) -> Vec<(f64, [f64; 3], f64)> {
     colours.into_iter().enumerate().flat_map(shell).collect()
 }
 
+/// Voxels along an edge.
+fn edge(reduced: bool) -> usize {
+    if reduced { 24 } else { 64 }
+}
+
+/// Marschner and Lobb's signal under a transfer function without detail: what is undersampled here is the field.
+pub fn smooth(reduced: bool) -> Case {
+    let points = vec![
+        (0.0, [0.2, 0.3, 0.9], 0.0),
+        (2048.0, [0.9, 0.8, 0.3], 0.1),
+        (4095.0, [1.0, 0.2, 0.1], 0.2),
+    ];
+    Case::new("Marschner-Lobb, smooth", edge(reduced), marschner_lobb, points)
+}
+
 /// The cases, in the order of the report. Edges of 64 voxels, or of `reduced` 24.
 pub fn cases(reduced: bool) -> Vec<Case> {
-    let side = if reduced { 24 } else { 64 };
+    let side = edge(reduced);
     let fog = vec![(0.0, [1.0; 3], 0.0), (4095.0, [0.7, 0.8, 1.0], 0.01)];
     vec![
         Case::new("harmonic, 256 random", 16, harmonic, random(256)),

@@ -6,8 +6,12 @@
 //! | `table` | tables: filling, updates, look-up, lengths |
 //! | `cases` | fields and transfer functions |
 //! | `figures` | errors along rays, and the times of filling |
+//! | `curves` | errors against times of whole frames, by samples and by segments |
+//! | `plot` | their picture |
 
 pub mod cases;
+pub mod curves;
 pub mod figures;
 pub mod function;
+pub mod plot;
 pub mod table;
