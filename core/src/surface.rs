@@ -377,7 +377,7 @@ mod tests {
         /// The gradient is the nearest to the straight line between both, and exactly the back one at its end.
         #[test]
         fn gradients_lie_between_those_of_the_ends(front in -(1i32 << 28)..1 << 28, back in -(1i32 << 28)..1 << 28, position in 0u32..=65536) {
-            let exact = i64::from(front) + ((i64::from(back) - i64::from(front)) * i64::from(position) + (1 << 15) >> 16);
+            let exact = i64::from(front) + (((i64::from(back) - i64::from(front)) * i64::from(position) + (1 << 15)) >> 16);
             prop_assert_eq!(i64::from(Turn::at(position, false).gradient(front, back)), exact);
             prop_assert_eq!(i64::from(Turn::at(position, true).gradient(front, back)), -exact);
             prop_assert_eq!(turned(Small::splat(front), Small::splat(back), Small::splat(position as i32)).store_one(), exact as i32);

@@ -101,6 +101,9 @@ impl Walk<'_> {
     }
 }
 
+/// Scratch memory of [`BATCH`] words each: rows and columns of places, samples of both planes, and room to store all four.
+pub(super) type Lists<'s> = ([&'s mut [i32]; 2], [&'s mut [i32]; 2], [[&'s mut [i32]; 2]; 2]);
+
 /// Batches of the blocks that can be seen.
 pub(super) struct Blocks<'s, 'a> {
     walk: Walk<'a>,
@@ -117,17 +120,14 @@ pub(super) struct Blocks<'s, 'a> {
 }
 
 impl<'s, 'a> Blocks<'s, 'a> {
-    /// Blocks of the image's rows from `first` on. Scratch memory of [`BATCH`] words each for places and samples, and to store
-    /// them.
+    /// Blocks of the image's rows from `first` on.
     pub(super) fn new(
         seen: Seen<'a>,
         extent: &Extent,
         (first, count): (u32, usize),
         lanes: usize,
         source: &'s dyn SourceAt<i32>,
-        [rows, columns]: [&'s mut [i32]; 2],
-        samples: [&'s mut [i32]; 2],
-        stored: [[&'s mut [i32]; 2]; 2],
+        ([rows, columns], samples, stored): Lists<'s>,
     ) -> Self {
         let met = extent.met(first, count);
         let walk = Walk {

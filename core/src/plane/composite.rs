@@ -217,7 +217,14 @@ where
                 }
                 _ => &probes,
             };
-            let mut blocks = Blocks::new(seen, &extent, (first, count), V::COUNT, probes, lists, samples, stored);
+            let mut blocks = Blocks::new(
+                seen,
+                &extent,
+                (first, count),
+                V::COUNT,
+                probes,
+                (lists, samples, stored),
+            );
             fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
             return Ok(());
         }

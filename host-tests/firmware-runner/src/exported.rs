@@ -8,6 +8,7 @@ use slicecast::integral::Length;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::integrals::Cumulative;
 use slicecast_engine::rendering::in_memory_order;
+use slicecast_engine::segments::cut;
 use slicecast_export::integrals::{Source, integrals};
 use slicecast_export::table::Language;
 use slicecast_export::{Format, files};
@@ -93,7 +94,8 @@ fn of_segments(scene: &Scene, volume: &Volume) -> Result<(u32, [i64; 3]), Failur
     };
     let mut prepared = Prepared::new(&scene, volume).map_err(|e| words(&e))?;
     let length = Length::of(&prepared.setup.plan);
-    prepared.integrals = Some(Cumulative::of(&scene.transfer, volume, GRAIN).classifier(length));
+    let integrals = Cumulative::of(&scene.transfer, volume, GRAIN).classifier(length);
+    prepared.segments = Some(cut(Some(integrals), &scene, &volume.mapping));
     let frame = prepared.render(Layer::Stream, &|_, _| ()).map_err(|e| words(&e))?;
     let mut sum = Sum::new();
     in_memory_order(&frame.base, 1).for_each(|bits| sum.word(bits));

@@ -1,12 +1,17 @@
-//! Classified segments: one table of integrals on the device, seen from three views.
+//! Classified segments: one table of integrals on the device, seen from three views, and surfaces in its volume.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
+use slicecast::cut::Cut;
 use slicecast::integral::{Colours, Length};
+use slicecast::surface::Surface;
+use slicecast_engine::depth::depths;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::integrals::Cumulative;
-use slicecast_engine::segments;
+use slicecast_engine::oriented::{Oriented, Turned};
+use slicecast_firmware_shared::scene::SURFACES;
+use slicecast_firmware_shared::sum::Sum;
 use slicecast_scene::file::parse;
 use slicecast_scene::{Classification, PrecisionName, Scene};
 use slicecast_volume::mapping::Window;
@@ -36,6 +41,9 @@ pub struct Segments {
     dense: Named,
     /// Of every turn and kind,
     references: Vec<(String, Sums)>,
+    /// of the first turn with surfaces in it, and their depths,
+    cut: Vec<(String, Sums)>,
+    depths: (String, u32),
     /// and of the dense scene, by points and by segments.
     counted: Vec<(Kind, [(Sums, Counts); 2])>,
 }
@@ -58,17 +66,43 @@ fn cumulative(scene: &Scene, named: &Named) -> Cumulative {
     Cumulative::of(&scene.transfer, &named.volume, GRAIN)
 }
 
-fn of_kind(named: &Named, kind: Kind) -> Result<(Sums, Counts), Failure> {
+/// A scene as a device has it: its integrals, and no surface or all.
+fn prepared<'a>(scene: &'a Scene, named: &'a Named, surfaces: &[Surface]) -> Result<Prepared<'a>, Failure> {
+    let words = |error: &dyn std::error::Error| Failure(format!("{}: {error}", named.name));
+    let mut prepared = Prepared::new(scene, &named.volume).map_err(|e| words(&e))?;
+    let integrals = cumulative(scene, named).classifier(Length::of(&prepared.setup.plan));
+    let cut = Cut::new(Some(integrals), surfaces.into(), 1).map_err(|e| words(&e))?;
+    prepared.segments = Some(cut);
+    Ok(prepared)
+}
+
+fn of_kind(named: &Named, kind: Kind, surfaces: &[Surface]) -> Result<(Sums, Counts), Failure> {
     let words = |error: &dyn std::error::Error| Failure(format!("{}: {error}", named.name));
     let scene = Scene {
         classification: Classification::Integral,
         ..named.of_kind(kind)
     };
-    let mut prepared = Prepared::new(&scene, &named.volume).map_err(|e| words(&e))?;
-    let length = Length::of(&prepared.setup.plan);
-    let integrals = cumulative(&scene, named).classifier(length);
-    prepared.segments = Some(segments::cut(Some(integrals), &scene, &named.volume.mapping));
+    let prepared = prepared(&scene, named, surfaces)?;
     sums(&prepared).map_err(|e| words(&e))
+}
+
+/// The sum of the depths of the surfaces in `Compact`.
+fn depths_of(named: &Named) -> Result<u32, Failure> {
+    let words = |error: &dyn std::error::Error| Failure(format!("{}: {error}", named.name));
+    let scene = Scene {
+        classification: Classification::Integral,
+        precision: PrecisionName::Compact,
+        ..named.scene.clone()
+    };
+    let prepared = prepared(&scene, named, &SURFACES)?;
+    let mut turned = Turned::new(&named.volume, prepared.setup.plan.view());
+    let slices = turned.slices().map_err(|e| words(&e))?;
+    let Some(found) = depths(&prepared, &Oriented::of(&slices), &|_, _| ()).map_err(|e| words(&e))? else {
+        return fail("there are no surfaces");
+    };
+    let mut sum = Sum::new();
+    found.depths.iter().for_each(|depth| sum.word(*depth));
+    Ok(sum.get())
 }
 
 impl Segments {
@@ -109,17 +143,30 @@ impl Segments {
         let mut references = Vec::new();
         for named in &turns {
             for kind in kinds() {
-                references.push((format!("{} {}", named.name, kind.name()), of_kind(named, kind)?.0));
+                references.push((format!("{} {}", named.name, kind.name()), of_kind(named, kind, &[])?.0));
             }
         }
+        let Some(first) = turns.first() else {
+            return fail("there are no turns");
+        };
+        let mut cut = Vec::new();
+        for kind in kinds() {
+            cut.push((
+                format!("surfaces {} {}", first.name, kind.name()),
+                of_kind(first, kind, &SURFACES)?.0,
+            ));
+        }
+        let depths = (format!("depths {}", first.name), depths_of(first)?);
         let mut counted = Vec::new();
         for kind in kinds() {
-            counted.push((kind, [reference(&dense, kind)?, of_kind(&dense, kind)?]));
+            counted.push((kind, [reference(&dense, kind)?, of_kind(&dense, kind, &[])?]));
         }
         Ok(Self {
             turns,
             dense,
             references,
+            cut,
+            depths,
             counted,
         })
     }
@@ -158,6 +205,14 @@ impl Segments {
             kinds().count(),
             names.len(),
         );
+        let cut: Vec<u32> = self.cut.iter().map(|(_, sums)| sums.image).collect();
+        let (_, depths) = &self.depths;
+        let _ = writeln!(
+            out,
+            "/// The sums of the images with surfaces.\npub static SURFACES_EXPECTED: [u32; {}] = {cut:?};\n\
+             /// The sum of the surfaces' depths.\npub static DEPTHS_EXPECTED: u32 = {depths};",
+            cut.len(),
+        );
         Ok(out)
     }
 
@@ -176,7 +231,7 @@ impl Segments {
         let report = parse_report(&finished.out)?;
         let find = |name: &String| report.cases.iter().find(|case| case.name == *name);
         let mut failed = 0;
-        for (name, host) in &self.references {
+        for (name, host) in self.references.iter().chain(&self.cut) {
             let verdict = match find(name) {
                 Some(case) => first_difference(&case.sums, host),
                 None => Some("did not run".to_owned()),
@@ -188,6 +243,10 @@ impl Segments {
                 verdict,
             );
         }
+        let (name, depths) = &self.depths;
+        let found = find(name).map(|case| case.sums.image);
+        let verdict = (found != Some(*depths)).then(|| format!("found {found:08x?}"));
+        failed += line(machine, &format!("segments {name}"), &format!("{depths:08x}"), verdict);
         let rows = self.costs(&report)?;
         for (kind, [_, per_sample]) in &rows {
             let bounded = machine.core == "Cortex-M4" && *kind == UNLIT;

@@ -2,12 +2,14 @@
 
 use slicecast::classify::{AlphaCode, Colour16, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::{ChannelFormat, FrontToBack, Recurrence};
-use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
+use slicecast::cut::CutError;
+use slicecast::format::{Coefficient, Direction, Intensity, Opacity, Step, Vector};
 use slicecast::integral::{Colours, Integral, IntegralError, Length};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::plane::Composite;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Phong, PhongError, Shader, Unlit};
+use slicecast::surface::{Face, Surface};
 use slicecast::table::ENTRIES;
 use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
@@ -74,7 +76,32 @@ pub enum SceneError {
     Phong(PhongError),
     /// The integrals.
     Integral(IntegralError),
+    /// The surfaces.
+    Cut(CutError),
 }
+
+/// A translucent skin whose sides differ, and a skull: the surfaces of the head on every machine.
+pub const SURFACES: [Surface; 2] = {
+    const fn face(colour: [u32; 3], opacity: u32) -> Face {
+        let [red, green, blue] = colour;
+        Face {
+            colour: [red << 23, green << 23, blue << 23],
+            opacity: Opacity::from_bits(opacity << 23),
+        }
+    }
+    [
+        Surface {
+            value: 500 << 16,
+            front: face([255, 190, 150], 90),
+            back: face([120, 30, 40], 40),
+        },
+        Surface {
+            value: (1150 << 16) + 12_345,
+            front: face([255, 250, 230], 256),
+            back: face([200, 200, 220], 256),
+        },
+    ]
+};
 
 impl SceneData {
     /// The frame's geometry.

@@ -1,4 +1,4 @@
-//! Classified segments: one table of integrals, and views that turn without a new one. Prints the sums of every stage
+//! Classified segments: one table of integrals, and views that turn without a new one; surfaces in a volume, and their depths. Prints the sums of every stage
 //! boundary as `bits` does, and what a frame of the dense scene costs, by points and by segments.
 #![no_std]
 #![no_main]
@@ -6,17 +6,20 @@
 use semihosting::println;
 use slicecast::classify::Classifier;
 use slicecast::composite::{FrontToBack, Unorm16};
+use slicecast::cut::Cut;
 use slicecast::integral::Integral;
-use slicecast::plane::{ChannelOf, Composite};
+use slicecast::plane::{ChannelOf, Composite, Depth};
 use slicecast::precision::{Compact, Wide};
 use slicecast::shade::{Phong, Unlit};
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast_firmware::boundaries::show;
 use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
 use slicecast_firmware::memory::{Reserved, with_image};
-use slicecast_firmware::scenes::{DENSE, DENSE_INTEGRALS, TURN_INTEGRALS, TURNS, TURNS_EXPECTED};
+use slicecast_firmware::scenes::{
+    DENSE, DENSE_INTEGRALS, DEPTHS_EXPECTED, SURFACES_EXPECTED, TURN_INTEGRALS, TURNS, TURNS_EXPECTED,
+};
 use slicecast_firmware::stack;
-use slicecast_firmware_shared::scene::{IntegralData, Lights, Model, SceneData, SceneError};
+use slicecast_firmware_shared::scene::{IntegralData, Lights, Model, SURFACES, SceneData, SceneError};
 use slicecast_firmware_shared::sum::Sum;
 use slicecast_firmware_shared::{image, scene};
 use static_cell::ConstStaticCell;
@@ -51,6 +54,16 @@ fn main() -> ! {
         *wu = shown::<Wide, Unlit>(scene, with_image(narrow.lend(), broad));
         *wl = shown::<Wide, Phong<Wide>>(scene, with_image(narrow.lend(), broad));
         passed &= images == *expected;
+    }
+    if let Some(scene) = TURNS.first() {
+        let surfaces = [
+            cut::<Compact, Unlit>(scene, narrow.lend()),
+            cut::<Compact, Phong<Compact>>(scene, narrow.lend()),
+            cut::<Wide, Unlit>(scene, with_image(narrow.lend(), broad)),
+            cut::<Wide, Phong<Wide>>(scene, with_image(narrow.lend(), broad)),
+        ];
+        passed &= surfaces == SURFACES_EXPECTED;
+        passed &= depths(scene, with_image(narrow.lend(), broad)) == DEPTHS_EXPECTED;
     }
     by_points::<Compact, Unlit>(narrow.lend());
     by_segments::<Compact, Unlit>(narrow.lend());
@@ -88,6 +101,50 @@ fn shown<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, ChannelOf
             0
         }
     }
+}
+
+/// Renders a scene with surfaces in its volume; the sum of its image, 0 if it cannot.
+#[inline(never)]
+fn cut<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, ChannelOf<P>>) -> u32 {
+    println!("case surfaces {} {} {}", scene.name, P::NAME, S::NAME);
+    let pipeline = || -> Result<_, SceneError> {
+        let (precision, plan) = (P::default(), scene.plan()?);
+        let volume = TURN_INTEGRALS.classifier(&plan)?;
+        let cut = Cut::new(Some(volume), &SURFACES, 1).map_err(SceneError::Cut)?;
+        Ok(Composite::<P, _, S, FrontToBack>::new(
+            precision,
+            cut,
+            S::of(precision, &scene.lighting)?,
+        ))
+    };
+    match pipeline() {
+        Ok(pipeline) => show(scene, &pipeline, memory),
+        Err(error) => {
+            println!("error {error:?}");
+            0
+        }
+    }
+}
+
+/// The sum of the depths of a scene's surfaces; 0 if there are none.
+#[inline(never)]
+fn depths(scene: &SceneData, memory: Memory<'_, u32>) -> u32 {
+    println!("case depths {}", scene.name);
+    let found = || -> Option<u32> {
+        let plan = scene.plan().ok()?;
+        let pipeline = Depth::new(Compact, &SURFACES, &plan).ok()?;
+        let mut stream = Stream::new(plan, pipeline, memory).ok()?;
+        let [width, height, _] = plan.dims();
+        for slice in scene.voxels.chunks_exact((width * height) as usize) {
+            stream.push(slice).ok()?;
+        }
+        let mut sum = Sum::new();
+        stream.image().iter().for_each(|depth| sum.word(*depth));
+        Some(sum.get())
+    };
+    let sum = found().unwrap_or(0);
+    println!("image {sum:08x}");
+    sum
 }
 
 /// Counts a frame of the dense scene by points.

@@ -122,6 +122,8 @@ fn scene(transfer: TransferFunction) -> Scene {
         interpolation: slicecast_scene::Interpolation::Linear,
         early_termination: None,
         classification: Classification::Point,
+        pieces: 1,
+        surfaces: Vec::new(),
     }
 }
 
