@@ -95,6 +95,11 @@ fn reason(prepared: &Prepared<'_>, base: &BaseImage, known: &Circumstances<'_>) 
             "`render` draws it as thick as its spacing".into(),
         );
     }
+    if scene.classification == Classification::None
+        && let Some(reason) = uncrossed(prepared, [first, last])
+    {
+        return reason;
+    }
     if seen == 0 && prepared.table.underflows > 0 {
         return (too_thin(prepared), unit_distance(prepared));
     }
@@ -178,6 +183,29 @@ fn reason(prepared: &Prepared<'_>, base: &BaseImage, known: &Circumstances<'_>) 
     }
 }
 
+/// Why surfaces alone show nothing, if it is their values or their opacities.
+fn uncrossed(prepared: &Prepared<'_>, [first, last]: [f64; 2]) -> Option<(String, String)> {
+    let visible = || prepared.scene.surfaces.iter().filter(|surface| surface.is_visible());
+    if visible().next().is_none() {
+        return Some((
+            "every surface has an opacity of 0 on both sides".into(),
+            "`opacity` and `back_opacity` change that".into(),
+        ));
+    }
+    let (low, high) = (first.min(last), first.max(last));
+    if visible().any(|surface| low < surface.value && surface.value <= high) {
+        return None;
+    }
+    let values: Vec<_> = visible().map(|surface| surface.value.to_string()).collect();
+    Some((
+        format!(
+            "no ray crosses a surface of value {}: all values lie between {first} and {last}",
+            values.join(", ")
+        ),
+        "`slicecast inspect` shows where they lie".into(),
+    ))
+}
+
 /// A number of so many digits, for people to read.
 pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1))
@@ -204,8 +232,12 @@ fn unit_distance(prepared: &Prepared<'_>) -> String {
 /// Says that a transfer function is finer than the field, and what is done about it; what `auto` has chosen in any case.
 pub fn fineness(prepared: &Prepared<'_>) -> Option<String> {
     let (scene, segments) = (prepared.scene, prepared.segments.is_some());
-    if scene.classification == Classification::Integral {
-        return None;
+    match scene.classification {
+        Classification::Integral | Classification::None => return None,
+        Classification::Auto if !scene.surfaces.is_empty() => {
+            return Some("classification: integral; surfaces cut segments".into());
+        }
+        Classification::Auto | Classification::Point => {}
     }
     let finest = match scene.classification {
         Classification::Auto => prepared.finest,

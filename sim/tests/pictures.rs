@@ -502,3 +502,81 @@ fn every_label_of_many_has_its_colour_and_a_legend() {
     assert_eq!(again.status.code(), Some(2), "{text}");
     assert!(text.contains("out/l.legend.json exists; --force replaces it"), "{text}");
 }
+
+#[test]
+fn surfaces_are_drawn_alone_or_in_the_volume_with_their_depth() {
+    let folder = Folder::new();
+    folder.volume("ball.nrrd", [20; 3], "1 1 1", ball);
+    let render = |options: &str| {
+        folder.says(&format!(
+            "render ball.nrrd --size 61x61 --unlit --rays 2 --planes 1 --force {options}"
+        ));
+        folder.picture("image.png")
+    };
+    let red = render("--surface 500,#ff0000 --depth-map depth.png");
+    let share = red.share();
+    assert!((0.3..0.7).contains(&share), "{share}");
+    let pure = |pixel: &[f64]| pixel[1] == 0.0 && pixel[2] == 0.0;
+    assert!(red.values.chunks(3).all(pure));
+    let depth = folder.picture("depth.png");
+    assert_eq!((depth.channels, depth.width, depth.height), (1, 61, 61));
+    let met = depth.values.iter().filter(|level| **level > 0.0).count() as f64 / (61.0 * 61.0);
+    assert!((met - share).abs() < 0.05, "{met} {share}");
+    // The ball is nearest in its middle, in front of the middle of the volume.
+    let (centre, nearest) = (
+        depth.values[30 * 61 + 30],
+        depth.values.iter().copied().filter(|level| *level > 0.0),
+    );
+    let nearest = nearest.fold(1.0, f64::min);
+    assert!(centre < 0.1 && centre - nearest < 0.01, "{centre} {nearest}");
+
+    let faint = render("--surface 500,#ff0000,0.25");
+    assert!(red.difference(&faint.values) > 60.0);
+    let both = render("--scene mr --surface 500,#ff0000,0.25");
+    let pieces = render("--scene mr --surface 500,#ff0000,0.25 --pieces 4");
+    assert!(both.difference(&faint.values) > 30.0 && both.difference(&pieces.values) < 30.0);
+    let alone = render("--scene mr --classification none --surface 500,#ff0000,0.25");
+    assert_eq!(alone.difference(&faint.values), 0.0);
+
+    let empty = folder.says("render ball.nrrd --surface 5000 --force");
+    let told = "no ray crosses a surface of value 5000: all values lie between 0 and";
+    assert!(
+        empty.contains("the picture shows nothing") && empty.contains(told),
+        "{empty}"
+    );
+    let clear = folder.says("render ball.nrrd --surface 500,#ff0000,0 --force");
+    assert!(
+        clear.contains("every surface has an opacity of 0 on both sides"),
+        "{clear}"
+    );
+    for (options, said) in [
+        ("--surface 500,red", "colour \"red\": expected #rrggbb"),
+        ("--surface 500,#ff0000,2", "opacity: expected a number from 0 to 1"),
+        ("--surface 500,#ff0000,1,7", "\"7\" is too much"),
+        ("--surface x", "value: expected a number"),
+        ("--surface 500 --blend maximum", "no [[surface]] under a projection"),
+        (
+            "--surface 500 --classification point",
+            "expected \"integral\" beside surfaces",
+        ),
+        ("--classification none", "expected a [[surface]]"),
+        ("--depth-map d.png", "--depth-map: the scene has no visible surface"),
+        ("--surface 500 --depth-map d.txt", "expected a name that ends in .png"),
+        (
+            "--surface 500 --depth-map image.png",
+            "--depth-map: names the picture's own file",
+        ),
+        ("--pieces 3", "`render.pieces` is 3, expected 1, 2 or 4"),
+    ] {
+        let output = folder.run(&format!("render ball.nrrd --size 61x61 --force {options}"));
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{options}: {text}");
+        assert!(text.contains(said), "{options}: {text}");
+    }
+    let table = folder.run("table ball.nrrd --surface 500 -o t.txt");
+    assert!(
+        String::from_utf8(table.stderr)
+            .unwrap()
+            .contains("surfaces alone, which have no table")
+    );
+}

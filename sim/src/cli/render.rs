@@ -26,6 +26,7 @@ use crate::{legend, visibility};
   slicecast render scan.nrrd --scene bone.toml --precision wide --size 800x600 -o bone.png
   slicecast render scan.nrrd --background none --depth 16 -o - | other-program
   slicecast render angiogram.nrrd --scene mip -o vessels.png
+  slicecast render --surface 200 --surface -300,#e0a080,0.3 -o skin-over-skull.png --depth-map depth.png
   slicecast render voxels.raw --raw-dims 256x256x128 --raw-type uint8 --scene fog.toml -o fog.png")]
 pub struct Args {
     #[command(flatten)]
@@ -56,6 +57,11 @@ impl Args {
     pub fn run(self) -> Result<(), Failure> {
         let target = Target::checked(&self.output, vec![self.output.clone()], self.force)?;
         check_free(&self.depth_map, self.force)?;
+        if self.depth_map.as_ref() == Some(&self.output) {
+            return Err(Failure::input(
+                "--depth-map: names the picture's own file, expected another",
+            ));
+        }
         let mut loaded = self.volume.load()?;
         let mut chosen = self.scene.choose(&self.volume, &loaded)?;
         self.picture.apply(&mut chosen.scene);

@@ -11,6 +11,7 @@ use slicecast_engine::integrals::Cumulative;
 use slicecast_engine::table::Correction;
 use slicecast_export::integrals::{Source, integrals};
 use slicecast_export::table::{self, Language};
+use slicecast_scene::Classification;
 
 use crate::visibility;
 
@@ -70,6 +71,11 @@ impl Args {
         let prepared = Prepared::new(&scene, &loaded.volume)?;
         if let Some(note) = visibility::fineness(&prepared) {
             eprintln!("note: {note}");
+        }
+        if scene.classification == Classification::None {
+            return Err(Failure::input(
+                "the scene draws surfaces alone, which have no table; --classification integral is that of its volume",
+            ));
         }
         let text = match (&prepared.segments, self.bins) {
             (Some(_), grain) => self.integrals(&prepared, grain.unwrap_or(GRAIN)),
