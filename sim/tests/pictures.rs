@@ -509,7 +509,7 @@ fn surfaces_are_drawn_alone_or_in_the_volume_with_their_depth() {
     folder.volume("ball.nrrd", [20; 3], "1 1 1", ball);
     let render = |options: &str| {
         folder.says(&format!(
-            "render ball.nrrd --size 61x61 --unlit --rays 2 --planes 1 --force {options}"
+            "render ball.nrrd --size 61x61 --azimuth 0 --elevation 0 --unlit --rays 2 --planes 1 --force {options}"
         ));
         folder.picture("image.png")
     };

@@ -105,6 +105,15 @@
 // Segments lie between slices, and the volume has fewer than `needed` along the viewing axis: `given`.
 #define SLICECAST_SLICES -28
 
+// Surface `row` of a list has a lower value than the one before it.
+#define SLICECAST_SURFACE_ORDER -29
+
+// The value of surface `row` is above `needed`: `given`, 16.16.
+#define SLICECAST_SURFACE_VALUE -30
+
+// A colour or an opacity of surface `row` is above `needed`: `given`, 1.31.
+#define SLICECAST_FACE -31
+
 // `precision` of the stages: widths and roundings of `paper`.
 #define SLICECAST_PAPER 0
 
@@ -168,6 +177,24 @@ typedef struct SlicecastIntegrals {
   const uint32_t *colours[3];
 } SlicecastIntegrals;
 
+// One side of an isosurface.
+typedef struct SlicecastFace {
+  // Red, green, blue, 1.31.
+  uint32_t colour[3];
+  // Opacity, 1.31, whatever the step.
+  uint32_t opacity;
+} SlicecastFace;
+
+// An isosurface. docs/contract/surfaces.md
+typedef struct SlicecastSurface {
+  // Its value, a voxel value, 16.16: 0 to 4096.
+  uint32_t value;
+  // The side of lower values.
+  struct SlicecastFace front;
+  // The side of higher values.
+  struct SlicecastFace back;
+} SlicecastSurface;
+
 // Everything that decides a base-plane image, apart from the voxels.
 typedef struct SlicecastScene {
   // SLICECAST_VERSION.
@@ -197,6 +224,11 @@ typedef struct SlicecastScene {
   const struct SlicecastLighting *lighting;
   // What segments are classified by; the pipelines of segments need it and read no other table, the others do not read it.
   const struct SlicecastIntegrals *integrals;
+  // Isosurfaces in ascending order of their values; the pipelines of surfaces and of depths need them, the others do not read
+  // them. With surfaces, integrals may be null: surfaces are drawn alone.
+  const struct SlicecastSurface *surfaces;
+  // How many they are.
+  size_t surface_count;
 } SlicecastScene;
 
 // What a stream takes and what its image looks like.
@@ -233,7 +265,7 @@ typedef struct SlicecastError {
   int64_t needed;
   // What was given.
   int64_t given;
-  // Row of a voxel, or a list.
+  // Row of a voxel, a list, or a surface.
   uint32_t row;
   // Column of a voxel, or a node.
   uint32_t column;
@@ -421,6 +453,36 @@ const struct SlicecastPipeline *slicecast_wide_unlit_segments(void);
 
 // The pipeline of the `Wide` precision, lit, of segments: 16 bytes per pixel.
 const struct SlicecastPipeline *slicecast_wide_lit_segments(void);
+
+// The pipeline of the `Paper` precision, without lights, of isosurfaces, in a volume or alone: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_paper_unlit_surfaces(void);
+
+// The pipeline of the `Paper` precision, lit, of isosurfaces, in a volume or alone: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_paper_lit_surfaces(void);
+
+// The pipeline of the `Paper` precision that finds the depth of the first isosurface: 4 bytes per pixel, a uint32_t, in
+// planes from the first, 16.16, and 4294967295 where a ray meets none. A picture of it is grey, white on the first plane.
+const struct SlicecastPipeline *slicecast_paper_depth(void);
+
+// The pipeline of the `Compact` precision (the default), without lights, of isosurfaces, in a volume or alone: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_compact_unlit_surfaces(void);
+
+// The pipeline of the `Compact` precision (the default), lit, of isosurfaces, in a volume or alone: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_compact_lit_surfaces(void);
+
+// The pipeline of the `Compact` precision (the default) that finds the depth of the first isosurface: 4 bytes per pixel, a uint32_t, in
+// planes from the first, 16.16, and 4294967295 where a ray meets none. A picture of it is grey, white on the first plane.
+const struct SlicecastPipeline *slicecast_compact_depth(void);
+
+// The pipeline of the `Wide` precision, without lights, of isosurfaces, in a volume or alone: 16 bytes per pixel.
+const struct SlicecastPipeline *slicecast_wide_unlit_surfaces(void);
+
+// The pipeline of the `Wide` precision, lit, of isosurfaces, in a volume or alone: 16 bytes per pixel.
+const struct SlicecastPipeline *slicecast_wide_lit_surfaces(void);
+
+// The pipeline of the `Wide` precision that finds the depth of the first isosurface: 4 bytes per pixel, a uint32_t, in
+// planes from the first, 16.16, and 4294967295 where a ray meets none. A picture of it is grey, white on the first plane.
+const struct SlicecastPipeline *slicecast_wide_depth(void);
 
 // Location: where a plane lies along one axis. docs/contract/location.md
 //

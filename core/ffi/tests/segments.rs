@@ -469,7 +469,7 @@ fn surfaces() -> [SlicecastSurface; 4] {
         opacity,
     };
     [(1000, 9), (2000, 77), (2000, 31), (3100, 120)].map(|(code, seed)| SlicecastSurface {
-        value: (code << 16) + seed,
+        value: (code << 16) + 12_345,
         front: face(seed, if seed == 77 { 0 } else { 3 << 29 }),
         back: face(seed + 5, 1 << 30),
     })
