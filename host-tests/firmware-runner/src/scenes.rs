@@ -347,7 +347,7 @@ impl Named {
             let _ = writeln!(
                 out,
                 "static const SlicecastScene {scene} = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, 0, {entries}, low_roots, \
-                 low_colours, &lighting, 0}};",
+                 low_colours, &lighting, 0, 0, 0}};",
                 list(&self.volume.dims),
                 list(&n.direction),
                 list(&n.spacing),

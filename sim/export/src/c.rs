@@ -96,7 +96,7 @@ fn scene(numbers: &Numbers<'_>, name: &str, pipeline: &str) -> String {
         out,
         "
 /* The scene: version, dims, direction, spacing factors, planes and rays per voxel, interpolation, table, lights; no
-   integrals: segments have a table of their own, which `slicecast table` writes. */
+   integrals: segments have a table of their own, which `slicecast table` writes; no surfaces. */
 static const SlicecastScene {lower} = {{
     SLICECAST_VERSION,
     {dims},
@@ -108,6 +108,8 @@ static const SlicecastScene {lower} = {{
     {lower}_table,
     {low},
     {lighting},
+    0,
+    0,
     0,
 }};
 
