@@ -369,7 +369,9 @@ where
             Some(volume) if slab.part == 0 => volume.opacity_row::<V>(p, slab, out),
             _ => out.fill(0),
         }
-        if !self.is_whole() {
+        // Between surfaces that are alone there is nothing.
+        let empty = self.volume.is_none() && slab.part & 1 == 0;
+        if !self.is_whole() && !empty {
             self.cut_opacities::<P, V>(p, slab, out);
         }
     }

@@ -29,6 +29,7 @@ pub const NO_DEPTH: u32 = u32::MAX;
 pub struct Depth<P, S> {
     precision: P,
     surfaces: S,
+    support: Support,
     planes: u32,
 }
 
@@ -41,6 +42,7 @@ impl<P: Precision, S: AsRef<[Surface]>> Depth<P, S> {
         check(surfaces.as_ref())?;
         Ok(Self {
             precision,
+            support: crossed(surfaces.as_ref()),
             surfaces,
             planes: plan.planes(),
         })
@@ -79,7 +81,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
     const BACK_TO_FRONT: bool = false;
 
     fn support(&self) -> Option<Support> {
-        Some(crossed(self.surfaces.as_ref()))
+        Some(self.support)
     }
 
     fn precision(&self) -> P {
@@ -119,13 +121,16 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
         if extent.columns.is_empty() {
             return Ok(());
         }
-        let (spacing, support) = (plan.spacing(), crossed(self.surfaces.as_ref()));
+        let spacing = plan.spacing();
         let mut front = Sheared::<P, V, Unlit>::new(self.precision, &ahead, &at.window, spacing, front);
         let mut back = Sheared::<P, V, Unlit>::new(self.precision, &extent, &behind, spacing, source);
         for row in extent.met(rows.first, count) {
             let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));
             let range = around(&behind, extent.voxel_rows(back_row));
-            if !support.meets(range.union(around(&at.window, ahead.voxel_rows(front_row)))) {
+            if !self
+                .support
+                .meets(range.union(around(&at.window, ahead.voxel_rows(front_row))))
+            {
                 continue;
             }
             let start = (row - rows.first) as usize * base_width;

@@ -79,7 +79,8 @@ impl Scene {
     /// Segments need rays that are composited and values between voxels, and surfaces need segments.
     fn classification(&self) -> Result<(), FieldError> {
         let (given, needs) = match self.classification {
-            Classification::Integral => ("\"integral\"", "\"point\""),
+            Classification::Integral if self.surfaces.is_empty() => ("\"integral\"", "\"point\""),
+            Classification::Integral => ("\"integral\"", "no [[surface]], and \"point\""),
             Classification::None if self.surfaces.is_empty() => {
                 let expected = "a [[surface]], or \"point\", \"integral\", \"auto\": nothing would be drawn";
                 return Err(FieldError::new("render.classification", "\"none\"", expected));

@@ -430,7 +430,7 @@ fn surfaces_are_read_with_their_defaults() {
         ("[[surface]]\ncolour = \"#ff0000\"", "missing field `value`"),
         (
             "[[surface]]\nvalue = 1\n[sampling]\ninterpolation = \"nearest\"",
-            "with nearest interpolation",
+            "no [[surface]], and \"point\" with nearest interpolation",
         ),
         (
             "[[surface]]\nvalue = 1\n[render]\nblend = \"maximum\"",
