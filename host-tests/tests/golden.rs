@@ -18,10 +18,10 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use slicecast::format::{Coefficient, Opacity, Vector};
+use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
-use slicecast::surface::{Face, Surface};
 use slicecast_engine::camera::Material;
+use slicecast_firmware_shared::scene::SURFACES;
 use slicecast_host_tests::checksum::of_frame;
 use slicecast_host_tests::frame::{Frame, Stated, fine_table_of, table_of};
 use slicecast_host_tests::random::{Filling, volume};
@@ -89,26 +89,6 @@ fn two_lights(highlight: Highlight, exponent_log2: u32) -> Option<Material> {
         highlight,
         exponent_log2,
     })
-}
-
-/// A translucent surface whose sides differ, and an opaque one.
-fn skin_and_skull() -> Vec<Surface> {
-    let face = |[r, g, b]: [u32; 3], opacity: u32| Face {
-        colour: [r << 23, g << 23, b << 23],
-        opacity: Opacity::from_bits(opacity << 23),
-    };
-    vec![
-        Surface {
-            value: 500 << 16,
-            front: face([255, 190, 150], 90),
-            back: face([120, 30, 40], 40),
-        },
-        Surface {
-            value: (1150 << 16) + 12_345,
-            front: face([255, 250, 230], 256),
-            back: face([200, 200, 220], 256),
-        },
-    ]
 }
 
 /// A segment of one reference length: log2(e), 27 fraction bits.
@@ -240,7 +220,7 @@ fn frames() -> Vec<(&'static str, Frame)> {
             Frame {
                 segments: Some(Stated {
                     alone: true,
-                    surfaces: skin_and_skull(),
+                    surfaces: SURFACES.to_vec(),
                     ..Stated::whole(SEGMENT)
                 }),
                 ..lit([500, 866, -174])
@@ -250,7 +230,7 @@ fn frames() -> Vec<(&'static str, Frame)> {
             "head-surfaces-in-volume",
             Frame {
                 segments: Some(Stated {
-                    surfaces: skin_and_skull(),
+                    surfaces: SURFACES.to_vec(),
                     ..Stated::whole(SEGMENT)
                 }),
                 rays_per_voxel: 2,
@@ -261,7 +241,7 @@ fn frames() -> Vec<(&'static str, Frame)> {
             "ripples-surfaces-back-to-front",
             Frame {
                 segments: Some(Stated {
-                    surfaces: skin_and_skull(),
+                    surfaces: SURFACES.to_vec(),
                     pieces: 4,
                     ..Stated::whole(SEGMENT)
                 }),

@@ -128,12 +128,13 @@ impl Bins {
             high = low + 1.0;
         }
         let (from, to) = (self.up_to(low), self.up_to(high));
-        let [extinction, colours @ ..] = [0, 1, 2, 3].map(|n| (to[n] - from[n]) / (high - low));
+        self.classified([0, 1, 2, 3].map(|n| (to[n] - from[n]) / (high - low)))
+    }
+
+    /// Colour and opacity by the means over a step.
+    fn classified(&self, [extinction, colours @ ..]: Sums) -> Classified {
         if extinction == 0.0 {
-            return Classified {
-                colour: [0.0; 3],
-                opacity: 0.0,
-            };
+            return Classified::CLEAR;
         }
         Classified {
             colour: colours.map(|sum| sum / extinction),
@@ -151,17 +152,7 @@ impl Bins {
         }
         let up_to = |t: f64| self.up_to(front + (back - front) * t + 0.5);
         let (a, b) = (up_to(from), up_to(to));
-        let [extinction, colours @ ..] = [0, 1, 2, 3].map(|n| (b[n] - a[n]).abs() / difference);
-        if extinction == 0.0 {
-            return Classified {
-                colour: [0.0; 3],
-                opacity: 0.0,
-            };
-        }
-        Classified {
-            colour: colours.map(|sum| sum / extinction),
-            opacity: -(-extinction * self.step_in_units).exp_m1(),
-        }
+        self.classified([0, 1, 2, 3].map(|n| (b[n] - a[n]).abs() / difference))
     }
 
     /// Integrals up to a place, in codes from the lower edge of the first bin.
