@@ -47,6 +47,9 @@ pub struct Slab<'a, W = i32> {
     pub back: &'a [W],
     /// Which part of the segments is asked for, where they are cut ([`Classifier::parts`]).
     pub part: u32,
+    /// What is known of the opacities of the part when colours are asked for: where one is 0, the colour may be anything.
+    /// Empty: every colour is wanted.
+    pub opacities: &'a [W],
 }
 
 impl<'a, W> Slab<'a, W> {
@@ -59,7 +62,12 @@ impl<'a, W> Slab<'a, W> {
     /// Samples of two planes. Both rows equally long.
     #[inline(always)]
     pub const fn between(front: &'a [W], back: &'a [W]) -> Self {
-        Self { front, back, part: 0 }
+        Self {
+            front,
+            back,
+            part: 0,
+            opacities: &[],
+        }
     }
 
     /// Another part of the same segments.
@@ -69,13 +77,20 @@ impl<'a, W> Slab<'a, W> {
         Self { part, ..self }
     }
 
+    /// The same segments with their opacities.
+    #[inline(always)]
+    pub(crate) const fn of_opacities(self, opacities: &'a [W]) -> Self {
+        Self { opacities, ..self }
+    }
+
     /// A span of the rays.
     #[inline(always)]
     pub(crate) fn span(self, span: Range<usize>) -> Self {
         Self {
             front: part(self.front, span.clone()),
-            back: part(self.back, span),
+            back: part(self.back, span.clone()),
             part: self.part,
+            opacities: part(self.opacities, span),
         }
     }
 }

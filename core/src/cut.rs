@@ -342,7 +342,8 @@ where
         }
         let mut most = V::splat(0);
         for at in places::<V>(slab.back.len()) {
-            let [front, back] = [slab.front, slab.back].map(|row| ranks(p, surfaces, V::load(row, at)));
+            let front = ranks(p, surfaces, V::load(slab.front, at));
+            let back = ranks(p, surfaces, V::load(slab.back, at));
             most = most.at_least((front - back).abs());
         }
         let mut all = [0; 64];

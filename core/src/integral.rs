@@ -409,6 +409,22 @@ impl<L: AsRef<[u32]>> Integral<L> {
     }
 }
 
+/// Whether so few segments of a row are visible that it is quicker to move them side by side.
+#[inline(always)]
+const fn is_sparse(visible: usize, len: usize) -> bool {
+    2 * visible < len
+}
+
+/// Numbers of a row that are not 0.
+#[inline(always)]
+fn count<V: Lanes>(row: &[i32]) -> usize {
+    let mut count = 0;
+    for at in places::<V>(row.len()) {
+        count += V::load(row, at).count();
+    }
+    count
+}
+
 /// A list's integral up to a node coordinate.
 #[inline(always)]
 fn up_to<V: Lanes>(list: &[u32], u: i32, bits: u32) -> V {
@@ -512,34 +528,53 @@ impl<V: Lanes> Mean<V> {
 }
 
 /// The segments of some samples, on their way through the look-ups.
-struct Segments {
+struct Segments<'r> {
     /// Node coordinates of the lower ends.
-    low: [i32; TOGETHER],
+    low: &'r mut [i32],
     /// Those of the upper ends, but that of the last node a unit less: its bin is the last.
-    high: [i32; TOGETHER],
-    length: [i32; TOGETHER],
+    high: &'r mut [i32],
+    length: &'r mut [i32],
     bits: u32,
 }
 
-impl Segments {
+impl Segments<'_> {
+    /// Writes the segments of a slab, from one of its samples on.
     #[inline(always)]
-    fn of<P: Precision, V: Lanes>(p: P, slab: Slab<'_>, from: usize, len: usize, bits: u32) -> Self {
-        let mut segments = Self {
-            low: [0; TOGETHER],
-            high: [0; TOGETHER],
-            length: [0; TOGETHER],
-            bits,
-        };
-        let Self { low, high, length, .. } = &mut segments;
+    fn fill<P: Precision, V: Lanes>(&mut self, p: P, slab: Slab<'_>, from: usize, len: usize) {
         let last = V::splat(((ENTRIES as i32) << p.formats().sample_bits) - 1);
         for at in places::<V>(len) {
             let (front, back) = (V::load(slab.front, from + at), V::load(slab.back, from + at));
-            let [l, d] = widened(front, back, p.formats().sample_bits, bits);
-            l.store(low, at);
-            d.store(length, at);
-            (l + d).at_most(last).store(high, at);
+            let [l, d] = widened(front, back, p.formats().sample_bits, self.bits);
+            l.store(self.low, at);
+            d.store(self.length, at);
+            (l + d).at_most(last).store(self.high, at);
         }
-        segments
+    }
+
+    /// Moves the chosen ones side by side.
+    #[inline(always)]
+    fn pack<V: Lanes>(&mut self, chosen: &[i32]) {
+        let mut end = 0;
+        for at in places::<V>(chosen.len()) {
+            let chosen = V::load(chosen, at);
+            V::load(self.low, at).packed(chosen).store(self.low, end);
+            V::load(self.high, at).packed(chosen).store(self.high, end);
+            V::load(self.length, at).packed(chosen).store(self.length, end);
+            end += chosen.count();
+        }
+    }
+
+    /// Moves what stands side by side back to the chosen places; the others hold anything.
+    #[inline(always)]
+    fn spread<V: Lanes>(&mut self, chosen: &[i32], mut end: usize) {
+        // From the last: what stands before `end` has not been written to.
+        for at in (0..chosen.len()).step_by(V::COUNT).rev() {
+            let chosen = V::load(chosen, at);
+            end -= chosen.count();
+            V::load(self.low, end).spread(chosen).store(self.low, at);
+            V::load(self.high, end).spread(chosen).store(self.high, at);
+            V::load(self.length, end).spread(chosen).store(self.length, at);
+        }
     }
 
     /// Whether all end before a node.
@@ -548,7 +583,7 @@ impl Segments {
         let least = V::splat(((node << self.bits) + 1) as i32);
         let mut beyond = V::splat(0);
         for at in places::<V>(len) {
-            let high = V::load(&self.high, at);
+            let high = V::load(self.high, at);
             beyond = beyond | high.at_least_then(least, high);
         }
         beyond.all_zero()
@@ -556,7 +591,7 @@ impl Segments {
 
     /// A list's integrals up to some ends, whose bins are those of a row.
     #[inline(always)]
-    fn up_to<V: Lanes>(&self, list: &Neighboured, bins: &[i32; TOGETHER], end: V, at: usize) -> V {
+    fn up_to<V: Lanes>(&self, list: &Neighboured, bins: &[i32], end: V, at: usize) -> V {
         let coding = Coding {
             offset: 0,
             bits: self.bits,
@@ -569,10 +604,10 @@ impl Segments {
     /// A list's integrals over the segments.
     #[inline(always)]
     fn over<V: Lanes>(&self, list: &Neighboured, at: usize) -> V {
-        let low = V::load(&self.low, at);
-        let high = low + V::load(&self.length, at);
-        self.up_to(list, &self.high, high, at)
-            .wrapping_sub(self.up_to(list, &self.low, low, at))
+        let low = V::load(self.low, at);
+        let high = low + V::load(self.length, at);
+        self.up_to(list, self.high, high, at)
+            .wrapping_sub(self.up_to(list, self.low, low, at))
     }
 }
 
@@ -618,22 +653,57 @@ impl<P: Precision, L: AsRef<[u32]> + Sync> Classifier<P> for Integral<L> {
             _ if V::SMALL => return self.opacity_row_small(p, slab, out),
             _ => return self.opacity_row_single(p, slab, out),
         };
+        let mut memory = [[0; TOGETHER]; 3];
+        let mut integrals = [0; TOGETHER];
+        let [low, high, length] = &mut memory;
+        let bits = self.bin_bits(p);
+        let mut segments = Segments {
+            low,
+            high,
+            length,
+            bits,
+        };
         let mut from = 0;
         for out in out.chunks_mut(TOGETHER) {
             let len = out.len();
-            let segments = Segments::of::<P, V>(p, slab, from, len, self.bin_bits(p));
+            segments.fill::<P, V>(p, slab, from, len);
             from += TOGETHER;
             if segments.end_before::<V>(self.first, len) {
                 out.fill(0);
                 continue;
             }
-            let mut integrals = [0; TOGETHER];
             for at in places::<V>(len) {
-                segments.over::<V>(list, at).store(&mut integrals, at);
+                segments.over::<V>(list, at).store(out, at);
             }
+            let visible = count::<V>(out);
+            if visible == 0 {
+                continue;
+            }
+            if !is_sparse(visible, len) {
+                for at in places::<V>(len) {
+                    let y = self.depth(p, V::load(out, at), V::load(segments.length, at));
+                    absorbed(y).store(out, at);
+                }
+                continue;
+            }
+            // Visible ones alone go on, side by side, and back to their places.
+            let mut end = 0;
             for at in places::<V>(len) {
-                let y = self.depth(p, V::load(&integrals, at), V::load(&segments.length, at));
-                absorbed(y).store(out, at);
+                let (integral, length) = (V::load(out, at), V::load(segments.length, at));
+                integral.packed(integral).store(&mut integrals, end);
+                length.packed(integral).store(segments.length, end);
+                end += integral.count();
+            }
+            for at in places::<V>(visible) {
+                let y = self.depth(p, V::load(&integrals, at), V::load(segments.length, at));
+                absorbed(y).store(&mut integrals, at);
+            }
+            for at in (0..len).step_by(V::COUNT).rev() {
+                let chosen = V::load(out, at);
+                end -= chosen.count();
+                chosen
+                    .nonzero_then(V::load(&integrals, end).spread(chosen))
+                    .store(out, at);
             }
         }
     }
@@ -661,21 +731,31 @@ impl<P: Precision, L: AsRef<[u32]> + Sync> Classifier<P> for Integral<L> {
                 self.colour_row_single(p, slab, out)
             };
         };
-        let mut from = 0;
-        let chunks = red
-            .chunks_mut(TOGETHER)
-            .zip(green.chunks_mut(TOGETHER))
-            .zip(blue.chunks_mut(TOGETHER));
-        for ((red, green), blue) in chunks {
-            let len = red.len();
-            let segments = Segments::of::<P, V>(p, slab, from, len, self.bin_bits(p));
-            from += TOGETHER;
-            for at in places::<V>(len) {
-                let mean = Mean::of(segments.over::<V>(extinction, at));
-                kept(mean.of_list(segments.over(r, at)), bits).store(red, at);
-                kept(mean.of_list(segments.over(g, at)), bits).store(green, at);
-                kept(mean.of_list(segments.over(b, at)), bits).store(blue, at);
-            }
+        // The rows hold the segments until their colours are there: spans are short, and other memory would cost more.
+        let len = red.len();
+        let mut segments = Segments {
+            low: red,
+            high: green,
+            length: blue,
+            bits: self.bin_bits(p),
+        };
+        segments.fill::<P, V>(p, slab, 0, len);
+        let visible = count::<V>(slab.opacities);
+        let sparse = slab.opacities.len() == len && is_sparse(visible, len);
+        if sparse {
+            segments.pack::<V>(slab.opacities);
+        }
+        for at in places::<V>(if sparse { visible } else { len }) {
+            let mean = Mean::of(segments.over::<V>(extinction, at));
+            let red = kept(mean.of_list(segments.over(r, at)), bits);
+            let green = kept(mean.of_list(segments.over(g, at)), bits);
+            let blue = kept(mean.of_list(segments.over(b, at)), bits);
+            red.store(segments.low, at);
+            green.store(segments.high, at);
+            blue.store(segments.length, at);
+        }
+        if sparse {
+            segments.spread::<V>(slab.opacities, visible);
         }
     }
 }

@@ -24,6 +24,7 @@ mod composite;
 mod depth;
 mod extent;
 mod fold;
+mod kept;
 mod kernels;
 mod probe;
 mod project;
@@ -35,6 +36,7 @@ use core::fmt::Debug;
 
 pub use self::composite::Composite;
 pub use self::depth::{Depth, NO_DEPTH};
+pub use self::kept::Kept;
 pub use self::project::Project;
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;
@@ -75,7 +77,8 @@ pub trait Pipeline: Sync {
     /// What an element of an untouched image holds, for the run of that number.
     fn empty(&self, channel: usize) -> Self::Element;
 
-    /// Folds a plane into rows, with these lanes; the bits do not depend on them.
+    /// Folds a plane into rows, with these lanes; the bits do not depend on them, nor on what is kept of the samples of the
+    /// plane that was folded before into the same rows.
     ///
     /// # Errors
     /// [`ScratchError`] if `scratch` holds fewer words than [`scratch_len`], or [`blocks_scratch_len`] where blocks are
@@ -85,6 +88,7 @@ pub trait Pipeline: Sync {
         at: &At<'_>,
         rows: Rows<'_, Self::Element>,
         scratch: &mut [i32],
+        kept: Option<&mut Kept<'_>>,
         tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError>;
 
@@ -129,9 +133,10 @@ impl<L: Pipeline> Pipeline for &L {
         at: &At<'_>,
         rows: Rows<'_, Self::Element>,
         scratch: &mut [i32],
+        kept: Option<&mut Kept<'_>>,
         tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
-        L::fold::<V>(self, at, rows, scratch, tap)
+        L::fold::<V>(self, at, rows, scratch, kept, tap)
     }
 
     #[inline(always)]

@@ -356,7 +356,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                         Some(tap) => Some(*tap),
                         None => None,
                     };
-                    self.pipeline.fold::<Native>(&at, rows, scratch, tap)?;
+                    self.pipeline.fold::<Native>(&at, rows, scratch, None, tap)?;
                 }
             }
             self.folded += 1;

@@ -15,7 +15,7 @@ use slicecast::locate::{Cell, cell, plane};
 use slicecast::normalise::normalise;
 use slicecast::plan::{Phase, Plan, Sampling, Spacing};
 use slicecast::plane::{
-    At, ChannelOf, Composite, Depth, NO_DEPTH, Pipeline, Rows, blocks_scratch_len, clear, near_slice, scratch_len,
+    At, ChannelOf, Composite, Depth, Kept, NO_DEPTH, Pipeline, Rows, blocks_scratch_len, clear, near_slice, scratch_len,
 };
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::seen::{Grain, Seen};
@@ -159,19 +159,31 @@ fn pixels<C: Channel>(plan: &Plan, image: &[C]) -> Vec<[u32; 4]> {
         .collect()
 }
 
-/// The image by the plane layer, in tiles of some rows: whole rows, or all blocks.
+/// How the plane layer makes the samples of a slab.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// Whole rows, those in front again.
+    Rows,
+    /// Whole rows, those in front kept where they have been made.
+    Kept,
+    /// All blocks.
+    Blocks,
+}
+
+/// The image by the plane layer, in tiles of some rows.
 fn by_planes<L: Pipeline, V: Lanes>(
     pipeline: &L,
     plan: &Plan,
     slices: &[Slice<'_>],
     tile: usize,
-    blocks: bool,
+    way: Way,
 ) -> Vec<L::Element> {
     let [base_width, base_height] = plan.base().map(|side| side as usize);
     let [width, height, _] = plan.dims();
     let row_len = L::CHANNELS * base_width;
     let mut image = vec![L::Element::default(); row_len * base_height];
     clear(pipeline, plan, &mut image);
+    let blocks = way == Way::Blocks;
     let len = if blocks {
         blocks_scratch_len::<L>(width)
     } else {
@@ -180,7 +192,10 @@ fn by_planes<L: Pipeline, V: Lanes>(
     let mut scratch = vec![0x5555_5555; len];
     let every =
         vec![u64::MAX >> (64 - (width as usize).div_ceil(Grain::of(width as usize).columns())); height as usize];
+    let mut memory = vec![0x5555_5555; Kept::len(tile, width)];
     for (number, data) in image.chunks_mut(row_len * tile).enumerate() {
+        let first = (number * tile) as u32;
+        let mut kept = (way == Way::Kept).then(|| Kept::new(&mut memory, first, tile, width).unwrap());
         for step in 0..plan.planes() {
             let index = if L::BACK_TO_FRONT {
                 plan.planes() - 1 - step
@@ -196,10 +211,12 @@ fn by_planes<L: Pipeline, V: Lanes>(
                 reading: None,
             };
             let rows = Rows {
-                first: (number * tile) as u32,
+                first,
                 data: &mut *data,
             };
-            pipeline.fold::<V>(&at, rows, &mut scratch, None).unwrap();
+            pipeline
+                .fold::<V>(&at, rows, &mut scratch, kept.as_mut(), None)
+                .unwrap();
         }
     }
     image
@@ -241,8 +258,12 @@ fn depths_held<P: Precision>(p: P, plan: &Plan, volume: &Volume, surfaces: &[Sur
         .map(depth)
         .collect();
     with_slices(volume, |slices| {
-        prop_assert_eq!(&by_planes::<_, i32>(&pipeline, plan, slices, 3, false), &expected);
-        prop_assert_eq!(&by_planes::<_, Small>(&pipeline, plan, slices, 1000, false), &expected);
+        prop_assert_eq!(&by_planes::<_, i32>(&pipeline, plan, slices, 3, Way::Rows), &expected);
+        prop_assert_eq!(&by_planes::<_, i32>(&pipeline, plan, slices, 3, Way::Kept), &expected);
+        prop_assert_eq!(
+            &by_planes::<_, Small>(&pipeline, plan, slices, 1000, Way::Rows),
+            &expected
+        );
         prop_assert_eq!(&by_stream(pipeline.clone(), plan, volume), &expected);
         Ok(())
     })
@@ -276,13 +297,27 @@ fn held<P: Precision, S: Shader<P> + Clone, O: Order + Clone>(
         Ok(())
     };
     with_slices(volume, |slices| {
-        same(&by_planes::<_, i32>(pipeline, plan, slices, 1000, false), "whole rows")?;
-        same(&by_planes::<_, i32>(pipeline, plan, slices, 3, false), "rows in tiles")?;
         same(
-            &by_planes::<_, Small>(pipeline, plan, slices, 5, false),
+            &by_planes::<_, i32>(pipeline, plan, slices, 1000, Way::Rows),
+            "whole rows",
+        )?;
+        same(
+            &by_planes::<_, i32>(pipeline, plan, slices, 1000, Way::Kept),
+            "rows that are kept",
+        )?;
+        same(
+            &by_planes::<_, i32>(pipeline, plan, slices, 3, Way::Rows),
+            "rows in tiles",
+        )?;
+        same(
+            &by_planes::<_, i32>(pipeline, plan, slices, 3, Way::Kept),
+            "rows that are kept, in tiles",
+        )?;
+        same(
+            &by_planes::<_, Small>(pipeline, plan, slices, 5, Way::Rows),
             "a small machine",
         )?;
-        same(&by_planes::<_, i32>(pipeline, plan, slices, 4, true), "blocks")
+        same(&by_planes::<_, i32>(pipeline, plan, slices, 4, Way::Blocks), "blocks")
     })?;
     same(&by_stream(pipeline.clone(), plan, volume), "stream")
 }

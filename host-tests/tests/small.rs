@@ -49,7 +49,7 @@ fn folded<L: Pipeline>(plan: &Plan, slices: &[Slice<'_>], pipeline: &L) -> Bits 
                 reading: None,
             };
             let rows = Rows { first: 0, data };
-            pipeline.fold::<Small>(&at, rows, &mut scratch, None).unwrap();
+            pipeline.fold::<Small>(&at, rows, &mut scratch, None, None).unwrap();
         }
     }
     let [width, height] = plan.base().map(|side| i64::from(side * plan.sampling().rays_per_voxel));

@@ -6,6 +6,7 @@ use super::blocks::Blocks;
 use super::canvas::{AllFinished, Canvas, Image};
 use super::extent::Extent;
 use super::fold::{WholeRows, fold};
+use super::kept::Kept;
 use super::kernels::{ClassifierRows, Kernels, ShaderRows};
 use super::probe::Probes;
 use super::scratch::{self, BATCH, BATCH_WIDTH, BatchRows, Scratch, ScratchError};
@@ -120,6 +121,7 @@ where
         at: &At<'_>,
         rows: Rows<'_, ChannelOf<P>>,
         scratch: &mut [i32],
+        kept: Option<&mut Kept<'_>>,
         mut tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
         let At {
@@ -230,11 +232,15 @@ where
         }
         batch.opacities = part_mut(batch.opacities, 0..n);
         let (support, met) = (self.classifier.support(), extent.met(first, count));
-        let mut sheared = Sheared::<P, V, S>::new(precision, &extent, &behind, spacing, source);
+        let [front_rows, rows] = match (kept, &before) {
+            (Some(kept), Some(before)) if !V::SMALL => kept.of(plane.index, [before, &extent]),
+            _ => Default::default(),
+        };
+        let mut sheared = Sheared::<P, V, S>::new(precision, &extent, &behind, spacing, source, rows);
         let around = (&extent, &behind);
         if C::SLABS {
             let Some(before) = &before else { return Ok(()) };
-            let ahead = Sheared::<P, V, S>::new(precision, before, window, spacing, front);
+            let ahead = Sheared::<P, V, S>::new(precision, before, window, spacing, front, front_rows);
             let mut slabs = Slabs::new([ahead, sheared], [before, &extent], front_gradients);
             let before = Some((before, window));
             if V::SMALL {

@@ -3,6 +3,7 @@
 use core::marker::PhantomData;
 
 use super::extent::{Extent, around};
+use super::kept::Kept;
 use super::scratch::{self, Scratch, ScratchError};
 use super::slabs::window_behind;
 use super::source::{Sheared, Source};
@@ -98,6 +99,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
         at: &At<'_>,
         rows: Rows<'_, u32>,
         scratch: &mut [i32],
+        kept: Option<&mut Kept<'_>>,
         mut tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
         let (plan, plane) = (at.plan, &at.plane);
@@ -122,8 +124,12 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
             return Ok(());
         }
         let spacing = plan.spacing();
-        let mut front = Sheared::<P, V, Unlit>::new(self.precision, &ahead, &at.window, spacing, front);
-        let mut back = Sheared::<P, V, Unlit>::new(self.precision, &extent, &behind, spacing, source);
+        let [front_rows, back_rows] = match kept {
+            Some(kept) if !V::SMALL => kept.of(plane.index, [&ahead, &extent]),
+            _ => Default::default(),
+        };
+        let mut front = Sheared::<P, V, Unlit>::new(self.precision, &ahead, &at.window, spacing, front, front_rows);
+        let mut back = Sheared::<P, V, Unlit>::new(self.precision, &extent, &behind, spacing, source, back_rows);
         for row in extent.met(rows.first, count) {
             let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));
             let range = around(&behind, extent.voxel_rows(back_row));
@@ -178,7 +184,8 @@ impl<P: Precision, S: AsRef<[Surface]>, V: Lanes> Kernel
         let (_, _, pipeline, index, depths, slab) = self;
         let (p, surfaces) = (pipeline.precision, pipeline.surfaces.as_ref());
         for at in places::<V>(depths.len()) {
-            let [front, back] = [slab.front, slab.back].map(|row| ranks(p, surfaces, V::load(row, at)));
+            let front = ranks(p, surfaces, V::load(slab.front, at));
+            let back = ranks(p, surfaces, V::load(slab.back, at));
             if (front ^ back).all_zero() {
                 continue;
             }

@@ -105,7 +105,12 @@ pub(super) fn fold<B, C, S, X>(
                 };
                 if colours.one.is_none() {
                     let [r, g, b] = &mut colours.rows;
-                    classifier.colour_row(batches.slab().span(visible.clone()).of_part(part), [r, g, b]);
+                    let mut slab = batches.slab();
+                    // Samples of blocks lie side by side and are all visible; an observer sees every colour.
+                    if B::WHOLE_ROWS && tap.is_none() {
+                        slab = slab.of_opacities(opacities);
+                    }
+                    classifier.colour_row(slab.span(visible.clone()).of_part(part), [r, g, b]);
                 }
                 if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
                     see(*tap, Stage::Colour, at, &colours.rows);

@@ -3,6 +3,7 @@
 use core::marker::PhantomData;
 
 use super::extent::Extent;
+use super::kept::{Kept, KeptRows};
 use super::scratch::{self, Scratch, ScratchError};
 use super::source::{Sheared, Source};
 use super::{At, ChannelOf, Pipeline, Rows};
@@ -57,6 +58,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         at: &At<'_>,
         rows: Rows<'_, i32>,
         scratch: &mut [i32],
+        _: Option<&mut Kept<'_>>,
         mut tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
         let (plan, plane) = (at.plan, &at.plane);
@@ -73,7 +75,14 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         if extent.columns.is_empty() {
             return Ok(());
         }
-        let mut source = Sheared::<P, V, Unlit>::new(self.precision, &extent, &at.window, plan.spacing(), source);
+        let mut source = Sheared::<P, V, Unlit>::new(
+            self.precision,
+            &extent,
+            &at.window,
+            plan.spacing(),
+            source,
+            KeptRows::default(),
+        );
         for row in extent.met(rows.first, count) {
             let voxel_row = extent.voxel_row(row);
             source.make(voxel_row);

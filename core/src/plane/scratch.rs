@@ -101,7 +101,7 @@ impl core::fmt::Display for ScratchError {
 impl core::error::Error for ScratchError {}
 
 /// Words of a line of the cache.
-const LINE: usize = 16;
+pub(super) const LINE: usize = 16;
 
 /// Rows of scratch memory by their use; those that a kind of fold does not need are empty.
 pub(super) struct Scratch<'s, W> {

@@ -9,6 +9,7 @@ use core::ops::Range;
 
 use super::blocks::Places;
 use super::extent::Extent;
+use super::kept::KeptRows;
 use super::scratch::SourceRows;
 use crate::classify::Slab;
 use crate::format::Intensity;
@@ -42,7 +43,48 @@ pub(super) trait SourceAt<W> {
 }
 
 /// A row number that no row has.
-const NO_ROW: i32 = i32::MIN;
+pub(super) const NO_ROW: i32 = i32::MIN;
+
+/// Rows of samples of a plane: the three that gradients look at, or one, and those that outlive the fold of the plane.
+struct Samples<'s> {
+    rows: [&'s mut [i32]; 3],
+    /// Which they are.
+    names: [i32; 3],
+    kept: KeptRows<'s>,
+}
+
+impl Samples<'_> {
+    /// Where the samples of a row lie that is not kept.
+    #[inline(always)]
+    fn slot(row: i32, lit: bool) -> usize {
+        if lit { (row + 1).rem_euclid(3) as usize } else { 0 }
+    }
+
+    /// The row that is held in the place of a row, and its samples.
+    #[inline(always)]
+    fn at<V: Lanes>(&self, row: i32, lit: bool) -> Option<(i32, &[i32])> {
+        // Small machines have no memory for more rows.
+        if !V::SMALL
+            && let Some(number) = self.kept.number(row)
+        {
+            return self.kept.row(number);
+        }
+        let slot = Self::slot(row, lit);
+        Some((*self.names.get(slot)?, self.rows.get(slot)?))
+    }
+
+    /// To be written.
+    #[inline(always)]
+    fn at_mut<V: Lanes>(&mut self, row: i32, lit: bool) -> Option<(&mut i32, &mut [i32])> {
+        if !V::SMALL
+            && let Some(number) = self.kept.number(row)
+        {
+            return self.kept.row_mut(number);
+        }
+        let slot = Self::slot(row, lit);
+        Some((self.names.get_mut(slot)?, self.rows.get_mut(slot)?))
+    }
+}
 
 /// Sheared rays: all samples of a plane share their weights, and rows are contiguous.
 ///
@@ -55,8 +97,7 @@ pub(super) struct Sheared<'s, 'w, P, V, S> {
     z: [&'s mut [i32]; 2],
     z_row: [i32; 2],
     inner: &'s mut [i32],
-    samples: [&'s mut [i32]; 3],
-    sample_row: [i32; 3],
+    samples: Samples<'s>,
     derivatives: [&'s mut [i32]; 2],
     /// Which row and which of its columns the derivatives are of.
     made: [(usize, Range<usize>); 2],
@@ -75,6 +116,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         window: &'s Window<'w>,
         spacing: [Intensity; 3],
         rows: SourceRows<'s, i32>,
+        kept: KeptRows<'s>,
     ) -> Self {
         let len = window.near.width() + 2 * Self::FIRST;
         let cut = |row: &'s mut [i32]| {
@@ -89,8 +131,11 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
             z: [cut(near), cut(far)],
             z_row: [NO_ROW; 2],
             inner: cut(rows.inner),
-            samples: three(rows.samples, cut),
-            sample_row: [NO_ROW; 3],
+            samples: Samples {
+                rows: three(rows.samples, cut),
+                names: [NO_ROW; 3],
+                kept: kept.of_len(len),
+            },
             derivatives: rows.derivatives,
             made: [(0, 0..0), (0, 0..0)],
             precision,
@@ -98,16 +143,10 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         }
     }
 
-    /// Where the samples of a row are kept.
-    #[inline(always)]
-    fn slot(row: i32) -> usize {
-        if S::LIT { (row + 1).rem_euclid(3) as usize } else { 0 }
-    }
-
     /// A row of samples with its places beyond the volume.
     #[inline(always)]
     fn whole(&self, row: i32) -> &[i32] {
-        self.samples.get(Self::slot(row)).map_or(&[], |s| s)
+        self.samples.at::<V>(row, S::LIT).map_or(&[], |(_, samples)| samples)
     }
 
     /// Places of the samples of a plane's extent.
@@ -119,7 +158,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
 
     #[inline(always)]
     fn make_row(&mut self, row: i32) {
-        if self.sample_row.get(Self::slot(row)) == Some(&row) {
+        if self.samples.at::<V>(row, S::LIT).is_some_and(|(held, _)| held == row) {
             return;
         }
         if V::SMALL {
@@ -139,13 +178,12 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
     #[inline(always)]
     fn make_anew(&mut self, row: i32) {
         let extent = self.extent;
-        let slot = Self::slot(row);
         let beyond = if S::LIT { extent.height } else { extent.height - 1 };
         // Behind the last row there is none; its weight is zero.
         let next = if row < beyond { row + 1 } else { row };
         if !S::LIT && !V::SMALL && extent.in_slice() {
             let voxels = |row: i32| self.window.near.row(row.max(0) as usize);
-            if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
+            if let Some((key, out)) = self.samples.at_mut::<V>(row, S::LIT) {
                 yx_row_in_slice::<P, V>(self.precision, voxels(row), voxels(next), extent.weights(), out);
                 *key = row;
             }
@@ -155,7 +193,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         self.make_z(next);
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
-        if let (Some(out), Some(key)) = (self.samples.get_mut(slot), self.sample_row.get_mut(slot)) {
+        if let Some((key, out)) = self.samples.at_mut::<V>(row, S::LIT) {
             yx_row::<P, V>(
                 self.precision,
                 pick(row),

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use slicecast::lanes::Lanes;
 use slicecast::locate::{cell, plane};
 use slicecast::plan::Plan;
-use slicecast::plane::{At, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, near_slice};
+use slicecast::plane::{At, Kept, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, near_slice};
 use slicecast::slice::{Slice, Window};
 use slicecast::tap::Tap;
 
@@ -57,17 +57,15 @@ pub(crate) fn fold_tiles<L: Pipeline>(
     simd: Simd,
     progress: Progress<'_>,
 ) {
-    each_tile(
-        plan,
-        image,
-        Sizes::of::<L>(plan),
-        tile_rows,
-        progress,
-        &|tile, data, scratch| {
-            let fold = FoldTile::new(pipeline, Way::of::<L>(plan, slices, seen, tile), (data, scratch), None);
-            enough(with_lanes(simd, fold));
-        },
-    );
+    let mut sizes = Sizes::of::<L>(plan);
+    // Blocks are made where they lie.
+    if L::SLABS && seen.is_none() {
+        sizes = sizes.keeping(plan, tile_rows);
+    }
+    each_tile(plan, image, sizes, tile_rows, progress, &|tile, data, memory| {
+        let fold = FoldTile::new(pipeline, Way::of::<L>(plan, slices, seen, tile), (data, memory), None);
+        enough(with_lanes(simd, fold));
+    });
 }
 
 /// Folds all planes into an image like [`fold_tiles`], by the scalar definitions, each tile under a tap that `lend` lends.
@@ -86,9 +84,9 @@ pub(crate) fn fold_tiles_tapped<L: Pipeline>(
         Sizes::of::<L>(plan),
         tile_rows,
         progress,
-        &|tile, data, scratch| {
+        &|tile, data, memory| {
             lend(tile, &mut |tap| {
-                enough(fold_scalar(plan, pipeline, slices, tile, data, scratch, tap))
+                enough(fold_scalar(plan, pipeline, slices, tile, data, memory, tap))
             });
         },
     );
@@ -124,6 +122,8 @@ struct Sizes {
     row_len: usize,
     /// Words of scratch memory.
     scratch_len: usize,
+    /// Words for the samples that tiles keep from plane to plane.
+    kept_len: usize,
 }
 
 impl Sizes {
@@ -133,12 +133,36 @@ impl Sizes {
         Self {
             row_len: L::CHANNELS * plan.base()[0] as usize,
             scratch_len: blocks_scratch_len::<L>(slice_width.max(1024) + 32),
+            kept_len: 0,
+        }
+    }
+
+    /// With the samples of a tile's rows kept from plane to plane.
+    fn keeping(self, plan: &Plan, tile_rows: usize) -> Self {
+        let ([width, _, _], [_, height]) = (plan.dims(), plan.base());
+        Self {
+            kept_len: Kept::len(tile_rows.min(height as usize), width),
+            ..self
+        }
+    }
+
+    fn memory(&self) -> Memory {
+        Memory {
+            scratch: vec![0; self.scratch_len],
+            kept: vec![0; self.kept_len],
         }
     }
 }
 
-/// Work on a tile: where it lies, its rows, scratch memory.
-type Work<'a, E> = &'a (dyn Fn(Tile, &mut [E], &mut [i32]) + Sync);
+/// Memory that a tile works in.
+struct Memory {
+    scratch: Vec<i32>,
+    /// Empty where nothing is kept from plane to plane.
+    kept: Vec<i32>,
+}
+
+/// Work on a tile: where it lies, its rows, memory.
+type Work<'a, E> = &'a (dyn Fn(Tile, &mut [E], &mut Memory) + Sync);
 
 /// Does something with every tile of an image, in parallel.
 fn each_tile<E: Send>(
@@ -154,9 +178,9 @@ fn each_tile<E: Send>(
     let done = AtomicUsize::new(0);
     // Each on its own: how long it takes depends on what it sees.
     tiles.into_par_iter().with_max_len(1).for_each_init(
-        || vec![0; sizes.scratch_len],
-        |scratch, (tile, data)| {
-            work(tile, data, scratch);
+        || sizes.memory(),
+        |memory, (tile, data)| {
+            work(tile, data, memory);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
         },
     );
@@ -171,8 +195,8 @@ pub(crate) fn fold_tile<L: Pipeline>(
     data: &mut [L::Element],
     tap: &mut dyn Tap,
 ) {
-    let mut scratch = vec![0; Sizes::of::<L>(plan).scratch_len];
-    enough(fold_scalar(plan, pipeline, slices, tile, data, &mut scratch, tap));
+    let mut memory = Sizes::of::<L>(plan).memory();
+    enough(fold_scalar(plan, pipeline, slices, tile, data, &mut memory, tap));
 }
 
 fn fold_scalar<L: Pipeline>(
@@ -181,13 +205,13 @@ fn fold_scalar<L: Pipeline>(
     slices: &[Slice<'_>],
     tile: Tile,
     data: &mut [L::Element],
-    scratch: &mut [i32],
+    memory: &mut Memory,
     tap: &mut dyn Tap,
 ) -> Result<(), ScratchError> {
     FoldTile::new(
         pipeline,
         Way::of::<L>(plan, slices, None, tile),
-        (data, scratch),
+        (data, memory),
         Some(tap),
     )
     .run::<i32>()
@@ -282,6 +306,7 @@ struct Folding<'a, L: Pipeline> {
     pipeline: &'a L,
     rows: Rows<'a, L::Element>,
     scratch: &'a mut [i32],
+    kept: Option<Kept<'a>>,
     /// Sees every plane, those of finished tiles too.
     tap: Option<&'a mut dyn Tap>,
 }
@@ -295,6 +320,7 @@ impl<L: Pipeline, V: Lanes> FoldPlane for OfLanes<'_, '_, L, V> {
             pipeline,
             rows: Rows { first, data },
             scratch,
+            kept,
             tap,
         } = &mut *self.0;
         let rows = Rows { first: *first, data };
@@ -302,7 +328,7 @@ impl<L: Pipeline, V: Lanes> FoldPlane for OfLanes<'_, '_, L, V> {
             Some(tap) => Some(&mut **tap),
             None => None,
         };
-        pipeline.fold::<V>(at, rows, scratch, tap)
+        pipeline.fold::<V>(at, rows, scratch, kept.as_mut(), tap)
     }
 
     fn finished(&self, plan: &Plan) -> bool {
@@ -320,19 +346,21 @@ impl<'a, 's, L: Pipeline> FoldTile<'a, 's, L> {
     fn new(
         pipeline: &'a L,
         way: Way<'a, 's>,
-        (data, scratch): (&'a mut [L::Element], &'a mut [i32]),
+        (data, Memory { scratch, kept }): (&'a mut [L::Element], &'a mut Memory),
         tap: Option<&'a mut dyn Tap>,
     ) -> Self {
-        let rows = Rows {
-            first: way.tile.first,
-            data,
-        };
+        let Tile { first, rows, .. } = way.tile;
+        let [width, _, _] = way.plan.dims();
+        // `Sizes::keeping` has as much as the highest tile needs.
+        let kept = Kept::new(kept, first, rows as usize, width).ok();
+        let rows = Rows { first, data };
         Self {
             way,
             folding: Folding {
                 pipeline,
                 rows,
                 scratch,
+                kept,
                 tap,
             },
         }
