@@ -245,7 +245,7 @@ fn warped<C: ChannelFormat>(prepared: &Prepared<'_>, base: &BaseImage) -> Vec<u8
             transparency,
         }
     };
-    let background = background(prepared.scene);
+    let background = background(prepared.scene.image.background);
     let places = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
     places
         .flat_map(|(x, y)| in_front_of(warp.pixel(x, y, pixel), background))

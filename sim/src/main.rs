@@ -12,6 +12,7 @@ mod losses;
 mod presets;
 mod projection;
 mod raster;
+mod shards;
 mod slab;
 mod visibility;
 

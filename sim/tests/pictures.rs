@@ -580,3 +580,74 @@ fn surfaces_are_drawn_alone_or_in_the_volume_with_their_depth() {
             .contains("surfaces alone, which have no table")
     );
 }
+
+#[test]
+fn shards_of_several_machines_are_one_picture() {
+    let folder = Folder::new();
+    folder.volume("a.nrrd", [48, 40, 70], "1 1 1", |[x, y, z]| {
+        let away = |c: usize, middle: i16| (c as i16 - middle).abs();
+        1500 - 40 * (away(x, 24) + away(y, 20) + away(z, 35))
+    });
+    let scene = "a.nrrd --scene ct-bone --rays 2 --planes 1 --size 200x160";
+    folder.says(&format!("render {scene} -o whole.png"));
+    for number in 1..=3 {
+        folder.says(&format!("render {scene} --shard {number}/3 -o {number}.shard"));
+    }
+    let before = fs::read(folder.path("2.shard")).unwrap();
+    folder.says("merge 3.shard 1.shard 2.shard -o merged.png");
+    assert_eq!(folder.read("merged.png"), folder.read("whole.png"));
+    folder.says(&format!("render {scene} --depth 16 --background none -o deep.png"));
+    folder.says("merge 1.shard 2.shard 3.shard --depth 16 --background none -o deep-merged.png");
+    assert_eq!(folder.read("deep-merged.png"), folder.read("deep.png"));
+
+    let refuses = |line: &str, words: &str| {
+        let output = folder.run(line);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{line}: {text}");
+        assert!(text.contains(words), "{line}: {text}");
+    };
+    refuses("merge 1.shard 3.shard -o x.png", "2 of 3 shards; missing: 2");
+    refuses(
+        "merge 1.shard 1.shard -o x.png",
+        "1.shard: shard 1/3 again; 1.shard is the same one",
+    );
+    refuses("merge whole.png -o x.png", "whole.png: not a shard");
+    refuses("merge none.shard -o x.png", "none.shard: No such file");
+    refuses("merge 1.shard 2.shard 3.shard -o whole.png", "--force replaces it");
+    refuses(
+        &format!("render {scene} --shard 1/3 -o 1.png"),
+        "expected a name that ends in .shard",
+    );
+    refuses(&format!("render {scene} --shard 1/3 -o 1.shard"), "--force replaces it");
+    refuses(
+        &format!("render {scene} --shard 1/999 -o x.shard"),
+        "expected at most as many shards",
+    );
+    folder.says(&format!("render {scene} --azimuth 7 --shard 2/3 -o other.shard"));
+    refuses(
+        "merge 1.shard other.shard -o x.png",
+        "other.shard: of another frame than 1.shard",
+    );
+    assert!(!folder.names().iter().any(|name| name.starts_with("x.")));
+    assert_eq!(fs::read(folder.path("2.shard")).unwrap(), before);
+}
+
+#[test]
+fn shards_of_a_turn_are_its_pictures() {
+    let folder = Folder::new();
+    folder.volume("a.nrrd", [20, 20, 20], "1 1 1", |[x, y, z]| (x * y + 30 * z) as i16);
+    let turn = "turntable a.nrrd --frames 5 --numbered --size 64x64";
+    folder.says(&format!("{turn} -o whole/a.png"));
+    for number in 1..=2 {
+        folder.says(&format!("{turn} --shard {number}/2 -o part-{number}/a.png"));
+    }
+    for frame in 0..5 {
+        let (own, other) = (1 + frame % 2, 2 - frame % 2);
+        let name = format!("a-00{frame}.png");
+        assert_eq!(
+            folder.read(&format!("part-{own}/{name}")),
+            folder.read(&format!("whole/{name}"))
+        );
+        assert!(!folder.path(&format!("part-{other}/{name}")).exists());
+    }
+}

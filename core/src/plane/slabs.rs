@@ -1,6 +1,6 @@
 //! The source of slabs: the samples of a plane and of the plane in front of it, on the same rays.
 //!
-//! Nothing is kept from plane to plane: the front row is made again from the same slices. That suffices because no slab
+//! The front row is made again from the same slices, unless it was kept ([`Kept`](super::Kept)). That suffices because no slab
 //! straddles a slice: a plane lies between the slices of the plane in front of it, or in the second of them.
 
 use core::marker::PhantomData;

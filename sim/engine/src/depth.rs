@@ -50,7 +50,15 @@ fn of_precision<P: Precision>(
     }
     let pipeline = Depth::new(precision, surfaces, plan).unwrap_or_else(|error| unreachable!("{error}"));
     let mut image = new_image(plan, &pipeline)?;
-    fold_oriented(plan, &pipeline, volume, &mut image, TILE_ROWS, prepared.simd, progress);
+    fold_oriented(
+        plan,
+        &pipeline,
+        volume,
+        &mut image,
+        TILE_ROWS.into(),
+        prepared.simd,
+        progress,
+    );
     Ok(Some(interleaved(plan, &image)))
 }
 

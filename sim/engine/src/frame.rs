@@ -7,11 +7,12 @@ use slicecast_volume::Volume;
 use crate::camera::{CameraError, Setup, set_up};
 use crate::error::RenderError;
 use crate::fineness::{self, Finest};
-use crate::image::Frame;
+use crate::image::{BaseImage, Frame};
 use crate::oriented::{Oriented, Turned};
 use crate::pipelines::{compile, rendering, rendering_of_segments};
 use crate::rendering::Framing;
 use crate::segments::{self, Segments};
+use crate::shard::Shard;
 use crate::simd::Simd;
 use crate::table::Table;
 
@@ -125,6 +126,21 @@ impl<'a> Prepared<'a> {
     pub fn render(&self, layer: Layer, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
         let mut turned = Turned::new(self.volume, self.setup.plan.view());
         self.render_oriented(&Oriented::of(&turned.slices()?), layer, progress)
+    }
+
+    /// Renders one shard of the frame: its base-plane image, of which only [`Shard::rows`] are to be read.
+    ///
+    /// # Errors
+    /// As [`Prepared::render`].
+    pub fn render_shard(
+        &self,
+        shard: Shard,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<BaseImage, RenderError> {
+        let mut turned = Turned::new(self.volume, self.setup.plan.view());
+        let mut rendering = self.begun()?;
+        rendering.fold_shard(&Oriented::of(&turned.slices()?), shard, self.simd, progress);
+        Ok(rendering.base())
     }
 
     /// Renders the frame from a volume that has been turned for a view along the same axis and direction.

@@ -6,7 +6,6 @@ use slicecast::plan::Plan;
 use slicecast::plane::{Pipeline, clear};
 use slicecast::precision::Precision as _;
 use slicecast::stream::{Needs, base_pixel};
-use slicecast_scene::Scene;
 
 use crate::error::RenderError;
 
@@ -94,10 +93,7 @@ fn planes([width, height]: [usize; 2], pixel: &dyn Fn([usize; 2]) -> [u32; 4]) -
     planes
 }
 
-/// The scene's background, 1.15.
-pub fn background(scene: &Scene) -> [Intensity; 3] {
-    scene
-        .image
-        .background
-        .map(|c| Intensity::from_bits((c * 32768.0).round() as u16))
+/// A background of 0 to 1, 1.15.
+pub fn background(colour: [f64; 3]) -> [Intensity; 3] {
+    colour.map(|c| Intensity::from_bits((c * 32768.0).round() as u16))
 }

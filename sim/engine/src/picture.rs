@@ -11,18 +11,21 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use rayon::prelude::*;
-use slicecast::composite::{Channel as _, ChannelFormat, Pixel};
+use slicecast::composite::{Channel as _, ChannelFormat, Pixel, Recurrence};
 use slicecast::format::Intensity;
 use slicecast::lanes::{Kernel, Lanes};
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Pictured, Pipeline};
+use slicecast::precision::Precision;
 use slicecast::stream::phase_len;
 use slicecast::warp::{Point, Warp, in_front_of, in_front_of_row, mix_row};
 
 use crate::camera::Picture;
 use crate::frame::Prepared;
-use crate::image::{Rgb, background};
-use crate::simd::{OverLanes, with_lanes};
+use crate::image::{BaseImage, Rgb, background};
+use crate::simd::{OverLanes, Simd, with_lanes};
+use crate::with_precision;
+use slicecast_scene::PrecisionName;
 
 /// Picture pixels across the largest tile.
 const ACROSS: usize = 64;
@@ -35,37 +38,67 @@ const COPY_MAX: i128 = 8192;
 
 /// The picture of a base-plane image, in front of the scene's background.
 pub fn picture<L: Pictured>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
-    picture_of(prepared, &Base::of(&prepared.setup.plan, pipeline, image))
+    let view = Shown::of(prepared);
+    view.picture(&Base::of(&prepared.setup.plan, pipeline, image))
 }
 
-/// The picture of a base plane, compiled once per channel format.
-fn picture_of<C: ChannelFormat>(prepared: &Prepared<'_>, base: &dyn BasePixels<C>) -> Rgb {
-    let Picture { size, warp, .. } = prepared.setup.picture;
-    let background = background(prepared.scene);
-    let shape = Shape::of(&warp);
-    let [width, height] = size.map(|side| side as usize);
-    let [_, down] = shape.tile;
-    let mut bytes = vec![0; 3 * width * height];
-    bytes
-        .par_chunks_mut((3 * width * down).max(1))
-        .enumerate()
-        .for_each_init(
-            || Memory::new(&shape, background),
-            |memory, (band, out)| {
-                let band = Band {
-                    base,
-                    warp: &warp,
-                    shape: &shape,
-                    clear: in_front_of(Pixel::<C>::clear(), background),
-                    first: (band * down) as u32,
-                    width,
-                    out,
-                    memory,
-                };
-                with_lanes(prepared.simd, band);
-            },
-        );
-    Rgb { size, bytes }
+/// The picture of a base-plane image whose phases are interleaved, of this precision, in front of a background.
+pub fn of_base(base: &BaseImage, precision: PrecisionName, picture: &Picture, behind: [f64; 3], simd: Simd) -> Rgb {
+    let shown = Shown {
+        picture,
+        background: background(behind),
+        simd,
+    };
+    with_precision!(precision, p => shown.picture(&Interleaved::of(p, base)))
+}
+
+/// What a picture shows of a base plane.
+struct Shown<'a> {
+    picture: &'a Picture,
+    background: [Intensity; 3],
+    simd: Simd,
+}
+
+impl<'a> Shown<'a> {
+    fn of(prepared: &'a Prepared<'_>) -> Self {
+        Self {
+            picture: &prepared.setup.picture,
+            background: background(prepared.scene.image.background),
+            simd: prepared.simd,
+        }
+    }
+}
+
+impl Shown<'_> {
+    /// The picture of a base plane, compiled once per channel format.
+    fn picture<C: ChannelFormat>(&self, base: &dyn BasePixels<C>) -> Rgb {
+        let Picture { size, warp, .. } = *self.picture;
+        let (background, simd) = (self.background, self.simd);
+        let shape = Shape::of(&warp);
+        let [width, height] = size.map(|side| side as usize);
+        let [_, down] = shape.tile;
+        let mut bytes = vec![0; 3 * width * height];
+        bytes
+            .par_chunks_mut((3 * width * down).max(1))
+            .enumerate()
+            .for_each_init(
+                || Memory::new(&shape, background),
+                |memory, (band, out)| {
+                    let band = Band {
+                        base,
+                        warp: &warp,
+                        shape: &shape,
+                        clear: in_front_of(Pixel::<C>::clear(), background),
+                        first: (band * down) as u32,
+                        width,
+                        out,
+                        memory,
+                    };
+                    with_lanes(simd, band);
+                },
+            );
+        Rgb { size, bytes }
+    }
 }
 
 /// How large tiles are, and what one looks at.
@@ -210,6 +243,44 @@ impl<L: Pictured> BasePixels<ChannelOf<L::Precision>> for Base<'_, L> {
             }
         }
         seen != 0
+    }
+}
+
+/// A base-plane image whose phases are interleaved, as channels of a format.
+struct Interleaved<'a, P>(&'a BaseImage, PhantomData<P>);
+
+impl<'a, P: Precision> Interleaved<'a, P> {
+    fn of(_: P, base: &'a BaseImage) -> Self {
+        Self(base, PhantomData)
+    }
+}
+
+impl<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>> BasePixels<ChannelOf<P>> for Interleaved<'_, P> {
+    fn copy(
+        &self,
+        [left, upper]: [i64; 2],
+        width: usize,
+        copy: &mut [[ChannelOf<P>; 4]],
+        _: &mut [[ChannelOf<P>; 4]],
+    ) -> bool {
+        let clear = channels(Pixel::<ChannelOf<P>>::clear());
+        let [across, down] = self.0.size.map(|side| side as i64);
+        let mut seen = false;
+        for (v, out) in (upper..).zip(copy.chunks_exact_mut(width)) {
+            for (u, out) in (left..).zip(out) {
+                *out = clear;
+                if (0..across).contains(&u) && (0..down).contains(&v) {
+                    let at = (v * across + u) as usize;
+                    *out = self
+                        .0
+                        .planes
+                        .each_ref()
+                        .map(|plane| ChannelOf::<P>::from_bits(plane[at]));
+                    seen |= *out != clear;
+                }
+            }
+        }
+        seen
     }
 }
 

@@ -18,9 +18,10 @@ use crate::image::{BaseImage, Rgb, base_image, new_image};
 use crate::occupancy::Looks;
 use crate::oriented::Oriented;
 use crate::picture::picture;
+use crate::shard::Shard;
 use crate::simd::Simd;
 use crate::stream::fold_stream;
-use crate::tiles::{Tile, fold_oriented, fold_tile, fold_tiles, fold_tiles_tapped};
+use crate::tiles::{TILE_ROWS, Tile, Tiling, fold_oriented, fold_tile, fold_tiles, fold_tiles_tapped};
 
 /// What is told how many steps of how many are done.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
@@ -47,7 +48,9 @@ pub trait Rendering: Send + Sync {
     /// Folds all planes, tile by tile on rayon's current threads: rows as a whole, or the blocks that can be seen where they
     /// are few.
     fn fold(&mut self, volume: &Oriented<'_>, tile_rows: usize, simd: Simd, progress: Progress<'_>);
-    /// The same, rows as a whole.
+    /// The same of one shard of the tiles; other rows stay untouched.
+    fn fold_shard(&mut self, volume: &Oriented<'_>, shard: Shard, simd: Simd, progress: Progress<'_>);
+    /// [`Rendering::fold`], rows as a whole.
     fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>);
     /// The same by the scalar definitions, each tile under a tap. See [`tapped`].
     fn fold_tapped(&mut self, slices: &[Slice<'_>], tile_rows: usize, progress: Progress<'_>, lend: LendTap<'_>);
@@ -121,12 +124,18 @@ impl<L: Pipeline + Send> Rendering for Under<L> {
 
     fn fold(&mut self, volume: &Oriented<'_>, tile_rows: usize, simd: Simd, progress: Progress<'_>) {
         let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
-        fold_oriented(plan, pipeline, volume, image, tile_rows, simd, progress);
+        fold_oriented(plan, pipeline, volume, image, tile_rows.into(), simd, progress);
+    }
+
+    fn fold_shard(&mut self, volume: &Oriented<'_>, shard: Shard, simd: Simd, progress: Progress<'_>) {
+        let tiling = Tiling { rows: TILE_ROWS, shard };
+        let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
+        fold_oriented(plan, pipeline, volume, image, tiling, simd, progress);
     }
 
     fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>) {
         let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
-        fold_tiles(plan, pipeline, (slices, None), image, tile_rows, simd, progress);
+        fold_tiles(plan, pipeline, (slices, None), image, tile_rows.into(), simd, progress);
     }
 
     fn fold_tapped(&mut self, slices: &[Slice<'_>], tile_rows: usize, progress: Progress<'_>, lend: LendTap<'_>) {

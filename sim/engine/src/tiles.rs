@@ -14,10 +14,29 @@ use slicecast::tap::Tap;
 use crate::occupancy::{Looks, Sight};
 use crate::oriented::Oriented;
 use crate::rendering::{LendTap, Progress};
+use crate::shard::Shard;
 use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
 
 /// Rows of the base plane that one thread takes through all slices at a time.
 pub const TILE_ROWS: usize = 32;
+
+/// The tiles that are folded.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tiling {
+    /// Rows of a tile.
+    pub(crate) rows: usize,
+    pub(crate) shard: Shard,
+}
+
+impl From<usize> for Tiling {
+    /// All tiles of so many rows.
+    fn from(rows: usize) -> Self {
+        Self {
+            rows,
+            shard: Shard::ALL,
+        }
+    }
+}
 
 /// Some rows of one phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,13 +56,13 @@ pub(crate) fn fold_oriented<L: Pipeline>(
     pipeline: &L,
     volume: &Oriented<'_>,
     image: &mut [L::Element],
-    tile_rows: usize,
+    tiling: Tiling,
     simd: Simd,
     progress: Progress<'_>,
 ) {
     let sight = volume.sight(Looks::of::<L>(plan), pipeline.support(), L::BACK_TO_FRONT, simd);
     let slices = (volume.slices, sight.as_ref());
-    fold_tiles(plan, pipeline, slices, image, tile_rows, simd, progress);
+    fold_tiles(plan, pipeline, slices, image, tiling, simd, progress);
 }
 
 /// Folds all planes into an image, tile by tile on rayon's current threads: the blocks of slices that can be seen, or rows as a
@@ -53,16 +72,16 @@ pub(crate) fn fold_tiles<L: Pipeline>(
     pipeline: &L,
     (slices, seen): (&[Slice<'_>], Option<&Sight>),
     image: &mut [L::Element],
-    tile_rows: usize,
+    tiling: Tiling,
     simd: Simd,
     progress: Progress<'_>,
 ) {
     let mut sizes = Sizes::of::<L>(plan);
     // Blocks are made where they lie.
     if L::SLABS && seen.is_none() {
-        sizes = sizes.keeping(plan, tile_rows);
+        sizes = sizes.keeping(plan, tiling.rows);
     }
-    each_tile(plan, image, sizes, tile_rows, progress, &|tile, data, memory| {
+    each_tile(plan, image, sizes, tiling, progress, &|tile, data, memory| {
         let fold = FoldTile::new(pipeline, Way::of::<L>(plan, slices, seen, tile), (data, memory), None);
         enough(with_lanes(simd, fold));
     });
@@ -82,7 +101,7 @@ pub(crate) fn fold_tiles_tapped<L: Pipeline>(
         plan,
         image,
         Sizes::of::<L>(plan),
-        tile_rows,
+        tile_rows.into(),
         progress,
         &|tile, data, memory| {
             lend(tile, &mut |tap| {
@@ -169,11 +188,12 @@ fn each_tile<E: Send>(
     plan: &Plan,
     image: &mut [E],
     sizes: Sizes,
-    tile_rows: usize,
+    Tiling { rows, shard }: Tiling,
     progress: Progress<'_>,
     work: Work<'_, E>,
 ) {
-    let tiles = tiles(plan, image, sizes.row_len, tile_rows);
+    let mut tiles = tiles(plan, image, sizes.row_len, rows);
+    tiles.retain(|(tile, _)| shard.holds(*tile, rows as u32));
     let total = tiles.len();
     let done = AtomicUsize::new(0);
     // Each on its own: how long it takes depends on what it sees.

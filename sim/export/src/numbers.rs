@@ -108,7 +108,7 @@ impl<'a> Numbers<'a> {
             shading,
             table: &prepared.table,
             picture: setup.picture,
-            background: background(scene),
+            background: background(scene.image.background),
             needs: prepared.rendering()?.needs(),
         })
     }

@@ -10,6 +10,7 @@ mod hard;
 mod inputs;
 mod inspect;
 mod look;
+mod merge;
 mod named_scene;
 mod output;
 mod picture;
@@ -103,6 +104,7 @@ enum Command {
     Table(table::Args),
     Export(Box<export::Args>),
     Turntable(Box<turntable::Args>),
+    Merge(merge::Args),
     Sweep(sweep::Args),
     SweepMerge(sweep::MergeArgs),
     Hard(hard::Args),
@@ -139,6 +141,7 @@ impl Cli {
             Some(Command::Table(args)) => args.run(),
             Some(Command::Export(args)) => args.run(),
             Some(Command::Turntable(args)) => args.run(),
+            Some(Command::Merge(args)) => args.run(),
             Some(Command::Sweep(args)) => args.run(),
             Some(Command::SweepMerge(args)) => args.run(),
             Some(Command::Hard(args)) => args.run(),

@@ -5,8 +5,10 @@ use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use slicecast_engine::camera::Picture;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::Frame;
+use slicecast_engine::shard::Shard;
 use slicecast_scene::check::{FRACTION, IMAGE_SIDE};
 use slicecast_scene::colour::hexadecimal;
 use slicecast_scene::{Sampling, Scene};
@@ -74,6 +76,13 @@ pub struct PictureArgs {
     /// Rays and planes follow, so that the picture is sharp, unless --rays and --planes say otherwise.
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
+    #[command(flatten)]
+    finish: FinishArgs,
+}
+
+/// How a picture is written.
+#[derive(clap::Args)]
+pub struct FinishArgs {
     /// Behind the volume: none (the PNG has straight alpha), black, white, six hexadecimal digits, or R,G,B from 0 to 1;
     /// without it, the scene's.
     #[arg(long, value_name = "COLOUR", value_parser = background)]
@@ -86,7 +95,7 @@ pub struct PictureArgs {
 impl PictureArgs {
     /// Puts the options in the place of the scene's fields.
     pub fn apply(&self, scene: &mut Scene) {
-        if let Some(Background::Colour(colour)) = self.background {
+        if let Some(Background::Colour(colour)) = self.finish.background {
             scene.image.background = colour;
         }
     }
@@ -116,6 +125,14 @@ impl PictureArgs {
 
     /// A frame as it is to be written.
     pub fn raster(&self, prepared: &Prepared<'_>, frame: Frame) -> Raster {
+        let background = prepared.scene.image.background;
+        self.finish.raster(frame, &prepared.setup.picture, background)
+    }
+}
+
+impl FinishArgs {
+    /// A frame as it is to be written; its own picture has the background given.
+    pub fn raster(&self, frame: Frame, picture: &Picture, background: [f64; 3]) -> Raster {
         let finish = Finish {
             depth: match self.depth {
                 DepthArg::Eight => Depth::Eight,
@@ -123,8 +140,15 @@ impl PictureArgs {
             },
             transparent: self.background == Some(Background::None),
         };
-        Raster::of(frame, &prepared.setup.picture, prepared.scene.image.background, finish)
+        Raster::of(frame, picture, background, finish)
     }
+}
+
+/// `I/N`.
+pub fn shard(text: &str) -> Result<Shard, String> {
+    let parts = text.split_once('/');
+    let parsed = parts.and_then(|(i, n)| Shard::new(i.parse().ok()?, n.parse().ok()?));
+    parsed.ok_or_else(|| "expected I/N with I from 1 to N, like 2/8".into())
 }
 
 /// Where pictures go.

@@ -1,10 +1,12 @@
 //! `slicecast render`.
 
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use slicecast_engine::depth::depths;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::{Oriented, Turned};
+use slicecast_engine::shard::Shard;
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_volume::open::Loaded;
@@ -17,7 +19,7 @@ use super::picture::{self, PictureArgs, Target};
 use super::progress::with_bar;
 use crate::raster::{Raster, png, rgb_png};
 use crate::slab::thicken;
-use crate::{legend, visibility};
+use crate::{legend, shards, visibility};
 
 /// Render a volume to a PNG picture.
 #[derive(clap::Args)]
@@ -47,6 +49,10 @@ pub struct Args {
     /// surface is met.
     #[arg(long, value_name = "FILE", value_parser = picture::png_file)]
     depth_map: Option<PathBuf>,
+    /// Render one shard of several, I from 1 to N, as on a machine of an array job; -o names its file, which ends in .shard.
+    /// `slicecast merge` makes the picture of all.
+    #[arg(long, value_name = "I/N", value_parser = picture::shard, conflicts_with_all = ["stream", "depth_map"])]
+    shard: Option<Shard>,
     /// Replace the output if it exists.
     #[arg(long)]
     force: bool,
@@ -55,6 +61,9 @@ pub struct Args {
 impl Args {
     /// Renders the picture.
     pub fn run(self) -> Result<(), Failure> {
+        if let Some(shard) = self.shard {
+            return self.run_shard(shard);
+        }
         let target = Target::checked(&self.output, vec![self.output.clone()], self.force)?;
         check_free(&self.depth_map, self.force)?;
         if self.depth_map.as_ref() == Some(&self.output) {
@@ -100,6 +109,47 @@ impl Args {
             write_file(path, self.force, &png)?;
             println!("{}: {said}", path.display());
         }
+        Ok(())
+    }
+
+    /// Renders a shard into its file.
+    fn run_shard(self, shard: Shard) -> Result<(), Failure> {
+        if self.output.extension().and_then(OsStr::to_str) != Some("shard") {
+            return Err(Failure::input(format!(
+                "{}: with --shard a shard is written, expected a name that ends in .shard",
+                self.output.display()
+            )));
+        }
+        check_free([&self.output], self.force)?;
+        let mut loaded = self.volume.load()?;
+        let mut chosen = self.scene.choose(&self.volume, &loaded)?;
+        self.picture.apply(&mut chosen.scene);
+        if let Some(note) = thicken(&mut loaded.volume) {
+            eprintln!("note: {note}");
+        }
+        let scenes = std::slice::from_ref(&chosen.scene);
+        let framing = self.picture.frame(scenes, &loaded.volume, &self.scene)?;
+        let scene = framing.scene(&chosen.scene, &loaded.volume);
+        let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
+        let most = Shard::most(&prepared.setup.plan);
+        if shard.count() > most {
+            return Err(Failure::input(format!(
+                "--shard {}/{}: the frame has {most} strips of rows, expected at most as many shards",
+                shard.number(),
+                shard.count()
+            )));
+        }
+        let base = with_bar("rendering", |progress| {
+            on_threads(self.threads.count(), || prepared.render_shard(shard, progress))
+        })??;
+        let file = shards::file(&prepared, &base, shard).map_err(Failure::machine)?;
+        write_file(&self.output, self.force, &file)?;
+        println!(
+            "{}: shard {} of {}",
+            self.output.display(),
+            shard.number(),
+            shard.count()
+        );
         Ok(())
     }
 

@@ -1,15 +1,22 @@
 //! `slicecast segments`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use slicecast_engine::image::Rgb;
 use slicecast_laboratory::segments::curves::{self, Curve, Frame, Worth};
 use slicecast_laboratory::segments::figures::{Error, Figures, run};
+use slicecast_laboratory::segments::pictures::{self, Figure};
 use slicecast_laboratory::segments::plot;
 
 use super::Failure;
-use super::output::{check_free, write_file};
+use super::output::{Folder, check_free, write_file};
 use super::progress::with_bar;
 use super::tables::header;
+use crate::lettering::{captioned, in_a_row};
+use crate::raster::rgb_png;
+
+/// Pixels along an edge of a picture of a figure.
+const SIDE: u32 = 240;
 
 /// Compare ways of classifying segments: two-dimensional tables, integrals, and samples of many planes.
 ///
@@ -19,7 +26,8 @@ use super::tables::header;
 #[command(after_help = "Examples:
   slicecast segments
   slicecast segments --json segments.json
-  slicecast segments --curves --plot curves.svg")]
+  slicecast segments --curves --plot curves.svg
+  slicecast segments --figures figures")]
 pub struct Args {
     /// Fewer rays, smaller fields and tables.
     #[arg(long)]
@@ -27,6 +35,9 @@ pub struct Args {
     /// Error against time of whole frames.
     #[arg(long)]
     curves: bool,
+    /// Render the paper's figures 7 to 10 into this folder instead: figure-7.png and so on.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["curves", "json", "reduced"])]
+    figures: Option<PathBuf>,
     /// Draw the curves as SVG.
     #[arg(long, value_name = "FILE", requires = "curves")]
     plot: Option<PathBuf>,
@@ -45,6 +56,9 @@ impl Args {
         check_free(&self.plot, self.force)?;
         if self.curves {
             return self.curves();
+        }
+        if let Some(folder) = &self.figures {
+            return self.pictures(folder);
         }
         let figures = with_bar("segments", |progress| run(self.reduced, progress));
         println!("Errors in steps of 1/255, mean / maximum. Times are of one thread.");
@@ -65,6 +79,21 @@ impl Args {
             write_file(path, self.force, svg.as_bytes())?;
         }
         self.write_json(&curves)
+    }
+
+    /// The paper's figures, each as a row of pictures.
+    fn pictures(&self, folder: &Path) -> Result<(), Failure> {
+        let name = |number: u32| format!("figure-{number}.png");
+        let mut folder = Folder::open(folder, self.force)?;
+        folder.check(&pictures::NUMBERS.map(name))?;
+        for Figure { number, parts } in pictures::figures(SIDE)? {
+            let parts: Vec<Rgb> = (parts.into_iter())
+                .map(|(words, picture)| captioned(picture, words))
+                .collect();
+            let png = rgb_png(in_a_row(&parts)).map_err(Failure::machine)?;
+            println!("{}", folder.write(&name(number), &png)?.display());
+        }
+        Ok(())
     }
 
     fn write_json<T: serde::Serialize>(&self, figures: &T) -> Result<(), Failure> {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
+use slicecast_engine::shard::Shard;
 use slicecast_engine::threads::on_threads;
 use slicecast_laboratory::catalogue::{self, Configuration};
 use slicecast_laboratory::choose;
@@ -14,6 +15,7 @@ use slicecast_laboratory::sweep::{self, Options, SweepError};
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::output::{check_free, write_file};
+use super::picture;
 use super::progress::with_bar;
 use super::sweep_table;
 
@@ -33,15 +35,6 @@ impl From<RowsError> for Failure {
             _ => Self::input(error),
         }
     }
-}
-
-/// `I/N`.
-fn shard_of(text: &str) -> Result<(usize, usize), String> {
-    let parts = text.split_once('/');
-    let parsed = parts.and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
-    parsed
-        .filter(|(i, n)| (1..=*n).contains(i))
-        .ok_or_else(|| "expected I/N with I from 1 to N, like 2/8".into())
 }
 
 /// Where tables go.
@@ -115,8 +108,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     rows: Option<PathBuf>,
     /// Run part I of N; `sweep-merge` puts the parts together.
-    #[arg(long, value_name = "I/N", value_parser = shard_of, requires = "rows")]
-    shard: Option<(usize, usize)>,
+    #[arg(long, value_name = "I/N", value_parser = picture::shard, requires = "rows")]
+    shard: Option<Shard>,
     /// List the configurations instead of running them.
     #[arg(long)]
     list: bool,
@@ -153,8 +146,8 @@ impl Args {
                 asked - chosen.len()
             );
         }
-        if let Some((number, count)) = self.shard {
-            chosen = shard(&chosen, number, count);
+        if let Some(part) = self.shard {
+            chosen = shard(&chosen, part.number() as usize, part.count() as usize);
         }
         let (mut writer, mut rows) = self.resume(&views[0])?;
         rows.retain(|row| chosen.iter().any(|index| all[*index].name == row.name));

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::{Oriented, Turned};
+use slicecast_engine::shard::Shard;
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_scene::Scene;
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
-use super::picture::{PictureArgs, Target};
+use super::picture::{self, PictureArgs, Target};
 use super::progress::with_bar;
 use crate::raster::{animated, png};
 use crate::slab::thicken;
@@ -21,7 +22,8 @@ use crate::visibility;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast turntable scan.nii.gz -o head.png
-  slicecast turntable --frames 72 --numbered -o frames/head.png    writes frames/head-000.png …")]
+  slicecast turntable --frames 72 --numbered -o frames/head.png    writes frames/head-000.png …
+  slicecast turntable --frames 72 --numbered --shard 3/8 -o frames/head.png    head-002.png, head-010.png …")]
 pub struct Args {
     #[command(flatten)]
     volume: VolumeArgs,
@@ -40,6 +42,9 @@ pub struct Args {
     /// Write numbered pictures instead of an animation.
     #[arg(long)]
     numbered: bool,
+    /// Render only every N-th picture, from the I-th on, as on a machine of an array job.
+    #[arg(long, value_name = "I/N", value_parser = picture::shard, requires = "numbered")]
+    shard: Option<Shard>,
     /// The animation, or the pattern of the pictures' names; - is standard output, for an animation.
     #[arg(short, long, value_name = "FILE", default_value = "turntable.png")]
     output: PathBuf,
@@ -71,7 +76,11 @@ impl Args {
             .iter()
             .map(|scene| framing.scene(scene, &loaded.volume))
             .collect();
-        let total = usize::from(self.frames);
+        let scenes: Vec<Scene> = (scenes.into_iter().enumerate())
+            .filter(|(frame, _)| self.is_own(*frame))
+            .map(|(_, scene)| scene)
+            .collect();
+        let total = scenes.len();
         let known = chosen.circumstances();
         let (pictures, warnings) = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || {
@@ -123,6 +132,13 @@ impl Args {
         }
         let stem = self.output.file_stem().unwrap_or_default().to_string_lossy();
         let numbered = |frame| self.output.with_file_name(format!("{stem}-{frame:03}.png"));
-        (0..self.frames).map(numbered).collect()
+        let own = |frame: &u16| self.is_own(usize::from(*frame));
+        (0..self.frames).filter(own).map(numbered).collect()
+    }
+
+    /// Whether a picture belongs to the shard.
+    fn is_own(&self, frame: usize) -> bool {
+        let Some(shard) = self.shard else { return true };
+        frame % shard.count() as usize == shard.number() as usize - 1
     }
 }

@@ -576,7 +576,7 @@ fn constants<P: Precision>(p: P, prepared: &Prepared<'_>) -> Vec<(Field, i64)> {
             ));
         }
     }
-    let behind = background(scene).map(|channel| i64::from(channel.to_bits()));
+    let behind = background(scene.image.background).map(|channel| i64::from(channel.to_bits()));
     three(&mut all, rgb(&u("background", 16, "2^-15")), behind);
     all
 }

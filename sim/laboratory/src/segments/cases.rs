@@ -34,6 +34,11 @@ impl Case {
         }
     }
 
+    /// The harmonic of 16³ under 256 random points.
+    pub fn harmonic() -> Self {
+        Self::new("harmonic, 256 random", 16, harmonic, random(256))
+    }
+
     /// Voxels along an edge.
     pub fn side(&self) -> usize {
         self.side
@@ -159,7 +164,7 @@ pub fn cases(reduced: bool) -> Vec<Case> {
     let side = edge(reduced);
     let fog = vec![(0.0, [1.0; 3], 0.0), (4095.0, [0.7, 0.8, 1.0], 0.01)];
     vec![
-        Case::new("harmonic, 256 random", 16, harmonic, random(256)),
+        Case::harmonic(),
         Case::new("harmonic, 64 random", 16, harmonic, random(64)),
         Case::new("Marschner-Lobb, 24 bands", side, marschner_lobb, bands()),
         Case::new("sphere, shells of 1 code", side, sphere, shells(1.0)),

@@ -97,10 +97,10 @@ pub struct Curve {
 }
 
 /// A scene on its volume.
-struct Setting {
+pub(super) struct Setting {
     name: &'static str,
-    volume: Volume,
-    scene: Scene,
+    pub(super) volume: Volume,
+    pub(super) scene: Scene,
 }
 
 /// An unlit scene; both ways of classification in 1.31, so that the arithmetic does not count.
@@ -127,7 +127,7 @@ fn scene(transfer: TransferFunction) -> Scene {
     }
 }
 
-fn of_case(case: Case) -> Setting {
+pub(super) fn of_case(case: Case) -> Setting {
     let voxels = case.codes().map(|code| code as u16).collect();
     Setting {
         name: case.name,
@@ -170,29 +170,64 @@ fn settings(reduced: bool) -> Result<Vec<Setting>, RenderError> {
     if reduced {
         return Ok(all);
     }
+    let lit = head();
+    let unlit = Scene {
+        lighting: None,
+        ..lit.scene.clone()
+    };
+    let spiky = scene(spikes(&lit.volume.mapping));
+    for (name, scene) in [("head, bone", unlit), ("head, seven spikes", spiky)] {
+        all.push(Setting {
+            name,
+            volume: lit.volume.clone(),
+            scene,
+        });
+    }
+    all.insert(all.len() - 1, lit);
+    Ok(all)
+}
+
+/// The built-in head as lit bone.
+pub(super) fn head() -> Setting {
     // Both are part of the program.
     let (Ok(loaded), Ok(bone)) = (load(None, Window::Auto), built_in("ct-bone")) else {
         unreachable!("the built-in head and its scene")
     };
-    let head = loaded.volume;
-    let unlit = scene(bone.transfer);
-    let lit = Scene {
-        lighting: bone.lighting,
-        ..unlit.clone()
-    };
-    let spiky = scene(spikes(&head.mapping));
-    for (name, scene) in [
-        ("head, bone", unlit),
-        ("head, bone, lit", lit),
-        ("head, seven spikes", spiky),
-    ] {
-        all.push(Setting {
-            name,
-            volume: head.clone(),
-            scene,
-        });
+    Setting {
+        name: "head, bone, lit",
+        volume: loaded.volume,
+        scene: Scene {
+            lighting: bone.lighting,
+            ..scene(bone.transfer)
+        },
     }
-    Ok(all)
+}
+
+/// The head's skin and skull as layers that are finer than what neighbouring samples differ by, lit.
+pub(super) fn thin_layers() -> Setting {
+    let point = |(value, colour, opacity)| Point { value, colour, opacity };
+    let (skin, skull) = ([0.9, 0.69, 0.55], [0.95, 0.91, 0.82]);
+    let points = [
+        (-510.0, skin, 0.0),
+        (-500.0, skin, 0.97),
+        (-490.0, skin, 0.0),
+        (190.0, skull, 0.0),
+        (190.0, skull, 0.999_999_9),
+        (220.0, skull, 0.999_999_9),
+        (220.0, skull, 0.0),
+    ];
+    let head = head();
+    Setting {
+        name: "head, thin layers",
+        scene: Scene {
+            transfer: TransferFunction {
+                unit_distance: 1.0,
+                points: points.into_iter().map(point).collect(),
+            },
+            ..head.scene
+        },
+        ..head
+    }
 }
 
 /// A way of a frame, prepared.

@@ -8,10 +8,12 @@
 //! | `figures` | errors along rays, and the times of filling |
 //! | `curves` | errors against times of whole frames, by samples and by segments |
 //! | `plot` | their picture |
+//! | `pictures` | the paper's figures, remade |
 
 pub mod cases;
 pub mod curves;
 pub mod figures;
 pub mod function;
+pub mod pictures;
 pub mod plot;
 pub mod table;
