@@ -5,7 +5,7 @@ use super::refuse;
 use crate::error::Problem;
 
 /// Axes that a header may have.
-const MAX_AXES: usize = 16;
+pub(super) const MAX_AXES: usize = 16;
 
 /// Fields with a word for each axis of the file.
 const PER_AXIS: [&str; 6] = ["sizes", "spacings", "thicknesses", "kinds", "units", "space directions"];
@@ -40,21 +40,26 @@ pub(super) fn leave_out(header: &mut Header) -> Result<(), Problem> {
         };
         kept.retain(|&axis| axis != left_out);
     }
-    for field in PER_AXIS {
-        if let Some(words) = words(header, field) {
-            let text: Vec<&str> = kept.iter().map(|&axis| words[axis].as_str()).collect();
-            header.fields.insert(field, text.join(" "));
-        }
-    }
-    header.fields.insert("dimension", "3".into());
+    retain(header, axes, &kept);
     header
         .notes
         .push(format!("{} axes of one entry are left out", axes - 3));
     Ok(())
 }
 
+/// Leaves all of the file's `axes` out of the header but those kept.
+pub(super) fn retain(header: &mut Header, axes: usize, kept: &[usize]) {
+    for field in PER_AXIS {
+        if let Some(words) = header.get(field).and_then(|text| words(text, axes)) {
+            let text: Vec<&str> = kept.iter().map(|&axis| words[axis].as_str()).collect();
+            header.fields.insert(field, text.join(" "));
+        }
+    }
+    header.fields.insert("dimension", kept.len().to_string());
+}
+
 /// Exactly `count` words, of which one may be a parenthesised vector or stand in quotes.
-fn words(text: &str, count: usize) -> Option<Vec<String>> {
+pub(super) fn words(text: &str, count: usize) -> Option<Vec<String>> {
     let mut words = Vec::new();
     let mut rest = text.trim();
     while let Some(first) = rest.chars().next() {

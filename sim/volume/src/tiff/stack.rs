@@ -215,6 +215,7 @@ impl Stack {
         }
         let layout = Layout {
             dims: [width.into(), height.into(), 1],
+            components: 1,
             value_type,
             endian,
             encoding: Encoding::Raw,
