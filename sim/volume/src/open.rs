@@ -89,12 +89,13 @@ pub fn read_with(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
 /// As [`read_with`].
 pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
     if path.is_dir() {
-        return Ok(None);
+        return tiff::read_colours(path);
     }
     let (mut source, _) = open_regular(path)?;
     let start = source.fill_buf().map_err(Problem::io("read the file"));
     match Format::of(start.map_err(|problem| ReadError::new(path, problem))?, path) {
         Some(Format::Nrrd) => nrrd::read_colours(path),
+        Some(Format::Tiff) => tiff::read_colours(path),
         _ => Ok(None),
     }
 }
