@@ -16,6 +16,7 @@
 //!
 //! Rounding, ranges and errors of each are in its file; docs/pyramids.md has them together, with what was measured.
 
+pub mod figures;
 pub mod filter;
 mod opacity;
 pub mod pyramid;
