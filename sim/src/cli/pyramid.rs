@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use slicecast_model::pyramid::{Halving, Voxel};
 use slicecast_pyramid::filter::Filter;
 use slicecast_pyramid::pyramid::{By, next};
 use slicecast_pyramid::read::{OpacityRule, Read, Stated, of_colours, of_scalars};
 use slicecast_pyramid::reduce::axes;
+use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_pyramid::write::Level;
 
 use super::Failure;
@@ -61,6 +63,9 @@ pub struct Args {
     /// Write what was computed with, four codes of 15 bits a voxel in 8 bytes, in place of the voxel in 4.
     #[arg(long)]
     exact: bool,
+    /// Compare every level with the same filter in f64; of volumes up to 2^24 voxels, by extinction.
+    #[arg(long)]
+    compare: bool,
     /// Folder of the levels, level-0.nrrd being the finest.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -107,14 +112,75 @@ fn opacity(text: &str) -> Result<OpacityRule, String> {
     Ok(OpacityRule::Constant(number))
 }
 
+/// The levels in f64, beside those that are written.
+struct Beside {
+    weights: Vec<f64>,
+    on_nodes: bool,
+    dims: [usize; 3],
+    voxels: Vec<Voxel>,
+}
+
+/// Voxels that are compared with f64, at 32 bytes each.
+const COMPARED: usize = 1 << 24;
+
+impl Beside {
+    fn new(volume: &RgbaVolume, filter: Filter) -> Self {
+        let voxels = 0..volume.voxels.len();
+        Self {
+            weights: filter.weights().iter().copied().map(f64::from).collect(),
+            on_nodes: filter.on_nodes(),
+            dims: volume.dims,
+            voxels: voxels.map(|index| volume.voxels.codes(index).map(f64::from)).collect(),
+        }
+    }
+
+    /// Goes one level down.
+    fn next(&mut self) {
+        let halving = Halving {
+            weights: &self.weights,
+            on_nodes: self.on_nodes,
+        };
+        (self.dims, self.voxels) = halving.volume(self.dims, &self.voxels);
+    }
+
+    /// Mean deviation and largest error of extinctions, and largest error of colours times extinction, in codes.
+    fn errors(&self, volume: &RgbaVolume) -> [f64; 3] {
+        let mut errors = [0.0, 0.0, 0.0f64];
+        for (index, model) in self.voxels.iter().enumerate() {
+            let codes = volume.voxels.codes(index);
+            let away = [0, 1, 2, 3].map(|k| f64::from(codes[k]) - model[k]);
+            errors[0] += away[3] / self.voxels.len() as f64;
+            errors[1] = errors[1].max(away[3].abs());
+            errors[2] = away[..3].iter().fold(errors[2], |most, away| most.max(away.abs()));
+        }
+        errors
+    }
+}
+
 impl Args {
     /// Writes the levels.
     pub fn run(self) -> Result<(), Failure> {
+        if self.compare && self.by == ByArg::Opacity {
+            return Err(Failure::input(
+                "--compare: is of levels by extinction, expected no --by opacity",
+            ));
+        }
         let read = self.read()?;
         read.notes().iter().for_each(|note| eprintln!("note: {note}"));
         let mut volume = read.volume;
         let filter = Filter::from(self.filter);
+        if self.compare && volume.voxels.len() > COMPARED {
+            return Err(Failure::input(format!(
+                "{}: has {} voxels, expected at most {COMPARED} for --compare",
+                volume.name,
+                volume.voxels.len()
+            )));
+        }
+        let mut beside = self.compare.then(|| Beside::new(&volume, filter));
         let shapes = self.shapes(filter, volume.dims);
+        if shapes.windows(2).any(|pair| repeats(filter, pair)) {
+            eprintln!("note: an axis that does not halve has its last voxel twice, so that levels below hold more");
+        }
         if let Some(asked) = self.levels.filter(|asked| *asked + 1 > shapes.len()) {
             let there = shapes.len() - 1;
             eprintln!("note: {there} levels below the finest, not {asked}: no axis can become shorter");
@@ -133,19 +199,26 @@ impl Args {
         let mut folder = Folder::open(&self.output, self.force)?;
         folder.check(&names)?;
         let content = volume.content(filter.on_nodes());
-        let mut table = header(&[
+        let mut heads = vec![
             "level",
             "voxels",
             "spacing",
             "extinction kept",
             "opacity along z",
             "bytes",
-        ]);
+        ];
+        if self.compare {
+            heads.push("f64: bias, extinction, colour");
+        }
+        let mut table = header(&heads);
         for (number, name) in names.iter().enumerate() {
             if number > 0
                 && let Some(coarse) = next(&volume, filter, by)
             {
                 volume = coarse;
+                if let Some(beside) = &mut beside {
+                    beside.next();
+                }
             }
             let level = Level {
                 volume: &volume,
@@ -157,7 +230,7 @@ impl Args {
             let file = level.file();
             folder.write(name, &file)?;
             let kept = volume.content(filter.on_nodes()) / content;
-            table.add_row([
+            let mut cells = vec![
                 number.to_string(),
                 volume.dims.map(|len| len.to_string()).join(" x "),
                 volume.spacing.map(|length| format!("{length:.4}")).join(", "),
@@ -168,7 +241,12 @@ impl Args {
                 },
                 format!("{:.6}", volume.opacity_along_z()),
                 file.len().to_string(),
-            ]);
+            ];
+            if let Some(beside) = &beside {
+                let [bias, extinction, colour] = beside.errors(&volume);
+                cells.push(format!("{bias:+.4}, {extinction:.2}, {colour:.2}"));
+            }
+            table.add_row(cells);
         }
         let shown = self.output.display();
         println!(
@@ -236,6 +314,12 @@ impl Args {
         let all = std::iter::successors(Some(dims), coarser);
         all.take(self.levels.unwrap_or(usize::MAX - 1) + 1).collect()
     }
+}
+
+/// Whether an axis of the first shape has its last voxel twice in the second.
+fn repeats(filter: Filter, pair: &[[usize; 3]]) -> bool {
+    let odd = usize::from(!filter.on_nodes());
+    (0..3).any(|axis| pair[0][axis] != pair[1][axis] && pair[0][axis] % 2 == odd)
 }
 
 /// A level's file.
