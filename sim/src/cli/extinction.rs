@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 use slicecast_pyramid::figures::filters::{self, Best, Pair};
-use slicecast_pyramid::figures::layers::{self, Kept};
+use slicecast_pyramid::figures::layers::{self, Kept, Thin};
 use slicecast_pyramid::figures::rays::{self, Layer, Wall};
 
 use super::Failure;
@@ -34,6 +34,7 @@ struct All {
     layers: Vec<Layer>,
     walls: Vec<Wall>,
     kept: Vec<Kept>,
+    thin: Vec<Thin>,
     filters: Vec<filters::Figures>,
     best: Vec<Best>,
 }
@@ -46,12 +47,14 @@ impl Args {
             layers: rays::layers(),
             walls: rays::walls(),
             kept: layers::figures(),
+            thin: layers::thin(),
             filters: filters::figures(),
             best: filters::best(),
         };
         print_layers(&all.layers);
         print_walls(&all.walls);
         print_kept(&all.kept);
+        print_thin(&all.thin);
         print_filters(&all.filters);
         print_best(&all.best);
         if let Some(path) = &self.json {
@@ -116,6 +119,16 @@ fn print_kept(kept: &[Kept]) {
         let list = |values: &[f64]| values.iter().map(|v| format!("{v:.4}")).collect::<Vec<_>>().join(" ");
         let (what, filter) = (kept.what.to_owned(), kept.filter.name().to_owned());
         table.add_row([what, filter, list(&kept.extinction), list(&kept.opacity)]);
+    }
+    println!("{table}");
+}
+
+fn print_thin(thin: &[Thin]) {
+    println!("\nMean code of thin matter, codes 0 to 5, from the finest level on\n");
+    let mut table = header(&["filter", "carried", "rounded"]);
+    for thin in thin {
+        let list = |values: &[f64]| values.iter().map(|v| format!("{v:.4}")).collect::<Vec<_>>().join(" ");
+        table.add_row([thin.filter.name().to_owned(), list(&thin.carried), list(&thin.rounded)]);
     }
     println!("{table}");
 }

@@ -115,6 +115,14 @@ fn colours_are_no_scalars() {
         "{message}"
     );
     assert!(open::read_colours(&path).unwrap().is_some());
+    // One slice: an axis of one entry beside that of the colours.
+    let lines = "dimension: 4\nsizes: 4 2 2 1\nkinds: RGBA-color domain domain domain";
+    let (_folder, path) = file(lines, &[7; 16]);
+    let message = super::read(&path, &Choice::default()).unwrap_err().to_string();
+    assert!(
+        message.contains("expected 3: a volume of one value a voxel"),
+        "{message}"
+    );
     let (_folder, path) = file("dimension: 3\nsizes: 4 2 1", &TWO);
     assert_eq!(open::read_colours(&path).unwrap(), None);
 }

@@ -2,7 +2,7 @@
 
 use super::header::Header;
 use super::refuse;
-use super::surplus::{MAX_AXES, retain, words};
+use super::surplus::{MAX_AXES, is_colour, retain, words};
 use crate::error::Problem;
 
 /// Kinds of an axis that do not say what its entries mean.
@@ -20,7 +20,7 @@ pub(super) fn take(header: &mut Header) -> Result<Option<usize>, Problem> {
     let kinds = header.get("kinds").and_then(|text| words(text, axes));
     let kinds = kinds.map(|kinds| kinds.iter().map(|kind| kind.to_ascii_lowercase()).collect::<Vec<_>>());
     if let Some(kinds) = &kinds
-        && kinds.iter().skip(1).any(|kind| kind.ends_with("-color"))
+        && kinds.iter().skip(1).any(|kind| is_colour(kind))
     {
         let text = header.get("kinds").unwrap_or_default();
         return Err(refuse(
@@ -38,7 +38,7 @@ pub(super) fn take(header: &mut Header) -> Result<Option<usize>, Problem> {
     match kinds.as_ref().and_then(|kinds| kinds.first()).map(String::as_str) {
         Some("rgb-color" | "3-color") if count == 3 => {}
         Some("rgba-color" | "4-color") if count == 4 => {}
-        Some(kind) if kind.ends_with("-color") => {
+        Some(kind) if is_colour(kind) => {
             let text = header.get("kinds").unwrap_or_default();
             let expected = if count == 3 {
                 "`RGB-color` or `3-color` for the first axis, which has 3 entries"

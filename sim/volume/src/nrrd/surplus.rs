@@ -30,9 +30,11 @@ pub(super) fn leave_out(header: &mut Header) -> Result<(), Problem> {
             .as_ref()
             .is_some_and(|words| words[*axis].eq_ignore_ascii_case("none"))
     };
+    // An axis of colours is none to be left out beside, whatever the others have.
+    let coloured = words(header, "kinds").is_some_and(|kinds| kinds.iter().any(|kind| is_colour(kind)));
     let mut kept: Vec<usize> = (0..axes).collect();
     while kept.len() > 3 {
-        let single = |axis: &&usize| sizes[**axis] == "1";
+        let single = |axis: &&usize| sizes[**axis] == "1" && !coloured;
         let directionless = kept.iter().rev().filter(single).find(|axis| no_direction(axis));
         let Some(&left_out) = directionless.or_else(|| kept.iter().rev().find(single)) else {
             let text = header.get("dimension").unwrap_or_default();
@@ -56,6 +58,11 @@ pub(super) fn retain(header: &mut Header, axes: usize, kept: &[usize]) {
         }
     }
     header.fields.insert("dimension", kept.len().to_string());
+}
+
+/// Whether an axis of this kind has colours.
+pub(super) fn is_colour(kind: &str) -> bool {
+    kind.to_ascii_lowercase().ends_with("-color")
 }
 
 /// Exactly `count` words, of which one may be a parenthesised vector or stand in quotes.
