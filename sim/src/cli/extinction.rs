@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
-use slicecast_pyramid::figures::filters::{self, Best, Pair};
+use slicecast_pyramid::figures::filters::{self, Best, OfLevels, Pair};
 use slicecast_pyramid::figures::layers::{self, Kept, Thin};
 use slicecast_pyramid::figures::rays::{self, Layer, Wall};
 
@@ -36,6 +36,7 @@ struct All {
     kept: Vec<Kept>,
     thin: Vec<Thin>,
     filters: Vec<filters::Figures>,
+    by_levels: Vec<OfLevels>,
     best: Vec<Best>,
 }
 
@@ -49,6 +50,7 @@ impl Args {
             kept: layers::figures(),
             thin: layers::thin(),
             filters: filters::figures(),
+            by_levels: filters::by_levels(),
             best: filters::best(),
         };
         print_layers(&all.layers);
@@ -56,6 +58,7 @@ impl Args {
         print_kept(&all.kept);
         print_thin(&all.thin);
         print_filters(&all.filters);
+        print_by_levels(&all.by_levels);
         print_best(&all.best);
         if let Some(path) = &self.json {
             let json = serde_json::to_vec_pretty(&all).map_err(Failure::machine)?;
@@ -151,6 +154,15 @@ fn print_filters(all: &[filters::Figures]) {
                 .paper
                 .map_or_else(|| "-".into(), |[eps, eps0]| format!("{eps} {eps0}")),
         ]);
+    }
+    println!("{table}");
+}
+
+fn print_by_levels(all: &[OfLevels]) {
+    println!("\n(13,19,19,13)/64 under a quadratic B-spline, by levels\n");
+    let mut table = header(&["levels", "along a line", "in a picture"]);
+    for of in all {
+        table.add_row([of.levels.to_string(), pair(of.line), pair(of.picture)]);
     }
     println!("{table}");
 }

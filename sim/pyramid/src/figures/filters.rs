@@ -165,6 +165,26 @@ pub fn figures() -> Vec<Figures> {
     figures.to_vec()
 }
 
+/// Errors of a pyramid of few levels.
+#[derive(Clone, Debug, Serialize)]
+pub struct OfLevels {
+    /// How many.
+    pub levels: u32,
+    /// Along a line.
+    pub line: Pair,
+    /// In a picture.
+    pub picture: Pair,
+}
+
+/// (13,19,19,13)/64 under a quadratic B-spline, the filter whose printed errors are not met, by levels.
+pub fn by_levels() -> Vec<OfLevels> {
+    let of = |levels: u32| {
+        let [line, picture] = errors(Kernel::Quadratic, &[13.0, 19.0, 19.0, 13.0], levels);
+        OfLevels { levels, line, picture }
+    };
+    (1..=LEVELS).map(of).collect()
+}
+
 /// The symmetric filter (a, 1/2 - a, 1/2 - a, a) with the smallest error of one kind.
 #[derive(Clone, Debug, Serialize)]
 pub struct Best {

@@ -180,7 +180,7 @@ mod tests {
         }
     }
 
-    /// Rounding adds to thin matter, since halves go up; what is carried keeps it.
+    /// Rounding drifts in thin matter, up or down; what is carried keeps it.
     #[test]
     fn thin_matter_is_kept() {
         for Thin {
