@@ -4,6 +4,8 @@
 //! Extinctions above `tau_max`, and above [`OPAQUE`] / d' where none is asked for, are held to it and counted. Without a `tau_max`
 //! asked for it is the largest that there is, so that the root's 8 bits are spent on what there is.
 
+use std::ops::RangeInclusive;
+
 use slicecast_volume::colours::Colours;
 use slicecast_volume::values::{Orientation, Values};
 use thiserror::Error;
@@ -14,6 +16,12 @@ use crate::write::{ALPHA_DISTANCE, CODES, ENTRIES, TAU_MAX, VOXEL};
 
 /// Extinction times distance of what counts as opaque: e^-15 = 3e-7 of the light is left.
 pub const OPAQUE: f64 = 15.0;
+
+/// Distances of opacities.
+const DISTANCES: RangeInclusive<f64> = 1e-9..=1e9;
+
+/// Largest extinctions: of the faintest single-precision opacity over the longest distance, and of all above the opaque.
+const TAUS: RangeInclusive<f64> = 1e-60..=1e12;
 
 /// Where the opacity of colours without one comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,19 +168,25 @@ pub fn of_colours(colours: &Colours, stated: &Stated) -> Result<Read, RgbaError>
     }
 }
 
-/// A key's number above 0.
-fn number(colours: &Colours, key: &'static str) -> Result<Option<f64>, RgbaError> {
+/// A key's number in a range.
+fn number(
+    colours: &Colours,
+    key: &'static str,
+    range: RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<Option<f64>, RgbaError> {
     let Some(text) = colours.key(key) else { return Ok(None) };
-    let number = text
-        .trim()
-        .parse()
-        .ok()
-        .filter(|number: &f64| *number > 0.0 && number.is_finite());
+    let number = text.trim().parse().ok().filter(|number| range.contains(number));
     number.map(Some).ok_or_else(|| RgbaError::Key {
         key,
         value: text.chars().take(40).collect(),
-        expected: "a number above 0",
+        expected,
     })
+}
+
+/// The distance that a header states.
+fn stated_distance(colours: &Colours) -> Result<Option<f64>, RgbaError> {
+    number(colours, ALPHA_DISTANCE, DISTANCES, "a number from 1e-9 to 1e9")
 }
 
 /// A volume that this library has written.
@@ -180,7 +194,7 @@ fn own(colours: &Colours, kind: &str, stated: &Stated) -> Result<Read, RgbaError
     if *stated != Stated::default() {
         return Err(RgbaError::OwnExtinction);
     }
-    let tau_max = number(colours, TAU_MAX)?.ok_or(RgbaError::NoKey {
+    let tau_max = number(colours, TAU_MAX, TAUS, "a number from 1e-60 to 1e12")?.ok_or(RgbaError::NoKey {
         key: TAU_MAX,
         expected: "the largest extinction, per unit of the spacing",
     })?;
@@ -221,7 +235,7 @@ fn own(colours: &Colours, kind: &str, stated: &Stated) -> Result<Read, RgbaError
             spacing: colours.spacing(),
             orientation: colours.orientation().clone(),
             tau_max,
-            alpha_distance: number(colours, ALPHA_DISTANCE)?,
+            alpha_distance: stated_distance(colours)?,
             voxels,
         },
         capped: 0,
@@ -238,7 +252,7 @@ fn converted(colours: &Colours, stated: &Stated) -> Result<Read, RgbaError> {
     }
     let distance = stated
         .alpha_distance
-        .map_or_else(|| number(colours, ALPHA_DISTANCE), |stated| Ok(Some(stated)))?;
+        .map_or_else(|| stated_distance(colours), |stated| Ok(Some(stated)))?;
     let distance = distance.ok_or(RgbaError::NoDistance)?;
     let dims = colours.dims();
     let voxels = match colours.values() {
