@@ -209,14 +209,15 @@ impl VolumeArgs {
 
     /// The file's colours, if it is a volume of colours.
     pub fn colours(&self) -> Result<Option<Colours>, Failure> {
-        let Some(path) = self.volume.as_ref().filter(|_| self.options().raw.is_none()) else {
+        let Options { choice, raw } = self.options();
+        let Some(path) = self.volume.as_ref().filter(|_| raw.is_none()) else {
             return Ok(None);
         };
-        let colours = open::read_colours(path).map_err(Failure::input)?;
-        let Options { choice, .. } = self.options();
-        if colours.is_some() && (self.window.is_some() || choice != Choice::default()) {
+        let colours = open::read_colours(path, &choice).map_err(Failure::input)?;
+        let other = self.window.is_some() || self.series.is_some() || self.phase.is_some() || self.nan.is_some();
+        if colours.is_some() && other {
             return Err(Failure::input(format!(
-                "{}: is a volume of colours, expected none of --window, --series, --phase, --channel, --time and --nan",
+                "{}: is a volume of colours, expected none of --window, --series, --phase and --nan",
                 path.display()
             )));
         }

@@ -61,12 +61,11 @@ pub fn read_folder(folder: &Path, choice: &Choice) -> Result<Decoded, ReadError>
 ///
 /// # Errors
 /// As [`read`] and [`read_folder`].
-pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
-    let choice = Choice::default();
+pub fn read_colours(path: &Path, choice: &Choice) -> Result<Option<Colours>, ReadError> {
     let stack = if path.is_dir() {
         let (_, paths) = files_of(path)?;
         match paths.first() {
-            Some(first) if is_coloured(open_regular(first)?.0) => stack_of(path, &choice, Wanted::Colours)?,
+            Some(first) if is_coloured(open_regular(first)?.0) => stack_of(path, choice, Wanted::Colours)?,
             _ => return Ok(None),
         }
     } else {
@@ -74,7 +73,7 @@ pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
             return Ok(None);
         }
         let (source, len) = open_regular(path)?;
-        let mut stack = Stack::new(choice, Wanted::Colours);
+        let mut stack = Stack::new(choice.clone(), Wanted::Colours);
         stack
             .add_file(source, len)
             .map_err(|problem| ReadError::new(path, problem))?;

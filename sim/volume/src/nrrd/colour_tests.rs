@@ -114,7 +114,7 @@ fn colours_are_no_scalars() {
         message.contains("field `dimension` is `4`, expected 3: a volume of one value a voxel"),
         "{message}"
     );
-    assert!(open::read_colours(&path).unwrap().is_some());
+    assert!(open::read_colours(&path, &Choice::default()).unwrap().is_some());
     // One slice: an axis of one entry beside that of the colours.
     let lines = "dimension: 4\nsizes: 4 2 2 1\nkinds: RGBA-color domain domain domain";
     let (_folder, path) = file(lines, &[7; 16]);
@@ -124,7 +124,7 @@ fn colours_are_no_scalars() {
         "{message}"
     );
     let (_folder, path) = file("dimension: 3\nsizes: 4 2 1", &TWO);
-    assert_eq!(open::read_colours(&path).unwrap(), None);
+    assert_eq!(open::read_colours(&path, &Choice::default()).unwrap(), None);
 }
 
 #[test]
