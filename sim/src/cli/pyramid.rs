@@ -17,12 +17,12 @@ use super::named_scene::{NamedScene, Transfer};
 use super::output::Folder;
 use super::tables::header;
 
-/// Write a volume of colour and extinction, and coarser levels of it that block the same light, as NRRD.
+/// Write a volume of colour and extinction, and coarser levels that keep the extinction, as NRRD.
 ///
 /// A volume of colours (NRRD of 3 or 4 values a voxel, RGB or RGBA TIFF) is taken as it is; a volume of one value a voxel is
-/// classified voxel by voxel first, by the scene's transfer function. Extinctions are filtered in integers, and what is left
-/// over is carried along the row, so that nothing is lost. Each voxel of a level is red, green, blue and the root of extinction
-/// in 8 bits. Levels are read again as volumes of colours.
+/// classified voxel by voxel first, by the scene's transfer function. Extinctions are filtered in integers, and the remainder of
+/// the division is carried along the row, so that sums are kept. Pictures of levels are denser where matter does not fill its voxels.
+/// Each voxel is red, green, blue and the root of extinction in 8 bits. Levels are read again as volumes of colours.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast pyramid scan.nrrd --scene bone.toml -o levels/
