@@ -18,6 +18,7 @@
 //! | composite   | samples into pixels                                        | equations 4, 6  |
 //! | warp        | base plane into the viewer's image                         |                 |
 //! | render      | one ray, all rays                                          |                 |
+//! | pyramid     | volumes of half the voxels                                 | Kraus and Bürger, section 4 |
 //! | integral    | one ray without planes and steps: the converged picture    | equation 7      |
 //!
 //! Two things are left out on purpose, because they are the pipeline's approximations and should show up as its
@@ -30,6 +31,7 @@ pub mod grid;
 mod integral;
 pub mod interpolate;
 mod parts;
+pub mod pyramid;
 pub mod rays;
 mod render;
 mod segment;

@@ -15,6 +15,7 @@ use slicecast_scene::{
     AlphaCodeName, Blend, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
 };
 use slicecast_volume::choice::{Choice, NanRule, Series};
+use slicecast_volume::colours::Colours;
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::{self, Loaded, Options, prepare};
 use slicecast_volume::raw::RawShape;
@@ -206,6 +207,23 @@ impl VolumeArgs {
         }
     }
 
+    /// The file's colours, if it is a volume of colours.
+    pub fn colours(&self) -> Result<Option<Colours>, Failure> {
+        let Options { choice, raw } = self.options();
+        let Some(path) = self.volume.as_ref().filter(|_| raw.is_none()) else {
+            return Ok(None);
+        };
+        let colours = open::read_colours(path, &choice).map_err(Failure::input)?;
+        let other = self.window.is_some() || self.series.is_some() || self.phase.is_some() || self.nan.is_some();
+        if colours.is_some() && other {
+            return Err(Failure::input(format!(
+                "{}: is a volume of colours, expected none of --window, --series, --phase and --nan",
+                path.display()
+            )));
+        }
+        Ok(colours)
+    }
+
     /// Reads the file without mapping its values.
     pub fn decode(&self) -> Result<Decoded, Failure> {
         match &self.volume {
@@ -275,7 +293,7 @@ enum BlendArg {
 }
 
 /// The scene.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct SceneArgs {
     /// A scene file (TOML), or a name: headsq, ct-bone, ct-soft-tissue, ct-vessels, ct-fog, ct-fog8, or, fitted to the
     /// volume's histogram, mr, labels, fog, mip. Without it, the one that fits the volume.
@@ -333,6 +351,15 @@ pub struct SceneArgs {
 }
 
 impl SceneArgs {
+    /// A scene of which nothing but the transfer function counts.
+    pub fn classifying(scene: Option<NamedScene>, transfer: Option<Transfer>) -> Self {
+        Self {
+            scene,
+            transfer,
+            ..Self::default()
+        }
+    }
+
     /// The scene as it was asked for, for headings.
     pub fn name(&self) -> String {
         let asked = self.scene.as_ref().map(NamedScene::name);

@@ -46,7 +46,7 @@ fn light(text: &str) -> Result<Light, String> {
 }
 
 /// How the volume looks.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct LookArgs {
     /// Magnification, 0.01 to 100, 1 being the whole volume; without it, the scene's.
     #[arg(long, value_name = "FACTOR", value_parser = zoom)]

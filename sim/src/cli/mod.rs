@@ -6,6 +6,7 @@ mod compare;
 mod default;
 mod explain;
 mod export;
+mod extinction;
 mod hard;
 mod inputs;
 mod inspect;
@@ -16,6 +17,7 @@ mod output;
 mod picture;
 mod plan;
 mod progress;
+mod pyramid;
 mod render;
 mod report;
 mod segments;
@@ -109,6 +111,8 @@ enum Command {
     SweepMerge(sweep::MergeArgs),
     Hard(hard::Args),
     Segments(segments::Args),
+    Pyramid(Box<pyramid::Args>),
+    Extinction(extinction::Args),
     Explain(explain::Args),
     Report(report::Args),
     Bench(Box<bench::Args>),
@@ -146,6 +150,8 @@ impl Cli {
             Some(Command::SweepMerge(args)) => args.run(),
             Some(Command::Hard(args)) => args.run(),
             Some(Command::Segments(args)) => args.run(),
+            Some(Command::Pyramid(args)) => args.run(),
+            Some(Command::Extinction(args)) => args.run(),
             Some(Command::Explain(args)) => args.run(),
             Some(Command::Report(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),

@@ -134,24 +134,32 @@ impl Turn {
         self.source.map(|axis| of_file[axis])
     }
 
-    /// The values in the volume's order; `dims` are the file's.
-    pub(super) fn values(&self, values: Values, dims: [usize; 3]) -> Result<Values, Problem> {
+    /// The values in the volume's order, of voxels that have `components` (1, 3 or 4) side by side; `dims` are the file's.
+    pub(super) fn values(&self, values: Values, components: usize, dims: [usize; 3]) -> Result<Values, Problem> {
         Ok(match values {
-            Values::I8(v) => Values::I8(self.reorder(v, dims)?),
-            Values::U8(v) => Values::U8(self.reorder(v, dims)?),
-            Values::I16(v) => Values::I16(self.reorder(v, dims)?),
-            Values::U16(v) => Values::U16(self.reorder(v, dims)?),
-            Values::I32(v) => Values::I32(self.reorder(v, dims)?),
-            Values::U32(v) => Values::U32(self.reorder(v, dims)?),
-            Values::F32(v) => Values::F32(self.reorder(v, dims)?),
-            Values::F64(v) => Values::F64(self.reorder(v, dims)?),
+            Values::I8(v) => Values::I8(self.groups(v, components, dims)?),
+            Values::U8(v) => Values::U8(self.groups(v, components, dims)?),
+            Values::I16(v) => Values::I16(self.groups(v, components, dims)?),
+            Values::U16(v) => Values::U16(self.groups(v, components, dims)?),
+            Values::I32(v) => Values::I32(self.groups(v, components, dims)?),
+            Values::U32(v) => Values::U32(self.groups(v, components, dims)?),
+            Values::F32(v) => Values::F32(self.groups(v, components, dims)?),
+            Values::F64(v) => Values::F64(self.groups(v, components, dims)?),
         })
     }
 
-    fn reorder<T: Copy>(&self, values: Vec<T>, dims: [usize; 3]) -> Result<Vec<T>, Problem> {
+    fn groups<T: Copy>(&self, values: Vec<T>, components: usize, dims: [usize; 3]) -> Result<Vec<T>, Problem> {
         if (self.source, self.reversed) == (Self::NONE.source, Self::NONE.reversed) {
             return Ok(values);
         }
+        Ok(match components {
+            1 => self.reorder(&values, dims)?,
+            3 => self.reorder(values.as_chunks::<3>().0, dims)?.into_flattened(),
+            _ => self.reorder(values.as_chunks::<4>().0, dims)?.into_flattened(),
+        })
+    }
+
+    fn reorder<T: Copy>(&self, values: &[T], dims: [usize; 3]) -> Result<Vec<T>, Problem> {
         let file_strides = [1, dims[0], dims[0] * dims[1]];
         let sides = self.permuted(dims);
         let strides = self.permuted(file_strides);
@@ -162,7 +170,7 @@ impl Turn {
         };
         let mut out = Vec::new();
         out.try_reserve_exact(values.len()).map_err(|_| Problem::Memory {
-            bytes: (values.len() * size_of::<T>()) as u64,
+            bytes: size_of_val(values) as u64,
         })?;
         for z in 0..sides[2] {
             for y in 0..sides[1] {
@@ -200,7 +208,7 @@ mod tests {
         let dims = [2, 3, 4];
         let values: Vec<u8> = (0..24).collect();
         let turn = Turn::upright([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]).unwrap();
-        let Values::U8(out) = turn.values(Values::U8(values.clone()), dims).unwrap() else {
+        let Values::U8(out) = turn.values(Values::U8(values.clone()), 1, dims).unwrap() else {
             panic!()
         };
         let sides = turn.permuted(dims);
@@ -212,6 +220,11 @@ mod tests {
                     assert_eq!(out[x + 4 * (y + 2 * z)], values[from]);
                 }
             }
+        }
+        for components in [3, 4] {
+            let side_by_side = |values: &[u8]| values.iter().flat_map(|&v| vec![v; components]).collect::<Vec<u8>>();
+            let turned = turn.values(Values::U8(side_by_side(&values)), components, dims);
+            assert_eq!(turned.unwrap(), Values::U8(side_by_side(&out)));
         }
     }
 

@@ -46,6 +46,16 @@ pub enum Orientation {
     },
 }
 
+impl Orientation {
+    /// That of a volume whose axes a turn has brought to the patient's.
+    pub(super) fn patient(turn: &Turn) -> Self {
+        Self::Patient {
+            file_axes: turn.letters(),
+            tilt: turn.tilt,
+        }
+    }
+}
+
 impl fmt::Display for Orientation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -201,11 +211,7 @@ impl Decoded {
     /// [`Problem::Axes`] if they are no axes; [`Problem::Memory`] if a second copy does not fit.
     pub(super) fn in_patient(self, directions: [[f64; 3]; 3]) -> Result<Self, Problem> {
         let turn = Turn::upright(directions)?;
-        let orientation = Orientation::Patient {
-            file_axes: turn.letters(),
-            tilt: turn.tilt,
-        };
-        self.turned(turn, orientation, "the patient's axes")
+        self.turned(turn, Orientation::patient(&turn), "the patient's axes")
     }
 
     /// Brings the voxels into the order of a space that is not a patient's.
@@ -219,7 +225,7 @@ impl Decoded {
 
     fn turned(mut self, turn: Turn, orientation: Orientation, space: &str) -> Result<Self, Problem> {
         self.notes.extend(turn.notes(space));
-        self.values = turn.values(self.values, self.dims)?;
+        self.values = turn.values(self.values, 1, self.dims)?;
         self.dims = turn.permuted(self.dims);
         self.spacing = turn.permuted(self.spacing);
         self.orientation = orientation;

@@ -7,6 +7,7 @@
 
 pub mod axes;
 pub mod choice;
+pub mod colours;
 mod companion;
 mod decoded;
 pub mod dicom;

@@ -150,6 +150,7 @@ impl Description {
         };
         let layout = Layout {
             dims,
+            components: 1,
             value_type: value_type(header)?,
             endian: endian(header)?,
             encoding,

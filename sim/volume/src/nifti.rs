@@ -123,6 +123,7 @@ fn finish(
     let orientation = orientation(header)?;
     let layout = Layout {
         dims: header.dims,
+        components: 1,
         value_type: header.value_type,
         endian: header.endian,
         encoding: if packed { Encoding::Gzip } else { Encoding::Raw },

@@ -7,23 +7,27 @@
 //! along the axes of the space: the patient's (LPS) if `space` is one of the three patient spaces. Two keys of our own:
 //! `hounsfield_offset:=N` makes the data's unit the stored value plus N, `modality:=CT` tells what made the values.
 
+mod colours;
 mod header;
 mod orientation;
 mod surplus;
+pub mod write;
 
 use std::io::{BufRead, Cursor};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use self::header::Header;
 use self::orientation::Directions;
+use super::axes::Turn;
 use super::choice::Choice;
+use super::colours::Colours;
 use super::companion;
 use super::error::{Problem, ReadError};
 use super::files::Data;
 use super::open::open_regular;
 use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
 use super::text::shorten;
-use super::values::{Decoded, Endian, Modality, ValueType, Values, check_spacing};
+use super::values::{Decoded, Endian, Modality, Orientation, ValueType, Values, check_spacing};
 
 /// What a header says about its volume, interpreted.
 #[derive(Debug)]
@@ -45,25 +49,80 @@ pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
     let at_header = |problem| ReadError::new(path, problem);
     let (mut source, len) = open_regular(path)?;
     let (header, mut description) = describe(&mut source).map_err(at_header)?;
+    let (data_path, values) = values_of(path, &header, &mut description, (&mut source, len))?;
     let name = path.display().to_string();
+    finish(description, values, name, choice).map_err(|problem| ReadError::new(&data_path, problem))
+}
+
+/// Reads an NRRD file of colours: its first axis has three or four entries, which no field says to be anything else.
+/// `None` of a file that has no such axis.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
+    let at_header = |problem| ReadError::new(path, problem);
+    let (mut source, len) = open_regular(path)?;
+    let mut header = Header::read(&mut source).map_err(at_header)?;
+    let Some(components) = colours::take(&mut header).map_err(at_header)? else {
+        return Ok(None);
+    };
+    surplus::leave_out(&mut header).map_err(at_header)?;
+    let mut description = interpret(&header).map_err(at_header)?;
+    description.layout.components = components as u64;
+    let (data_path, values) = values_of(path, &header, &mut description, (&mut source, len))?;
+    let at_data = |problem| ReadError::new(&data_path, problem);
+    let Description {
+        layout,
+        spacing,
+        directions,
+        notes,
+        ..
+    } = description;
+    let name = path.display().to_string();
+    let colours = Colours::new(name, layout.dims.map(|d| d as usize), spacing, components, values);
+    let colours = colours
+        .map_err(Problem::from)
+        .map_err(at_data)?
+        .with(header.keys, notes);
+    let turn = |directions| Turn::upright(directions).map_err(|error| at_data(error.into()));
+    let colours = match directions {
+        None => Ok(colours),
+        Some(Directions::Patient(directions)) => {
+            let turn = turn(directions)?;
+            colours.turned(turn, Orientation::patient(&turn), "the patient's axes")
+        }
+        Some(Directions::Space(directions)) => {
+            colours.turned(turn(directions)?, Orientation::Space, "the file's space")
+        }
+    };
+    colours.map(Some).map_err(at_data)
+}
+
+/// The values, and the file that has them.
+fn values_of(
+    path: &Path,
+    header: &Header,
+    description: &mut Description,
+    (source, len): (&mut impl BufRead, u64),
+) -> Result<(PathBuf, Values), ReadError> {
     let (layout, notes) = (&description.layout, &mut description.notes);
-    let (data_path, values) = match &description.data {
+    Ok(match &description.data {
         Data::Attached => {
-            let values = attached(&header, layout, &mut source, len, notes).map_err(at_header)?;
-            (path.to_owned(), values)
+            let values = attached(header, layout, source, len, notes);
+            (
+                path.to_owned(),
+                values.map_err(|problem| ReadError::new(path, problem))?,
+            )
         }
         Data::File(data_file) => {
             let data_path = companion::data_file(path, data_file)?;
             let (mut data, data_len) = open_regular(&data_path)?;
             let values = read_values(layout, &mut data, data_len, notes);
-            (
-                data_path.clone(),
-                values.map_err(|problem| ReadError::new(&data_path, problem))?,
-            )
+            let values = values.map_err(|problem| ReadError::new(&data_path, problem))?;
+            (data_path, values)
         }
         Data::Files(files) => (path.to_owned(), files.read(path, layout, |layout, _| layout, notes)?),
-    };
-    finish(description, values, name, choice).map_err(|problem| ReadError::new(&data_path, problem))
+    })
 }
 
 /// Reads an NRRD file with attached data that is already in memory; `name` stands for its path in messages.
@@ -142,6 +201,7 @@ fn interpret(header: &Header) -> Result<Description, Problem> {
     let encoding = encoding(header)?;
     let layout = Layout {
         dims,
+        components: 1,
         value_type,
         endian: endian(header, value_type, encoding)?,
         encoding,
@@ -256,3 +316,6 @@ fn refuse(field: &'static str, value: &str, expected: &'static str) -> Problem {
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod colour_tests;

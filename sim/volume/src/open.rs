@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use super::choice::Choice;
+use super::colours::Colours;
 use super::error::{Problem, ReadError};
 use super::mapping::{Labels, Mapped, MappingError, MappingReport, Window, map};
 use super::values::{Decoded, Modality, Orientation};
@@ -79,6 +80,30 @@ pub fn read_with(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
                 first_bytes: format!("\"{}\"", start[..start.len().min(8)].escape_ascii()),
             })),
         },
+    }
+}
+
+/// Reads a volume of colours; `None` of a file that is none, which [`read_with`] may read or refuse. Of the choice, channel and
+/// time count.
+///
+/// # Errors
+/// As [`read_with`].
+pub fn read_colours(path: &Path, choice: &Choice) -> Result<Option<Colours>, ReadError> {
+    if path.is_dir() {
+        return tiff::read_colours(path, choice);
+    }
+    let (mut source, _) = open_regular(path)?;
+    let start = source.fill_buf().map_err(Problem::io("read the file"));
+    match Format::of(start.map_err(|problem| ReadError::new(path, problem))?, path) {
+        Some(Format::Nrrd) => match nrrd::read_colours(path)? {
+            None => Ok(None),
+            Some(colours) => {
+                choice.check_single().map_err(|problem| ReadError::new(path, problem))?;
+                Ok(Some(colours))
+            }
+        },
+        Some(Format::Tiff) => tiff::read_colours(path, choice),
+        _ => Ok(None),
     }
 }
 

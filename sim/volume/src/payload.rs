@@ -68,7 +68,9 @@ pub(super) enum Tail {
 pub(super) struct Layout {
     /// Voxels along x, y, z.
     pub dims: [u64; 3],
-    /// Number type of a voxel.
+    /// Values of a voxel, side by side.
+    pub components: u64,
+    /// Number type of a value.
     pub value_type: ValueType,
     /// Byte order.
     pub endian: Endian,
@@ -88,7 +90,7 @@ impl Layout {
     /// # Errors
     /// [`Problem::TooLarge`], or a shape that no volume has.
     pub fn check_memory(&self) -> Result<(), Problem> {
-        let bytes = voxel_count(self.dims)? * self.value_type.byte_len();
+        let bytes = self.count()? * self.value_type.byte_len();
         if self.encoding == Encoding::Raw {
             Ok(())
         } else {
@@ -96,10 +98,20 @@ impl Layout {
         }
     }
 
+    /// Values in all.
+    fn count(&self) -> Result<u64, Problem> {
+        Ok(voxel_count(self.dims)? * self.components)
+    }
+
     /// For messages.
     fn describe(&self) -> String {
         let [x, y, z] = self.dims;
-        format!("{x} x {y} x {z} {}", self.value_type.name())
+        let times = if self.components == 1 {
+            String::new()
+        } else {
+            format!("{} x ", self.components)
+        };
+        format!("{times}{x} x {y} x {z} {}", self.value_type.name())
     }
 }
 
@@ -111,8 +123,8 @@ pub(super) fn read_values(
     source_len: u64,
     notes: &mut Vec<String>,
 ) -> Result<Values, Problem> {
-    let voxels = voxel_count(layout.dims)?;
-    let expected = voxels * layout.value_type.byte_len();
+    let count = layout.count()?;
+    let expected = count * layout.value_type.byte_len();
     let remaining = source_len.saturating_sub(skip_lines(source, layout.line_skip)?);
     match layout.encoding {
         Encoding::Raw => {
@@ -141,26 +153,26 @@ pub(super) fn read_values(
             }
             skip_bytes(source, skip, Problem::io("read the file"))?;
             // The file was seen to hold all of them, so the whole buffer may be reserved at once.
-            let (values, read) = decode(layout, source, voxels, voxels)?;
+            let (values, read) = decode(layout, source, count, count)?;
             read.map_err(Problem::io("read the file"))?;
             complete(layout, expected, values)
         }
         Encoding::Gzip => {
             let mut members = Members::new(source);
-            let values = unpack(layout, &mut members, voxels, expected, notes)?;
+            let values = unpack(layout, &mut members, count, expected, notes)?;
             if members.padded {
                 notes.push("bytes after the gzip data are left out".into());
             }
             Ok(values)
         }
-        Encoding::Zlib => unpack(layout, &mut ZlibDecoder::new(source), voxels, expected, notes),
-        Encoding::Bzip2 => unpack(layout, &mut MultiBzDecoder::new(source), voxels, expected, notes),
+        Encoding::Zlib => unpack(layout, &mut ZlibDecoder::new(source), count, expected, notes),
+        Encoding::Bzip2 => unpack(layout, &mut MultiBzDecoder::new(source), count, expected, notes),
         Encoding::Text => {
             check_memory(expected)?;
             if let ByteSkip::Bytes(n) = layout.byte_skip {
                 skip_bytes(source, n, Problem::io("read the file"))?;
             }
-            let values = text_values(layout, source, voxels)?;
+            let values = text_values(layout, source, count)?;
             complete(layout, expected, values)
         }
     }
@@ -182,7 +194,7 @@ fn check_memory(bytes: u64) -> Result<(), Problem> {
 fn unpack(
     layout: &Layout,
     unpacked: &mut dyn Read,
-    voxels: u64,
+    count: u64,
     expected: u64,
     notes: &mut Vec<String>,
 ) -> Result<Values, Problem> {
@@ -206,7 +218,7 @@ fn unpack(
         }
         skip_bytes(unpacked, n, damaged(0))?;
     }
-    let (values, read) = decode(layout, unpacked, voxels, 0)?;
+    let (values, read) = decode(layout, unpacked, count, 0)?;
     read.map_err(damaged(values.len() as u64 * layout.value_type.byte_len()))?;
     let values = complete(layout, expected, values)?;
     match read_full(unpacked, &mut [0]) {

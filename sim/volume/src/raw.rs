@@ -49,6 +49,7 @@ fn read_with(path: &Path, shape: &RawShape, nan: (NanRule, f64)) -> Result<Decod
     check_spacing(shape.spacing).map_err(|error| ReadError::new(path, error))?;
     let layout = Layout {
         dims: shape.dims,
+        components: 1,
         value_type: shape.value_type,
         endian: shape.endian,
         encoding: Encoding::Raw,

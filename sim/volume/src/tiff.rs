@@ -1,13 +1,14 @@
 //! TIFF stacks: the pages of one file, or a folder of files in the order of the numbers in their names.
 //!
 //! Read by the `tiff` crate under limits: grey pages of one size and type (8 to 32 bits, signed or not, single or double
-//! precision), plain, LZW, deflate or packbits. What pages are, TIFF itself does not say: ImageJ's description and OME-XML
+//! precision), and, for who asks for colours, RGB and RGBA of 8 or 16 bits; plain, LZW, deflate or packbits. What pages are, TIFF itself does not say: ImageJ's description and OME-XML
 //! tell channels, slices and time points, of which one channel and one time point become the volume (`planes`), and the
 //! distance between slices (`description`). Without them every page is a slice.
 
 mod description;
 mod ome;
 mod patched;
+mod pixels;
 mod planes;
 mod stack;
 
@@ -15,8 +16,10 @@ use std::fs;
 use std::io::{Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
+use self::pixels::{Wanted, is_coloured};
 use self::stack::Stack;
 use super::choice::Choice;
+use super::colours::Colours;
 use super::error::{Problem, ReadError};
 use super::open::open_regular;
 use super::values::{Decoded, MAX_AXIS};
@@ -49,6 +52,39 @@ pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, 
 /// # Errors
 /// As [`read`]; [`Problem::Format`] if there is no TIFF file in it.
 pub fn read_folder(folder: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
+    let stack = stack_of(folder, choice, Wanted::Grey)?;
+    let decoded = stack.finish(folder.display().to_string());
+    decoded.map_err(|problem| ReadError::new(folder, problem))
+}
+
+/// Reads a file or folder of colours; `None` if the first page has none.
+///
+/// # Errors
+/// As [`read`] and [`read_folder`].
+pub fn read_colours(path: &Path, choice: &Choice) -> Result<Option<Colours>, ReadError> {
+    let stack = if path.is_dir() {
+        let (_, paths) = files_of(path)?;
+        match paths.first() {
+            Some(first) if is_coloured(open_regular(first)?.0) => stack_of(path, choice, Wanted::Colours)?,
+            _ => return Ok(None),
+        }
+    } else {
+        if !is_coloured(open_regular(path)?.0) {
+            return Ok(None);
+        }
+        let (source, len) = open_regular(path)?;
+        let mut stack = Stack::new(choice.clone(), Wanted::Colours);
+        stack
+            .add_file(source, len)
+            .map_err(|problem| ReadError::new(path, problem))?;
+        stack
+    };
+    let colours = stack.finish_colours(path.display().to_string());
+    colours.map(Some).map_err(|problem| ReadError::new(path, problem))
+}
+
+/// The TIFF files of a folder: those whose names begin with a dot, and the others in their order.
+fn files_of(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), ReadError> {
     let fail = |problem| ReadError::new(folder, problem);
     let entries = fs::read_dir(folder)
         .map_err(Problem::io("read the folder"))
@@ -58,7 +94,13 @@ pub fn read_folder(folder: &Path, choice: &Choice) -> Result<Decoded, ReadError>
         .filter(|path| path.is_file() && has_name(path))
         .partition(|path| is_hidden(path));
     paths.sort_by_cached_key(|path| natural_key(path));
-    let mut stack = Stack::new(choice.clone());
+    Ok((hidden, paths))
+}
+
+/// The slices of a folder's files.
+fn stack_of(folder: &Path, choice: &Choice, wanted: Wanted) -> Result<Stack, ReadError> {
+    let (hidden, paths) = files_of(folder)?;
+    let mut stack = Stack::new(choice.clone(), wanted);
     for path in &paths {
         let (source, len) = open_regular(path)?;
         stack
@@ -73,7 +115,7 @@ pub fn read_folder(folder: &Path, choice: &Choice) -> Result<Decoded, ReadError>
         "{} files in the order of the numbers in their names: a TIFF states no position",
         paths.len()
     ));
-    stack.finish(folder.display().to_string()).map_err(fail)
+    Ok(stack)
 }
 
 /// Whether a file that begins so is a TIFF.
@@ -111,7 +153,7 @@ fn natural_key(path: &Path) -> Vec<(u8, u128, String)> {
 }
 
 fn read_source<R: Read + Seek>(source: R, len: u64, name: String, choice: &Choice) -> Result<Decoded, Problem> {
-    let mut stack = Stack::new(choice.clone());
+    let mut stack = Stack::new(choice.clone(), Wanted::Grey);
     stack.add_file(source, len)?;
     stack.finish(name)
 }

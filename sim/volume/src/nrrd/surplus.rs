@@ -5,7 +5,7 @@ use super::refuse;
 use crate::error::Problem;
 
 /// Axes that a header may have.
-const MAX_AXES: usize = 16;
+pub(super) const MAX_AXES: usize = 16;
 
 /// Fields with a word for each axis of the file.
 const PER_AXIS: [&str; 6] = ["sizes", "spacings", "thicknesses", "kinds", "units", "space directions"];
@@ -30,9 +30,11 @@ pub(super) fn leave_out(header: &mut Header) -> Result<(), Problem> {
             .as_ref()
             .is_some_and(|words| words[*axis].eq_ignore_ascii_case("none"))
     };
+    // An axis of colours is none to be left out beside, whatever the others have.
+    let coloured = words(header, "kinds").is_some_and(|kinds| kinds.iter().any(|kind| is_colour(kind)));
     let mut kept: Vec<usize> = (0..axes).collect();
     while kept.len() > 3 {
-        let single = |axis: &&usize| sizes[**axis] == "1";
+        let single = |axis: &&usize| sizes[**axis] == "1" && !coloured;
         let directionless = kept.iter().rev().filter(single).find(|axis| no_direction(axis));
         let Some(&left_out) = directionless.or_else(|| kept.iter().rev().find(single)) else {
             let text = header.get("dimension").unwrap_or_default();
@@ -40,21 +42,31 @@ pub(super) fn leave_out(header: &mut Header) -> Result<(), Problem> {
         };
         kept.retain(|&axis| axis != left_out);
     }
-    for field in PER_AXIS {
-        if let Some(words) = words(header, field) {
-            let text: Vec<&str> = kept.iter().map(|&axis| words[axis].as_str()).collect();
-            header.fields.insert(field, text.join(" "));
-        }
-    }
-    header.fields.insert("dimension", "3".into());
+    retain(header, axes, &kept);
     header
         .notes
         .push(format!("{} axes of one entry are left out", axes - 3));
     Ok(())
 }
 
+/// Leaves all of the file's `axes` out of the header but those kept.
+pub(super) fn retain(header: &mut Header, axes: usize, kept: &[usize]) {
+    for field in PER_AXIS {
+        if let Some(words) = header.get(field).and_then(|text| words(text, axes)) {
+            let text: Vec<&str> = kept.iter().map(|&axis| words[axis].as_str()).collect();
+            header.fields.insert(field, text.join(" "));
+        }
+    }
+    header.fields.insert("dimension", kept.len().to_string());
+}
+
+/// Whether an axis of this kind has colours.
+pub(super) fn is_colour(kind: &str) -> bool {
+    kind.to_ascii_lowercase().ends_with("-color")
+}
+
 /// Exactly `count` words, of which one may be a parenthesised vector or stand in quotes.
-fn words(text: &str, count: usize) -> Option<Vec<String>> {
+pub(super) fn words(text: &str, count: usize) -> Option<Vec<String>> {
     let mut words = Vec::new();
     let mut rest = text.trim();
     while let Some(first) = rest.chars().next() {

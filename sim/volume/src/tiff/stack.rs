@@ -1,19 +1,21 @@
 //! Pages of one file or of many, joined to a volume.
 
+use std::collections::HashMap;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::{ByteOrder, CompressionMethod, PhotometricInterpretation, Tag};
 
 use super::NAME;
 use super::description::Description;
 use super::patched::Patched;
+use super::pixels::{Pixel, Wanted};
 use crate::choice::Choice;
+use crate::colours::Colours;
 use crate::error::Problem;
 use crate::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
-use crate::values::{Decoded, Endian, MAX_BYTES, ValueType, Values, voxel_count};
+use crate::values::{Decoded, Endian, MAX_BYTES, Values, voxel_count};
 
 /// More than any of the read packings unpacks a byte to.
 const EXPANSION_MAX: u64 = 3000;
@@ -21,6 +23,9 @@ const EXPANSION_MAX: u64 = 3000;
 /// Pages read so far.
 pub(super) struct Stack {
     choice: Choice,
+    wanted: Wanted,
+    /// Values of a pixel, of the first page.
+    components: Option<u64>,
     size: Option<[u32; 2]>,
     count: u64,
     values: Option<Values>,
@@ -32,9 +37,11 @@ pub(super) struct Stack {
 
 impl Stack {
     /// No page yet.
-    pub fn new(choice: Choice) -> Self {
+    pub fn new(choice: Choice, wanted: Wanted) -> Self {
         Self {
             choice,
+            wanted,
+            components: None,
             size: None,
             count: 0,
             values: None,
@@ -68,7 +75,7 @@ impl Stack {
         limits.intermediate_buffer_size = limits.decoding_buffer_size.min(1 << 28);
         limits.ifd_value_size = 1 << 22;
         let mut decoder = Decoder::new(Patched::new(source)).map_err(damaged)?.with_limits(limits);
-        check_grey(&mut decoder)?;
+        Pixel::of(&mut decoder, self.wanted)?;
         let (width, height) = decoder.dimensions().map_err(damaged)?;
         let mut description = Description::read(&mut decoder, [width, height])?;
         let mut pages = 1;
@@ -139,9 +146,11 @@ impl Stack {
 
     /// Adds the current page.
     fn add_page<R: Read + Seek>(&mut self, decoder: &mut Decoder<R>, file_max: u64) -> Result<(), Problem> {
-        let bits = check_grey(decoder)?;
+        let pixel = Pixel::of(decoder, self.wanted)?;
         let [width, height] = self.take_size(decoder, 1)?;
-        let bytes = voxel_count([width.into(), height.into(), self.count])? * bits / 8;
+        self.take_components(pixel)?;
+        let voxels = voxel_count([width.into(), height.into(), self.count])?;
+        let bytes = voxels * pixel.components * pixel.bits / 8;
         // A folder's files add up, so that a single one's expansion is no bound below this.
         let limit = file_max.clamp(MAX_BYTES / 64, MAX_BYTES);
         if bytes > limit {
@@ -165,9 +174,9 @@ impl Stack {
                 });
             }
         };
-        let pixels = u64::from(width) * u64::from(height);
-        if page.len() as u64 != pixels {
-            let fault = format!("page {} has {} values, expected {pixels}", self.count, page.len());
+        let values = u64::from(width) * u64::from(height) * pixel.components;
+        if page.len() as u64 != values {
+            let fault = format!("page {} has {} values, expected {values}", self.count, page.len());
             return Err(Problem::format(NAME, fault));
         }
         self.append(page)
@@ -192,7 +201,8 @@ impl Stack {
             .find_tag_unsigned::<u16>(Tag::PhotometricInterpretation)
             .map_err(damaged)?
             == Some(0);
-        let value_type = value_type(decoder)?;
+        let pixel = Pixel::of(decoder, self.wanted)?;
+        let value_type = pixel.value_type(decoder)?;
         let offsets = decoder
             .find_tag_unsigned_vec::<u64>(Tag::StripOffsets)
             .map_err(damaged)?;
@@ -203,8 +213,9 @@ impl Stack {
             ByteOrder::BigEndian => Endian::Big,
         };
         let [width, height] = self.take_size(decoder, wanted.len() as u64)?;
+        self.take_components(pixel)?;
         voxel_count([width.into(), height.into(), self.count])?;
-        let image_len = u64::from(width) * u64::from(height) * value_type.byte_len();
+        let image_len = u64::from(width) * u64::from(height) * pixel.components * value_type.byte_len();
         let needed = image_len.saturating_mul(images as u64);
         let found = file_len.saturating_sub(start);
         if needed > found {
@@ -215,6 +226,7 @@ impl Stack {
         }
         let layout = Layout {
             dims: [width.into(), height.into(), 1],
+            components: pixel.components,
             value_type,
             endian,
             encoding: Encoding::Raw,
@@ -248,6 +260,17 @@ impl Stack {
         Ok(size)
     }
 
+    /// Holds a page to as many values a pixel as the pages before.
+    fn take_components(&mut self, pixel: Pixel) -> Result<(), Problem> {
+        let expected = *self.components.get_or_insert(pixel.components);
+        if expected == pixel.components {
+            return Ok(());
+        }
+        let (page, found) = (self.count, pixel.components);
+        let fault = format!("page {page} has {found} colours a pixel, expected {expected}");
+        Err(Problem::format(NAME, fault))
+    }
+
     fn append(&mut self, page: Values) -> Result<(), Problem> {
         let Some(values) = &mut self.values else {
             self.values = Some(page);
@@ -261,6 +284,18 @@ impl Stack {
             NAME,
             format!("page {number} is of type {found}, expected {expected}"),
         ))
+    }
+
+    /// The volume of colours.
+    pub fn finish_colours(mut self, name: String) -> Result<Colours, Problem> {
+        let (Some([width, height]), Some(values)) = (self.size, self.values.take()) else {
+            return Err(Problem::format(NAME, "has no page, expected slices"));
+        };
+        let (spacing, mut notes) = self.description.unwrap_or_default().spacing();
+        self.notes.append(&mut notes);
+        let dims = [width as usize, height as usize, self.count as usize];
+        let colours = Colours::new(name, dims, spacing, self.components.unwrap_or(3) as usize, values)?;
+        Ok(colours.with(HashMap::new(), self.notes))
     }
 
     /// The volume.
@@ -290,41 +325,8 @@ impl Stack {
     }
 }
 
-/// The bits of a grey page.
-fn check_grey<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<u64, Problem> {
-    match decoder.colortype().map_err(damaged)? {
-        ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => Ok(bits.into()),
-        other => Err(Problem::Unsupported {
-            format: NAME,
-            found: format!("a page of colour type {other:?}"),
-            expected: "grey of 8, 16 or 32 bits",
-        }),
-    }
-}
-
-/// The type of a page's values, from its tags.
-fn value_type<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<ValueType, Problem> {
-    let bits = check_grey(decoder)?;
-    let format = decoder.find_tag_unsigned::<u16>(Tag::SampleFormat).map_err(damaged)?;
-    match (format.unwrap_or(1), bits) {
-        (1, 8) => Ok(ValueType::U8),
-        (1, 16) => Ok(ValueType::U16),
-        (1, 32) => Ok(ValueType::U32),
-        (2, 8) => Ok(ValueType::I8),
-        (2, 16) => Ok(ValueType::I16),
-        (2, 32) => Ok(ValueType::I32),
-        (3, 32) => Ok(ValueType::F32),
-        (3, 64) => Ok(ValueType::F64),
-        (format, bits) => Err(Problem::Unsupported {
-            format: NAME,
-            found: format!("a page of {bits} bits of sample format {format}"),
-            expected: "integers of 8 to 32 bits, float or double",
-        }),
-    }
-}
-
 /// The library's message as a fault.
-fn damaged(error: tiff::TiffError) -> Problem {
+pub(super) fn damaged(error: tiff::TiffError) -> Problem {
     Problem::format(NAME, shorten_line(&error.to_string()))
 }
 

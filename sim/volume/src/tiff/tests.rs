@@ -137,3 +137,92 @@ proptest! {
         }
     }
 }
+
+/// A page of two pixels for each text of colours.
+fn coloured<C: colortype::ColorType<Inner = u8>>(pages: &[&[u8]]) -> Vec<u8> {
+    let mut out = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut out).unwrap().with_compression(Compression::Lzw);
+    for page in pages {
+        encoder.write_image::<C>(2, 1, page).unwrap();
+    }
+    out.into_inner()
+}
+
+#[test]
+fn colours_are_read_by_who_asks_for_them() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("c.tif");
+    let pages: [&[u8]; 2] = [b"abcdef", b"ghijkl"];
+    std::fs::write(&path, coloured::<colortype::RGB8>(&pages)).unwrap();
+    let colours = crate::open::read_colours(&path, &Choice::default()).unwrap().unwrap();
+    assert_eq!((colours.dims(), colours.components()), ([2, 1, 2], 3));
+    assert_eq!(colours.values(), &Values::U8(b"abcdefghijkl".to_vec()));
+    let four: [&[u8]; 1] = [b"abcdefgh"];
+    let rgba = coloured::<colortype::RGBA8>(&four);
+    std::fs::write(&path, &rgba).unwrap();
+    let colours = crate::open::read_colours(&path, &Choice::default()).unwrap().unwrap();
+    assert_eq!((colours.dims(), colours.components()), ([2, 1, 1], 4));
+    assert_eq!(colours.values(), &Values::U8(b"abcdefgh".to_vec()));
+    assert!(message(&rgba).contains("a page of colour type RGBA(8) is not read"));
+    let second = Choice {
+        time: Some(2),
+        ..Choice::default()
+    };
+    let message = crate::open::read_colours(&path, &second).unwrap_err().to_string();
+    assert!(
+        message.contains("has 1 time point, expected one of them: time point 2"),
+        "{message}"
+    );
+    std::fs::write(&path, stack(1, Compression::Lzw)).unwrap();
+    assert_eq!(crate::open::read_colours(&path, &Choice::default()).unwrap(), None);
+}
+
+#[test]
+fn folders_of_colours_have_pages_of_one_kind() {
+    let place = tempfile::tempdir().unwrap();
+    assert_eq!(
+        crate::open::read_colours(place.path(), &Choice::default()).unwrap(),
+        None
+    );
+    let write = |name: &str, bytes: Vec<u8>| std::fs::write(place.path().join(name), bytes).unwrap();
+    write("s2.tif", coloured::<colortype::RGB8>(&[b"ghijkl"]));
+    write("s1.tif", coloured::<colortype::RGB8>(&[b"abcdef"]));
+    let colours = crate::open::read_colours(place.path(), &Choice::default())
+        .unwrap()
+        .unwrap();
+    assert_eq!(colours.values(), &Values::U8(b"abcdefghijkl".to_vec()));
+    assert!(colours.notes()[0].contains("2 files in the order of the numbers"));
+    write("s3.tif", coloured::<colortype::RGBA8>(&[b"abcdefgh"]));
+    let message = crate::open::read_colours(place.path(), &Choice::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("s3.tif: TIFF: page 3 has 4 colours a pixel, expected 3"),
+        "{message}"
+    );
+    write("s3.tif", stack(1, Compression::Lzw));
+    let message = crate::open::read_colours(place.path(), &Choice::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("Gray(16) is not read, expected RGB or RGBA of 8 or 16 bits"),
+        "{message}"
+    );
+}
+
+/// Tags whose meaning is not that of straight colours side by side.
+#[test]
+fn colours_of_another_meaning_are_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("c.tif");
+    let mut out = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut out).unwrap();
+    let mut image = encoder.new_image::<colortype::RGBA8>(2, 1).unwrap();
+    image.encoder().write_tag(Tag::ExtraSamples, &[1_u16][..]).unwrap();
+    image.write_data(b"abcdefgh").unwrap();
+    std::fs::write(&path, out.into_inner()).unwrap();
+    let message = crate::open::read_colours(&path, &Choice::default())
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("associated opacity is not read"), "{message}");
+}

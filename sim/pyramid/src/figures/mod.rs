@@ -1,0 +1,11 @@
+//! The figures of the paper, remade: sampling and filtering by extinctions beside the same by opacities.
+//!
+//! | file    | the paper's                                                        |
+//! | ------- | ------------------------------------------------------------------ |
+//! | rays    | figures 1 and 4: a ray through one layer; 5 and 6: a wall          |
+//! | filters | section 4.2: how far a pyramid is from a convolution               |
+//! | layers  | figures 2 and 3, section 4.1: what levels keep of sheets and points |
+
+pub mod filters;
+pub mod layers;
+pub mod rays;
