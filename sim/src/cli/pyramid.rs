@@ -181,7 +181,7 @@ impl Args {
         if shapes.windows(2).any(|pair| repeats(filter, pair)) {
             eprintln!("note: an axis that does not halve has its last voxel twice, so that levels below hold more");
         }
-        if let Some(asked) = self.levels.filter(|asked| *asked + 1 > shapes.len()) {
+        if let Some(asked) = self.levels.filter(|asked| *asked >= shapes.len()) {
             let there = shapes.len() - 1;
             eprintln!("note: {there} levels below the finest, not {asked}: no axis can become shorter");
         }
@@ -312,7 +312,7 @@ impl Args {
             (coarse != *dims).then_some(coarse)
         };
         let all = std::iter::successors(Some(dims), coarser);
-        all.take(self.levels.unwrap_or(usize::MAX - 1) + 1).collect()
+        all.take(self.levels.unwrap_or(usize::MAX).saturating_add(1)).collect()
     }
 }
 
