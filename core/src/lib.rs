@@ -75,6 +75,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod borders;
 pub mod classify;
 pub mod composite;
 pub mod cut;

@@ -12,6 +12,7 @@
 //! 0.5 + K * 2^-17 ulp after K planes, 0.75 at K = 2^15, and 2^-17 more for a phase that is no binary fraction. Overflow: none inside a `Plan`. State: none (random access
 //! and streaming give the same number, because a product and a repeated sum are the same in integers).
 
+use crate::borders::Borders;
 use crate::format::{Position, Step, Weight};
 use crate::plan::{Phase, Plan};
 
@@ -26,7 +27,7 @@ pub struct Plane {
     pub x: Position,
     /// Position along j.
     pub y: Position,
-    /// Position along k, slices.
+    /// Position along k, slices; held to them.
     pub z: Position,
 }
 
@@ -44,6 +45,24 @@ pub struct Cell {
 pub const fn position(start: Step, step: Step, k: u32) -> Position {
     let exact = start.to_bits() + k as i64 * step.to_bits();
     Position::from_bits(((exact + (1 << 15)) >> 16) as i32)
+}
+
+/// Position in the middle of a segment, after `halves` half steps: of segment k, 2 k + 1. This function is the definition.
+#[inline]
+pub const fn middle(start: Step, step: Step, halves: i64) -> Position {
+    let exact = 2 * start.to_bits() + halves * step.to_bits();
+    Position::from_bits(((exact + (1 << 16)) >> 17) as i32)
+}
+
+/// The position of a plan's samples on the plane with this number, before it is settled.
+const fn on_plane(plan: &Plan, start: Step, step: Step, index: u32) -> Position {
+    let halves = 2 * index as i64 + 1;
+    match plan.borders() {
+        Borders::Whole => position(start, step, index),
+        Borders::Nodes => middle(start, step, halves),
+        // The first segment begins half a voxel before the first slice.
+        Borders::Cells => middle(start, step, halves - plan.sampling().planes_per_voxel as i64),
+    }
 }
 
 /// The position of a plan's samples: as it is, or at the nearest voxel, halves up.
@@ -70,12 +89,17 @@ pub const fn cell(position: Position) -> Cell {
 pub fn plane(plan: &Plan, phase: Phase, index: u32) -> Plane {
     let [start_i, start_j] = plan.start(phase);
     let [step_i, step_j, step_k] = plan.step();
+    let at = |start, step| settled(plan, on_plane(plan, start, step, index));
+    let [_, _, depth] = plan.dims();
+    // Only cells reach beyond the slices.
+    let last = (depth as i32 - 1) << 16;
+    let z = at(Step::ZERO, step_k).to_bits().min(last).max(0);
     Plane {
         index,
         phase,
-        x: settled(plan, position(start_i, step_i, index)),
-        y: settled(plan, position(start_j, step_j, index)),
-        z: settled(plan, position(Step::ZERO, step_k, index)),
+        x: at(start_i, step_i),
+        y: at(start_j, step_j),
+        z: Position::from_bits(z),
     }
 }
 

@@ -3,6 +3,7 @@
 //! Everything behind a [`Plan`] can rely on it: sizes are within their limits, positions cannot overflow, and the
 //! base plane covers the volume. Kernels therefore have no errors of their own.
 
+use crate::borders::Borders;
 use crate::format::{Intensity, Step};
 use crate::view::{View, ratio};
 
@@ -66,6 +67,7 @@ pub struct Plan {
     origin: [i32; 2],
     step: [Step; 3],
     nearest: bool,
+    borders: Borders,
 }
 
 /// Why a scene has no plan.
@@ -97,6 +99,8 @@ pub enum PlanError {
         /// The factor's bits, 1.15.
         bits: u16,
     },
+    /// A volume one voxel thin between whose first and last voxel ([`Borders::Nodes`]) there is nothing.
+    Thin,
 }
 
 impl core::fmt::Display for PlanError {
@@ -116,6 +120,9 @@ impl core::fmt::Display for PlanError {
                 )
             }
             Self::Spacing { bits } => write!(f, "a spacing factor of {bits}/32768; accepted: 1 to 32768"),
+            Self::Thin => {
+                f.write_str("borders at the outermost voxels of a side of 1 voxel; accepted: 2 voxels or more")
+            }
         }
     }
 }
@@ -123,7 +130,7 @@ impl core::fmt::Display for PlanError {
 impl core::error::Error for PlanError {}
 
 impl Plan {
-    /// Plans a frame: volume sides along x, y, z in voxels, spacing, sampling rates.
+    /// Plans a frame whose borders are [`Borders::Whole`]: volume sides along x, y, z in voxels, spacing, sampling rates.
     ///
     /// Base plane: one ray per voxel of the first slice and as many more as the shear needs for every voxel of the
     /// last slice to be crossed; rays start at whole voxels (plus their phase).
@@ -133,6 +140,23 @@ impl Plan {
     /// # Errors
     /// [`PlanError`], with the value that is out of range.
     pub const fn new(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
+        Self::with_borders(view, dims, spacing, sampling, Borders::Whole)
+    }
+
+    /// [`Plan::new`] with a choice of borders. Exact ones are of samples: segments between samples are not classified by them
+    /// (a stream refuses them).
+    ///
+    /// Base plane: the fewest columns and rows that hold all rays that meet the box.
+    ///
+    /// # Errors
+    /// [`PlanError`], with the value that is out of range.
+    pub const fn with_borders(
+        view: View,
+        dims: [u32; 3],
+        spacing: Spacing,
+        sampling: Sampling,
+        borders: Borders,
+    ) -> Result<Self, PlanError> {
         if let Some(given) = first_bad(dims, SIDE_MAX as u32) {
             return Err(PlanError::Side { given });
         }
@@ -151,22 +175,26 @@ impl Plan {
         }
         let dims = view.arrange(dims);
         let [width, height, depth] = dims;
-        let behind = (depth - 1) * rate;
-        if behind > PLANES_MAX {
-            return Err(PlanError::Planes { given: behind });
+        if matches!(borders, Borders::Nodes) && (width == 1 || height == 1 || depth == 1) {
+            return Err(PlanError::Thin);
+        }
+        let planes = planes(depth, rate, borders);
+        if planes - 1 > PLANES_MAX {
+            return Err(PlanError::Planes { given: planes - 1 });
         }
         let [si, sj] = view.shear(rate);
-        let (more_i, origin_i) = reach(si, behind);
-        let (more_j, origin_j) = reach(sj, behind);
+        let (columns, origin_i) = reach(si, width, planes, sampling, borders);
+        let (rows, origin_j) = reach(sj, height, planes, sampling, borders);
         Ok(Self {
             view,
             dims,
             spacing: view.arrange(spacing.0),
             sampling,
-            base: [width + more_i, height + more_j],
+            base: [columns, rows],
             origin: [origin_i, origin_j],
             step: [si, sj, Step::from_bits(ratio(1, 1, rate) as i64)],
             nearest: false,
+            borders,
         })
     }
 
@@ -192,6 +220,11 @@ impl Plan {
     /// Whether samples lie at voxels ([`Plan::with_nearest`]).
     pub const fn is_nearest(&self) -> bool {
         self.nearest
+    }
+
+    /// Where the volume ends.
+    pub const fn borders(&self) -> Borders {
+        self.borders
     }
 
     /// The view.
@@ -232,7 +265,7 @@ impl Plan {
     /// Number of sample planes.
     pub const fn planes(&self) -> u32 {
         let [_, _, depth] = self.dims;
-        (depth - 1) * self.sampling.planes_per_voxel + 1
+        planes(depth, self.sampling.planes_per_voxel, self.borders)
     }
 
     /// Number of phases, `rays_per_voxel` squared.
@@ -273,12 +306,42 @@ const fn first_bad([x, y, z]: [u32; 3], most: u32) -> Option<u32> {
     }
 }
 
-/// Whole voxels that a ray travels in so many planes, rounded up, and its origin: back by as much where it travels up.
-const fn reach(step: Step, planes: u32) -> (u32, i32) {
+/// Sample planes of so many slices: one in each slice and those between, or one in the middle of each segment.
+const fn planes(depth: u32, rate: u32, borders: Borders) -> u32 {
+    match borders {
+        Borders::Whole => (depth - 1) * rate + 1,
+        Borders::Cells => depth * rate,
+        Borders::Nodes => (depth - 1) * rate,
+    }
+}
+
+/// Pixels of the base plane along a side of so many voxels, and where the first of them starts.
+const fn reach(step: Step, side: u32, planes: u32, sampling: Sampling, borders: Borders) -> (u32, i32) {
+    let cells = match borders {
+        Borders::Whole => return whole_reach(step, side, planes - 1),
+        Borders::Cells => true,
+        Borders::Nodes => false,
+    };
+    // In units of 2^-33 voxel: where the ray that starts at 0 begins, from the box's low face, how far it goes, and the box.
+    let (step, rate, n) = (step.to_bits(), sampling.planes_per_voxel, sampling.rays_per_voxel);
+    let begin = if cells { (1 << 32) - rate as i64 * step } else { 0 };
+    let total = 2 * step * planes as i64;
+    let side = (side as i64 - !cells as i64) << 33;
+    let (up, down) = if total > 0 { (total, 0) } else { (0, total) };
+    // The last phase of the first pixel, and the first of the last one, meet the box.
+    let last_phase = 2 * ratio(n as u64 - 1, 1, n) as i64;
+    let first = -((begin + up + last_phase) >> 33);
+    let last = (side - begin - down) >> 33;
+    ((last - first + 1) as u32, first as i32)
+}
+
+/// A pixel per voxel, and one per whole voxel that a ray travels, rounded up; the first starts back by as much where it
+/// travels up.
+const fn whole_reach(step: Step, side: u32, planes: u32) -> (u32, i32) {
     let total = step.to_bits() * planes as i64;
     let voxels = (total.unsigned_abs() + 0xffff_ffff) >> 32;
     let origin = if total > 0 { -(voxels as i32) } else { 0 };
-    (voxels as u32, origin)
+    (side + voxels as u32, origin)
 }
 
 #[cfg(test)]

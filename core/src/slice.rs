@@ -4,6 +4,8 @@
 //! `width` voxels, every voxel is at most 4095, and every row's range is known (rows that classify to nothing are
 //! never read again).
 
+use core::ops::Range;
+
 use crate::format::VOXEL_MAX;
 use crate::lanes::{Lanes, Native};
 
@@ -175,6 +177,15 @@ impl<'a> Slice<'a> {
         }
     }
 
+    /// Some of its columns, with the ranges of whole rows.
+    pub(crate) fn columns(self, columns: Range<usize>) -> Self {
+        Self {
+            voxels: self.voxels.get(columns.start..).unwrap_or(&[]),
+            width: columns.len(),
+            ..self
+        }
+    }
+
     /// Voxels in a row.
     pub const fn width(&self) -> usize {
         self.width
@@ -222,6 +233,17 @@ impl<'a> Window<'a> {
             far: slice(z + 1),
             after: slice(z + 2),
         })
+    }
+
+    /// Some columns of all slices.
+    pub(crate) fn columns(self, columns: Range<usize>) -> Self {
+        let of = |slice: Slice<'a>| slice.columns(columns.clone());
+        Self {
+            before: self.before.map(of),
+            near: of(self.near),
+            far: self.far.map(of),
+            after: self.after.map(of),
+        }
     }
 
     /// The slice behind the plane, or the one before it where there is none (its weight is then zero).

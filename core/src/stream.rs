@@ -14,6 +14,7 @@ mod reserved;
 use core::ops::Range;
 
 pub use self::reserved::Reserved;
+use crate::borders::Borders;
 use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::Native;
 use crate::locate::plane;
@@ -132,6 +133,8 @@ pub enum StreamError {
         /// Rows of the image.
         rows: u32,
     },
+    /// A plan with exact borders, and a pipeline of segments between samples.
+    Borders,
     /// A slice has the wrong size or a voxel of more than 12 bits; it has not been taken.
     Slice(SliceError),
     /// All slices have been pushed.
@@ -153,6 +156,7 @@ impl core::fmt::Display for StreamError {
             Self::Band { first, end, rows } => {
                 write!(f, "a band from row {first} to {end}; the image has rows 0 to {rows}")
             }
+            Self::Borders => f.write_str("segments between samples take a plan with whole borders"),
             Self::Slice(error) => error.fmt(f),
             Self::Complete => f.write_str("all slices of the volume have been pushed"),
         }
@@ -190,7 +194,8 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// Begins a frame: checks the memory and clears the image.
     ///
     /// # Errors
-    /// [`StreamError::Memory`] for the first part that is too small.
+    /// [`StreamError::Memory`] for the first part that is too small, [`StreamError::Borders`] for segments in a plan of exact
+    /// borders.
     pub fn new(plan: Plan, pipeline: L, memory: Memory<'m, L::Element>) -> Result<Self, StreamError> {
         let [_, base_height] = plan.base();
         Self::band(plan, pipeline, memory, 0..base_height)
@@ -200,7 +205,8 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// the memory. The image that the stream keeps is the band's.
     ///
     /// # Errors
-    /// [`StreamError::Band`] if the band is empty or not inside the image, [`StreamError::Memory`] for the first part
+    /// [`StreamError::Band`] if the band is empty or not inside the image, [`StreamError::Borders`] for segments in a plan of
+    /// exact borders, [`StreamError::Memory`] for the first part
     /// that is too small.
     pub fn band(
         plan: Plan,
@@ -213,6 +219,9 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         if first >= end || end > base_height {
             let rows = base_height;
             return Err(StreamError::Band { first, end, rows });
+        }
+        if L::SLABS && plan.borders() != Borders::Whole {
+            return Err(StreamError::Borders);
         }
         let rows = end - first;
         let needs = Needs::of_band::<L>(&plan, rows);

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use slicecast::borders::Borders;
 use slicecast::classify::{colour_of_word, entry};
 use slicecast::cut::Cut;
 use slicecast::format::{Direction, Intensity, Step};
@@ -46,6 +47,8 @@ pub struct Frame {
     pub precision: PrecisionName,
     /// Whether samples lie at voxels.
     pub nearest: bool,
+    /// Where the volume ends.
+    pub borders: Borders,
     /// Table coding; `None` takes the precision's own.
     pub code: Option<AlphaCodeName>,
     /// Table look-up; `None` takes the precision's own.
@@ -95,6 +98,7 @@ impl Frame {
             blend: Blend::FrontToBack,
             precision: PrecisionName::Compact,
             nearest: false,
+            borders: Borders::Whole,
             code: None,
             lookup: None,
             early_termination: None,
@@ -117,6 +121,7 @@ impl Frame {
             image: slicecast_scene::Image::default(),
             sampling: slicecast_scene::Sampling::default(),
             interpolation: slicecast_scene::Interpolation::Linear,
+            borders: slicecast_scene::Borders::Whole,
             transfer: slicecast_scene::TransferFunction {
                 unit_distance: 1.0,
                 points: Vec::new(),
@@ -145,7 +150,7 @@ impl Frame {
             planes_per_voxel: self.planes_per_voxel,
             rays_per_voxel: self.rays_per_voxel,
         };
-        let plan = Plan::new(view, dims, spacing, sampling)?;
+        let plan = Plan::with_borders(view, dims, spacing, sampling, self.borders)?;
         Ok(if self.nearest { plan.with_nearest() } else { plan })
     }
 

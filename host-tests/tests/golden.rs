@@ -18,6 +18,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use slicecast::borders::Borders;
 use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
 use slicecast_engine::camera::Material;
@@ -181,6 +182,31 @@ fn frames() -> Vec<(&'static str, Frame)> {
             Frame {
                 factors: [32_768, 21_845, 10_923],
                 ..lit([500, 866, -174])
+            },
+        ),
+        (
+            "head-cells",
+            Frame {
+                borders: Borders::Cells,
+                rays_per_voxel: 2,
+                ..lit([500, 866, -174])
+            },
+        ),
+        (
+            "ripples-nodes",
+            Frame {
+                borders: Borders::Nodes,
+                planes_per_voxel: 3,
+                ..ripples.clone()
+            },
+        ),
+        (
+            "noise-cells-maximum",
+            Frame {
+                borders: Borders::Cells,
+                blend: Blend::Maximum,
+                direction: [300, -200, 1000],
+                ..noise.clone()
             },
         ),
         (

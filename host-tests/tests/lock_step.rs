@@ -6,6 +6,7 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
+use slicecast::borders::Borders;
 use slicecast::composite::{ChannelFormat, Pixel, Unorm16};
 use slicecast::format::Step;
 use slicecast::warp::{Warp, in_front_of};
@@ -25,7 +26,7 @@ use slicecast_scene::{Blend, PrecisionName};
 use std::cell::Cell;
 use std::sync::Arc;
 
-use super::frames::{frame, light};
+use super::frames::{borders_of, frame, light};
 
 /// One tile for the whole base plane.
 const WHOLE: usize = 1 << 20;
@@ -166,6 +167,7 @@ fn wide_frame() -> impl Strategy<Value = Frame> {
     ];
     (frame(), dims, filling, any::<u64>()).prop_map(|(frame, dims, filling, seed)| Frame {
         volume: Arc::new(volume(dims, filling, seed)),
+        borders: borders_of(frame.borders, dims),
         ..frame
     })
 }
@@ -377,23 +379,34 @@ fn thin_volumes_from_every_side() {
             [0, 1, -1],
             [3, -2, 1],
         ] {
-            for blend in [Blend::FrontToBack, Blend::BackToFront, Blend::Maximum, Blend::Minimum] {
+            let blends = [Blend::FrontToBack, Blend::BackToFront, Blend::Maximum, Blend::Minimum];
+            let all =
+                blends.map(|blend| [Borders::Whole, Borders::Cells, Borders::Nodes].map(|borders| (blend, borders)));
+            for (blend, borders) in all.into_iter().flatten() {
+                if borders_of(borders, dims) != borders {
+                    continue;
+                }
                 let frame = Frame {
                     direction,
                     blend,
+                    borders,
                     planes_per_voxel: 2,
                     material: Some(light(3, 1)),
                     precision: PrecisionName::ALL[frames % 3],
                     ..Frame::new(volume.clone(), table.clone())
                 };
                 if let Err(difference) = hold_together(&frame) {
-                    panic!("{dims:?} {direction:?} {blend:?} {:?}: {difference}", frame.precision);
+                    panic!(
+                        "{dims:?} {direction:?} {blend:?} {borders:?} {:?}: {difference}",
+                        frame.precision
+                    );
                 }
                 frames += 1;
             }
         }
     }
-    assert_eq!(frames, 8 * 11 * 4);
+    // Nodes of the only volume that is not thin.
+    assert_eq!(frames, (8 * 2 + 1) * 11 * 4);
 }
 
 /// A volume so long that a step's last bits matter, 16 planes per voxel, from both ends.

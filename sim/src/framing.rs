@@ -48,7 +48,7 @@ impl Framing {
     /// [`RenderError::Camera`] if a view or the volume's shape is not one that the pipeline takes.
     pub fn of(scenes: &[Scene], volume: &Volume, stated: Stated) -> Result<Self, RenderError> {
         let reach = scenes.iter().fold([0.0; 2], |[across, high]: [f64; 2], scene| {
-            let [a, h] = extent(&scene.view, volume.dims, volume.spacing);
+            let [a, h] = extent(scene, volume.dims, volume.spacing);
             [across.max(a), high.max(h)]
         });
         let mut framing = Self {
@@ -83,7 +83,7 @@ impl Framing {
     pub fn scene(&self, scene: &Scene, volume: &Volume) -> Scene {
         let mut framed = scene.clone();
         // A view that reaches less far is not magnified until it fills the picture.
-        let own = fitting_pixel(extent(&scene.view, volume.dims, volume.spacing), self.size);
+        let own = fitting_pixel(extent(scene, volume.dims, volume.spacing), self.size);
         framed.image.zoom *= own / fitting_pixel(self.reach, self.size);
         framed.image.size = Some(self.size);
         framed.sampling = self.sampling;
@@ -222,7 +222,7 @@ mod tests {
             let expected = fitting_pixel(framing.reach, framing.size) / 1.5;
             for scene in &turn {
                 let framed = framing.scene(scene, &volume);
-                let own = extent(&framed.view, volume.dims, volume.spacing);
+                let own = extent(&framed, volume.dims, volume.spacing);
                 let pixel = fitting_pixel(own, framing.size) / framed.image.zoom;
                 assert!((pixel / expected - 1.0).abs() < 1e-12);
             }

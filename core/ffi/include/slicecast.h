@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 // Version of the structures in this header. Write it to `slicecast_scene.version`.
-#define SLICECAST_VERSION 3
+#define SLICECAST_VERSION 4
 
 // Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 // ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
@@ -114,6 +114,10 @@
 // A colour or an opacity of surface `row` is above `needed`: `given`, 1.31.
 #define SLICECAST_FACE -31
 
+// The borders are none of 0 (whole), 1 (cells), 2 (nodes), or not 0 where segments are classified, or 2 and a side of the
+// volume is one voxel: `given`; `needed` is the largest accepted.
+#define SLICECAST_BORDERS -32
+
 // `precision` of the stages: widths and roundings of `paper`.
 #define SLICECAST_PAPER 0
 
@@ -212,6 +216,10 @@ typedef struct SlicecastScene {
   // 0: the value between voxels is linear between the eight around it; 1: it is that of the nearest voxel, halves up. Labels
   // are names and have nothing between them: they take 1.
   uint32_t interpolation;
+  // 0: the volume ends at its outermost voxels, and every sample counts as a whole step; 1: it ends half a voxel beyond
+  // them, and a sample counts by the part of its step inside; 2: likewise, but at the outermost voxels. Segments, surfaces
+  // and depths take 0.
+  uint32_t borders;
   // The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
   // opacity of one step along a ray in the highest (the high bytes of those that have a plane of low bytes).
   const uint32_t *entries;

@@ -78,6 +78,9 @@ pub const SLICECAST_SURFACE_ORDER: i32 = -29;
 pub const SLICECAST_SURFACE_VALUE: i32 = -30;
 /// A colour or an opacity of surface `row` is above `needed`: `given`, 1.31.
 pub const SLICECAST_FACE: i32 = -31;
+/// The borders are none of 0 (whole), 1 (cells), 2 (nodes), or not 0 where segments are classified, or 2 and a side of the
+/// volume is one voxel: `given`; `needed` is the largest accepted.
+pub const SLICECAST_BORDERS: i32 = -32;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]
@@ -156,6 +159,7 @@ impl From<PlanError> for SlicecastError {
             PlanError::RaysPerVoxel { given } => (SLICECAST_RAYS_PER_VOXEL, RAYS_PER_VOXEL_MAX, given),
             PlanError::Planes { given } => (SLICECAST_PLANES, PLANES_MAX, given),
             PlanError::Spacing { bits } => (SLICECAST_SPACING, 1 << 15, bits.into()),
+            PlanError::Thin => (SLICECAST_BORDERS, 1u16.into(), 2),
         };
         Self::numbers(code, needed.into(), given.into())
     }
@@ -233,6 +237,7 @@ impl From<StreamError> for SlicecastError {
         match error {
             StreamError::Memory { needed, given, .. } => Self::length(6, needed, given),
             StreamError::Band { end, rows, .. } => Self::numbers(SLICECAST_BAND, rows.into(), end.into()),
+            StreamError::Borders => Self::numbers(SLICECAST_BORDERS, 0, 1),
             StreamError::Complete => Self::numbers(SLICECAST_COMPLETE, 0, 0),
             StreamError::Slice(SliceError::Voxel { row, column, value }) => Self {
                 row: row as u32,

@@ -42,7 +42,7 @@ use core::ffi::c_void;
 use crate::instance::{Handle, Header};
 
 /// Version of the structures in this header. Write it to `slicecast_scene.version`.
-pub const SLICECAST_VERSION: u32 = 3;
+pub const SLICECAST_VERSION: u32 = 4;
 
 /// Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 /// ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.

@@ -1,5 +1,6 @@
 //! Scenes as C structures.
 
+use slicecast::borders::Borders;
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::precision::Precision;
@@ -11,7 +12,8 @@ use slicecast::view::View;
 use slicecast::warp::Warp;
 
 use crate::error::{
-    SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH, SlicecastError,
+    SLICECAST_BORDERS, SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH,
+    SlicecastError,
 };
 use crate::integrals::SlicecastIntegrals;
 use crate::surfaces::SlicecastSurface;
@@ -36,6 +38,10 @@ pub struct SlicecastScene {
     /// 0: the value between voxels is linear between the eight around it; 1: it is that of the nearest voxel, halves up. Labels
     /// are names and have nothing between them: they take 1.
     pub interpolation: u32,
+    /// 0: the volume ends at its outermost voxels, and every sample counts as a whole step; 1: it ends half a voxel beyond
+    /// them, and a sample counts by the part of its step inside; 2: likewise, but at the outermost voxels. Segments, surfaces
+    /// and depths take 0.
+    pub borders: u32,
     /// The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
     /// opacity of one step along a ray in the highest (the high bytes of those that have a plane of low bytes).
     pub entries: *const u32,
@@ -163,7 +169,13 @@ impl SlicecastScene {
             rays_per_voxel: self.rays_per_voxel,
         };
         let spacing = Spacing(self.spacing.map(Intensity::from_bits));
-        let plan = Plan::new(view, self.dims, spacing, sampling)?;
+        let borders = match self.borders {
+            0 => Borders::Whole,
+            1 => Borders::Cells,
+            2 => Borders::Nodes,
+            given => return Err(SlicecastError::numbers(SLICECAST_BORDERS, 2, given.into())),
+        };
+        let plan = Plan::with_borders(view, self.dims, spacing, sampling, borders)?;
         match self.interpolation {
             0 => Ok(plan),
             1 => Ok(plan.with_nearest()),

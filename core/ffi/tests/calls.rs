@@ -3,6 +3,7 @@
 use core::ffi::c_void;
 use core::ptr::{null, null_mut};
 
+use slicecast::borders::Borders;
 use slicecast::classify::{Classifier, Colour16, Linear, PointTable, Sqrt16, entry};
 use slicecast::composite::FrontToBack;
 use slicecast::composite::Unorm16;
@@ -69,6 +70,7 @@ impl Data {
             planes_per_voxel: 2,
             rays_per_voxel: 2,
             interpolation: 0,
+            borders: 0,
             entries: self.entries.as_ptr(),
             low_roots: self.low.as_ptr(),
             low_colours: self.low_colours.as_ptr().cast(),
@@ -231,6 +233,30 @@ fn nearest_samples_are_those_of_rust() {
 }
 
 #[test]
+fn exact_borders_are_those_of_rust() {
+    let data = Data::new();
+    let whole = from_rust(&data);
+    for (number, borders) in [(1, Borders::Cells), (2, Borders::Nodes)] {
+        let exact = |plan: Plan| {
+            let [factors, dims] = [
+                plan.view().restore(plan.spacing()).map(|f| f.to_bits() as u32),
+                plan.view().restore(plan.dims()),
+            ];
+            let spacing = Spacing(factors.map(|f| Intensity::from_bits(f as u16)));
+            Plan::with_borders(*plan.view(), dims, spacing, plan.sampling(), borders).unwrap()
+        };
+        let table = PointTable::<Sqrt16, Linear>::new(&data.entries, &data.low);
+        let rust = from_rust_over(&data, table, exact);
+        let scene = SlicecastScene {
+            borders: number,
+            ..data.scene()
+        };
+        assert_eq!(render_scene(slicecast_compact_lit(), &data, scene, 0, 0), rust);
+        assert_ne!(rust, whole, "borders that change nothing prove nothing");
+    }
+}
+
+#[test]
 fn bands_are_the_whole() {
     let data = Data::new();
     let whole = render(slicecast_compact_lit(), &data, 0, 0);
@@ -362,6 +388,14 @@ fn misused_arguments_are_named_with_numbers() {
             open(memory, needs.bytes, &between, 0, 0),
             (SLICECAST_INTERPOLATION, 0, 1, 2)
         );
+        let nowhere = SlicecastScene { borders: 3, ..scene };
+        assert_eq!(open(memory, needs.bytes, &nowhere, 0, 0), (SLICECAST_BORDERS, 0, 2, 3));
+        let thin = SlicecastScene {
+            dims: [7, 1, 5],
+            borders: 2,
+            ..scene
+        };
+        assert_eq!(open(memory, needs.bytes, &thin, 0, 0), (SLICECAST_BORDERS, 0, 1, 2));
         let bare = SlicecastScene {
             entries: null(),
             ..scene

@@ -120,6 +120,7 @@ fn scene(direction: [i64; 3], lighting: &SlicecastLighting, integrals: &Slicecas
         planes_per_voxel: 2,
         rays_per_voxel: 2,
         interpolation: 0,
+        borders: 0,
         entries: null(),
         low_roots: null(),
         low_colours: null(),
@@ -367,6 +368,10 @@ fn what_is_no_table_of_segments_is_refused_with_numbers() {
         ..good
     };
     assert_eq!(open(&bare), (SLICECAST_NULL, 2, 0, 0, 0, 0));
+    for borders in [1, 2] {
+        let exact = SlicecastScene { borders, ..good };
+        assert_eq!(open(&exact), (SLICECAST_BORDERS, 0, 0, i64::from(borders), 0, 0));
+    }
     let nearest = SlicecastScene {
         interpolation: 1,
         ..good

@@ -4,9 +4,9 @@ use core::marker::PhantomData;
 
 use super::blocks::Blocks;
 use super::canvas::{AllFinished, Canvas, Image};
-use super::extent::Extent;
+use super::extent::{Extent, Parts};
 use super::fold::{WholeRows, fold};
-use super::kept::Kept;
+use super::kept::{Kept, KeptRows};
 use super::kernels::{ClassifierRows, Kernels, ShaderRows};
 use super::probe::Probes;
 use super::scratch::{self, BATCH, BATCH_WIDTH, BatchRows, Scratch, ScratchError};
@@ -21,6 +21,7 @@ use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
 use crate::shade::Shader;
+use crate::slice::Window;
 use crate::tap::Tap;
 
 /// Alpha compositing of classified, perhaps shaded samples.
@@ -53,6 +54,136 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         let floor = pixel.one().bits().checked_shr(bits).unwrap_or(0);
         self.floor = ChannelOf::<P>::from_bits(floor).max(pixel.floor());
         self
+    }
+}
+
+impl<P, C, S, O> Composite<P, C, S, O>
+where
+    P: Precision,
+    C: Classifier<P>,
+    S: Shader<P>,
+    O: Order,
+{
+    /// Folds the samples of an extent, or the segments between them and those of the extent in front.
+    #[inline(always)]
+    fn fold_extent<V: Lanes>(
+        &self,
+        at: &At<'_>,
+        (extent, behind): (&Extent, &Window<'_>),
+        before: Option<(&Extent, [KeptRows<'_>; 2])>,
+        rows: Rows<'_, ChannelOf<P>>,
+        (scratch, spare): (Scratch<'_, i32>, &mut [i32]),
+        tap: Option<&mut dyn Tap>,
+    ) {
+        let At {
+            plan,
+            plane,
+            window,
+            seen,
+            reading,
+        } = at;
+        let Scratch {
+            mut source,
+            mut front,
+            front_gradients,
+            mut batch,
+        } = scratch;
+        let base_width = plan.base()[0] as usize;
+        let Some(count) = rows.data.len().checked_div(4 * base_width) else {
+            return;
+        };
+        let n = extent.columns.len();
+        if n == 0 {
+            return;
+        }
+        let (precision, first) = (self.precision, rows.first);
+        let mut canvas = Image::<P::Pixel, O, V>::new(
+            (first, rows.data),
+            base_width,
+            extent,
+            plane.index,
+            (precision.pixel(), self.floor),
+        );
+        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fraction(extent.fraction);
+        let shader = Kernels::<S, P, V>::of(&self.shader, precision);
+        let spacing = plan.spacing();
+        // Two constants, before which no code for blocks is compiled.
+        if !V::SMALL
+            && let Some(seen) = seen
+        {
+            let probes = Probes::<P, V> {
+                extent,
+                window: behind,
+                spacing,
+                precision,
+                lanes: PhantomData,
+            };
+            let [rows, columns] = &mut source.z;
+            let lists = [part_mut(rows, 0..BATCH), part_mut(columns, 0..BATCH)];
+            let ([back, ..], [ahead, ..]) = (&mut source.samples, &mut front.samples);
+            let samples = [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)];
+            let [ahead, back] = &mut front.z;
+            let (spare_rows, spare_columns) = spare.split_at_mut(spare.len().min(BATCH));
+            let stored = [
+                [spare_rows, spare_columns],
+                [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)],
+            ];
+            let slabs;
+            let probes: &dyn SourceAt<i32> = match &before {
+                Some((before, _)) if C::SLABS => {
+                    slabs = SlabProbes {
+                        front: Probes {
+                            extent: before,
+                            window,
+                            ..probes
+                        },
+                        back: probes,
+                    };
+                    &slabs
+                }
+                _ => &probes,
+            };
+            let mut blocks = Blocks::new(
+                *seen,
+                extent,
+                (first, count),
+                V::COUNT,
+                probes,
+                (lists, samples, stored),
+            );
+            fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
+            return;
+        }
+        batch.opacities = part_mut(batch.opacities, 0..n);
+        let (support, met) = (self.classifier.support(), extent.met(first, count));
+        let around = (extent, behind);
+        if C::SLABS {
+            let Some((before, [front_kept, kept])) = before else {
+                return;
+            };
+            let sheared = Sheared::<P, V, S>::new(precision, extent, behind, spacing, source, kept);
+            let ahead = Sheared::<P, V, S>::new(precision, before, window, spacing, front, front_kept);
+            let mut slabs = Slabs::new([ahead, sheared], [before, extent], front_gradients);
+            let before = Some((before, window));
+            if V::SMALL {
+                let mut rows = WholeRows::new(plane, around, before, support, &mut slabs, met, None);
+                fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+            } else {
+                let source: &mut dyn Source<i32> = &mut slabs;
+                let mut rows = WholeRows::new(plane, around, before, support, source, met, *reading);
+                fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+            }
+            return;
+        }
+        let mut sheared = Sheared::<P, V, S>::new(precision, extent, behind, spacing, source, KeptRows::default());
+        if V::SMALL {
+            let mut rows = WholeRows::new(plane, around, None, support, &mut sheared, met, None);
+            fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+        } else {
+            let source: &mut dyn Source<i32> = &mut sheared;
+            let mut rows = WholeRows::new(plane, around, None, support, source, met, *reading);
+            fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+        }
     }
 }
 
@@ -125,139 +256,59 @@ where
         mut tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
         let At {
-            plan,
-            plane,
-            window,
-            seen,
-            reading,
+            plan, plane, window, ..
         } = at;
         // Small machines have no whole volume at hand, and observers see whole rows.
-        let seen = seen.filter(|_| !V::SMALL && tap.is_none());
+        let seen = at.seen.filter(|_| !V::SMALL && tap.is_none());
         let [mut width, _, _] = plan.dims();
         if seen.is_some() {
             width = width.max(BATCH_WIDTH);
         }
-        let blocks = seen.is_some();
-        let (scratch, spare) = scratch::with_spare(scratch, Self::SCRATCH, width, blocks)?;
-        let Scratch {
-            mut source,
-            mut front,
-            front_gradients,
-            mut batch,
-        } = Scratch::cut(scratch, Self::SCRATCH, width, !V::SMALL)?;
+        let (scratch, spare) = scratch::with_spare(scratch, Self::SCRATCH, width, seen.is_some())?;
         if let Some(tap) = &mut tap {
             tap.plane(plane);
         }
-        let (plane_in_front, extents);
+        let at = &At { seen, ..*at };
+        let Rows { first, data } = rows;
         // Behind the first plane there is no slab; a constant, without which no code for slabs is compiled.
-        let (extent, behind, before) = if C::SLABS {
+        if C::SLABS {
             let Some(index) = plane.index.checked_sub(1) else {
                 return Ok(());
             };
-            plane_in_front = locate::plane(plan, plane.phase, index);
-            extents = Extent::of_slab(plan, [&plane_in_front, plane]);
-            let [front, back] = extents;
+            let plane_in_front = locate::plane(plan, plane.phase, index);
+            let [front, back] = Extent::of_slab(plan, [&plane_in_front, plane]);
             let Some(behind) = window_behind(window, [&front, &back], S::LIT) else {
                 return Ok(());
             };
-            (back, behind, Some(front))
-        } else {
-            (Extent::of(plan, plane), *window, None)
-        };
-        let base_width = plan.base()[0] as usize;
-        let Some(count) = rows.data.len().checked_div(4 * base_width) else {
-            return Ok(());
-        };
-        let n = extent.columns.len();
-        if n == 0 {
+            let memory = (Scratch::cut(scratch, Self::SCRATCH, width, !V::SMALL)?, spare);
+            let kept = match kept {
+                Some(kept) if !V::SMALL => kept.of(plane.index, [&front, &back]),
+                _ => Default::default(),
+            };
+            let (slab, rows) = (Some((&front, kept)), Rows { first, data });
+            self.fold_extent::<V>(at, (&back, &behind), slab, rows, memory, tap);
             return Ok(());
         }
-        let (precision, first) = (self.precision, rows.first);
-        let mut canvas = Image::<P::Pixel, O, V>::new(
-            (first, rows.data),
-            base_width,
-            &extent,
-            plane.index,
-            (precision.pixel(), self.floor),
-        );
-        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision);
-        let shader = Kernels::<S, P, V>::of(&self.shader, precision);
-        let spacing = plan.spacing();
-        // Two constants, before which no code for blocks is compiled.
-        if !V::SMALL
-            && let Some(seen) = seen
-        {
-            let probes = Probes::<P, V> {
-                extent: &extent,
-                window: &behind,
-                spacing,
-                precision,
-                lanes: PhantomData,
-            };
-            let [rows, columns] = &mut source.z;
-            let lists = [part_mut(rows, 0..BATCH), part_mut(columns, 0..BATCH)];
-            let ([back, ..], [ahead, ..]) = (&mut source.samples, &mut front.samples);
-            let samples = [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)];
-            let [ahead, back] = &mut front.z;
-            let (spare_rows, spare_columns) = spare.split_at_mut(spare.len().min(BATCH));
-            let stored = [
-                [spare_rows, spare_columns],
-                [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)],
-            ];
-            let slabs;
-            let probes: &dyn SourceAt<i32> = match &before {
-                Some(before) if C::SLABS => {
-                    slabs = SlabProbes {
-                        front: Probes {
-                            extent: before,
-                            window,
-                            ..probes
-                        },
-                        back: probes,
-                    };
-                    &slabs
-                }
-                _ => &probes,
-            };
-            let mut blocks = Blocks::new(
-                seen,
-                &extent,
-                (first, count),
-                V::COUNT,
-                probes,
-                (lists, samples, stored),
+        for (extent, window, whole_rows) in Parts::of(plan, plane, window) {
+            let memory = (
+                Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?,
+                &mut *spare,
             );
-            fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
-            return Ok(());
-        }
-        batch.opacities = part_mut(batch.opacities, 0..n);
-        let (support, met) = (self.classifier.support(), extent.met(first, count));
-        let [front_rows, rows] = match (kept, &before) {
-            (Some(kept), Some(before)) if !V::SMALL => kept.of(plane.index, [before, &extent]),
-            _ => Default::default(),
-        };
-        let mut sheared = Sheared::<P, V, S>::new(precision, &extent, &behind, spacing, source, rows);
-        let around = (&extent, &behind);
-        if C::SLABS {
-            let Some(before) = &before else { return Ok(()) };
-            let ahead = Sheared::<P, V, S>::new(precision, before, window, spacing, front, front_rows);
-            let mut slabs = Slabs::new([ahead, sheared], [before, &extent], front_gradients);
-            let before = Some((before, window));
-            if V::SMALL {
-                let mut rows = WholeRows::new(plane, around, before, support, &mut slabs, met, None);
-                fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
-            } else {
-                let source: &mut dyn Source<i32> = &mut slabs;
-                let mut rows = WholeRows::new(plane, around, before, support, source, met, *reading);
-                fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
-            }
-        } else if V::SMALL {
-            let mut rows = WholeRows::new(plane, around, None, support, &mut sheared, met, None);
-            fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
-        } else {
-            let source: &mut dyn Source<i32> = &mut sheared;
-            let mut rows = WholeRows::new(plane, around, None, support, source, met, *reading);
-            fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+            // Blocks are counted along whole rows.
+            let at = &At {
+                seen: seen.filter(|_| whole_rows),
+                reading: at.reading.filter(|_| whole_rows),
+                ..*at
+            };
+            let tap: Option<&mut dyn Tap> = match &mut tap {
+                Some(tap) => Some(*tap),
+                None => None,
+            };
+            let rows = Rows {
+                first,
+                data: &mut *data,
+            };
+            self.fold_extent::<V>(at, (&extent, &window), None, rows, memory, tap);
         }
         Ok(())
     }

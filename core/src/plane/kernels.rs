@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 
+use crate::borders::{WHOLE, fraction_row};
 use crate::classify::{Classifier, Slab};
 use crate::composite::Colours;
 use crate::lanes::{Kernel, Lanes};
@@ -36,11 +37,16 @@ pub(super) trait ShaderRows<W> {
 }
 
 /// A classifier or shader in a precision, compiled for lanes.
-pub(super) struct Kernels<'a, T, P, V>(&'a T, P, PhantomData<V>);
+pub(super) struct Kernels<'a, T, P, V>(&'a T, P, u32, PhantomData<V>);
 
 impl<'a, T, P, V> Kernels<'a, T, P, V> {
     pub(super) const fn of(slot: &'a T, precision: P) -> Self {
-        Self(slot, precision, PhantomData)
+        Self(slot, precision, WHOLE, PhantomData)
+    }
+
+    /// The opacities of this fraction of each step.
+    pub(super) fn of_fraction(self, fraction: u32) -> Self {
+        Self(self.0, self.1, fraction, PhantomData)
     }
 }
 
@@ -53,7 +59,10 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
 
     #[inline(always)]
     fn opacity_row(&self, slab: Slab<'_>, out: &mut [i32]) {
-        V::enter((OpacityRow, self, slab, out));
+        V::enter((OpacityRow, self, slab, &mut *out));
+        if self.2 < WHOLE {
+            V::enter((FractionRow, PhantomData::<V>, out, self.2));
+        }
     }
 
     #[inline(always)]
@@ -83,6 +92,18 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> Kernel for (OpacityRow, &Kernels<
     fn run(self) {
         let (_, kernels, slab, out) = self;
         kernels.0.opacity_row::<V>(kernels.1, slab, out);
+    }
+}
+
+struct FractionRow;
+
+impl<V: Lanes> Kernel for (FractionRow, PhantomData<V>, &mut [i32], u32) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, opacities, fraction) = self;
+        fraction_row::<V>(opacities, fraction);
     }
 }
 

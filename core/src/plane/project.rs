@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use super::extent::Extent;
+use super::extent::Parts;
 use super::kept::{Kept, KeptRows};
 use super::scratch::{self, Scratch, ScratchError};
 use super::source::{Sheared, Source};
@@ -63,42 +63,42 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
     ) -> Result<(), ScratchError> {
         let (plan, plane) = (at.plan, &at.plane);
         let [width, _, _] = plan.dims();
-        let Scratch { source, .. } = Scratch::cut(scratch, Self::SCRATCH, width, !V::SMALL)?;
+        let (scratch, _) = scratch::with_spare(scratch, Self::SCRATCH, width, false)?;
         if let Some(tap) = &mut tap {
             tap.plane(plane);
         }
-        let extent = Extent::of(plan, plane);
         let base_width = plan.base()[0] as usize;
         let Some(count) = rows.data.len().checked_div(base_width) else {
             return Ok(());
         };
-        if extent.columns.is_empty() {
-            return Ok(());
-        }
-        let mut source = Sheared::<P, V, Unlit>::new(
-            self.precision,
-            &extent,
-            &at.window,
-            plan.spacing(),
-            source,
-            KeptRows::default(),
-        );
-        for row in extent.met(rows.first, count) {
-            let voxel_row = extent.voxel_row(row);
-            source.make(voxel_row);
-            let samples = source.slab(voxel_row).back;
-            if let Some(tap) = &mut tap {
-                let beam = Beam {
-                    plane,
-                    row,
-                    column: extent.columns.start as u32,
-                    part: 0,
-                };
-                tap.row(Stage::Interpolation, beam, &[&samples]);
+        // A sample counts as one, however little of its segment lies in the volume.
+        for (extent, window, _) in Parts::of(plan, plane, &at.window) {
+            let Scratch { source, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
+            let mut source = Sheared::<P, V, Unlit>::new(
+                self.precision,
+                &extent,
+                &window,
+                plan.spacing(),
+                source,
+                KeptRows::default(),
+            );
+            for row in extent.met(rows.first, count) {
+                let voxel_row = extent.voxel_row(row);
+                source.make(voxel_row);
+                let samples = source.slab(voxel_row).back;
+                if let Some(tap) = &mut tap {
+                    let beam = Beam {
+                        plane,
+                        row,
+                        column: extent.columns.start as u32,
+                        part: 0,
+                    };
+                    tap.row(Stage::Interpolation, beam, &[&samples]);
+                }
+                let start = (row - rows.first) as usize * base_width;
+                let columns = start + extent.columns.start..start + extent.columns.end;
+                V::enter((Keep, PhantomData::<(X, V)>, part_mut(&mut *rows.data, columns), samples));
             }
-            let start = (row - rows.first) as usize * base_width;
-            let columns = start + extent.columns.start..start + extent.columns.end;
-            V::enter((Keep, PhantomData::<(X, V)>, part_mut(rows.data, columns), samples));
         }
         Ok(())
     }

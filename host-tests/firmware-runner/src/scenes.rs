@@ -346,7 +346,7 @@ impl Named {
         for (scene, entries) in [("scene", "entries"), ("scene_wide", "entries_wide")] {
             let _ = writeln!(
                 out,
-                "static const SlicecastScene {scene} = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, 0, {entries}, low_roots, \
+                "static const SlicecastScene {scene} = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, 0, 0, {entries}, low_roots, \
                  low_colours, &lighting, 0, 0, 0}};",
                 list(&self.volume.dims),
                 list(&n.direction),

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
+use slicecast::borders::Borders;
 use slicecast::format::{Coefficient, Opacity, Vector};
 use slicecast::shade::{Highlight, Light};
 use slicecast::surface::{Face, Surface, VALUE_MAX};
@@ -156,14 +157,24 @@ fn blend() -> impl Strategy<Value = Blend> {
     ]
 }
 
+/// Borders that a volume can have: there is nothing between the first and the last of one voxel.
+pub fn borders_of(borders: Borders, dims: [usize; 3]) -> Borders {
+    match borders {
+        Borders::Nodes if dims.contains(&1) => Borders::Cells,
+        borders => borders,
+    }
+}
+
 /// Any small frame, in `Compact`: the tests go through the precisions themselves.
 pub fn frame() -> impl Strategy<Value = Frame> {
+    let borders = prop_oneof![2 => Just(Borders::Whole), 1 => Just(Borders::Cells), 1 => Just(Borders::Nodes)];
     let shape = (
         dims(),
         filling(),
         any::<u64>(),
         direction(),
         prop::array::uniform3(factor()),
+        borders,
     );
     let rates = (
         prop_oneof![2 => Just(1u32), 2 => 1u32..=4, 1 => 5u32..=16],
@@ -186,9 +197,10 @@ pub fn frame() -> impl Strategy<Value = Frame> {
         segments,
     );
     (shape, rates, look).prop_map(|(shape, rates, look)| {
-        let (dims, filling, seed, direction, factors) = shape;
+        let (dims, filling, seed, direction, factors, borders) = shape;
         let (planes_per_voxel, rays_per_voxel) = rates;
         let (points, material, blend, code, lookup, early_termination, segments) = look;
+        let borders = borders_of(borders, dims);
         Frame {
             volume: Arc::new(volume(dims, filling, seed)),
             direction,
@@ -200,10 +212,12 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             blend,
             precision: PrecisionName::Compact,
             nearest: seed & 7 == 5,
+            borders,
             code,
             lookup,
             early_termination,
-            segments,
+            // Exact borders are of samples.
+            segments: segments.filter(|_| borders == Borders::Whole),
         }
     })
 }

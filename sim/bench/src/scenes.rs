@@ -69,6 +69,7 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         table: None,
         lookup: None,
         interpolation: slicecast_scene::Interpolation::Linear,
+        borders: slicecast_scene::Borders::Whole,
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
         pieces: 1,

@@ -72,7 +72,8 @@ pub struct Split {
 /// how many are done.
 ///
 /// # Errors
-/// [`RenderError`] if the scene is a projection, which integrates nothing.
+/// [`RenderError`] if the scene is a projection, which integrates nothing, or has exact borders: the integral is of what lies
+/// between the outermost voxels.
 pub fn split(
     prepared: &Prepared<'_>,
     comparison: &Comparison,
@@ -81,6 +82,7 @@ pub fn split(
     if !matches!(prepared.scene.blend, Blend::FrontToBack | Blend::BackToFront) {
         return Err(RenderError::Projection);
     }
+    prepared.check_whole()?;
     let exact = model(prepared, ModelPositions::Exact);
     let size = exact.lattice().size;
     let begun = AtomicUsize::new(0);

@@ -16,12 +16,14 @@ use slicecast_engine::tiles::Tile;
 use slicecast_model::gradient::normalise;
 use slicecast_model::shade::{Lights, ResolvedLight};
 use slicecast_model::{Classified, Model, Part, Pixel, between};
-use slicecast_scene::Blend;
+use slicecast_scene::{Blend, Borders};
 
 /// What the model knows of a sample of the current plane.
 #[derive(Clone, Debug)]
 struct Sample {
     value: f64,
+    /// What of its segment lies in the volume.
+    fraction: f64,
     /// The sample, or the parts of the segment that ends at it.
     parts: Vec<Known>,
 }
@@ -325,13 +327,15 @@ impl<'a> Lockstep<'a> {
                     after: pixel,
                 }
             };
-            let parts = self.model.parts(front, value);
+            let fraction = place.fraction;
+            let parts = self.model.parts(front, value).into_iter();
+            let parts: Vec<Part> = parts.map(|part| part.of_fraction(fraction)).collect();
             let parts = if self.blend == Blend::BackToFront {
                 parts.iter().rev().map(&mut known).collect()
             } else {
                 parts.iter().map(&mut known).collect()
             };
-            self.samples[index] = Some(Sample { value, parts });
+            self.samples[index] = Some(Sample { value, fraction, parts });
             self.pixels[index] = pixel;
         }
     }
@@ -374,7 +378,9 @@ impl Tap for Lockstep<'_> {
     fn plane(&mut self, plane: &Plane) {
         let (u, v) = self.full(plane, 0, 0);
         let geometry = self.model.geometry();
-        let exact = geometry.position(self.model.lattice(), plane.index as usize, u, v);
+        let mut exact = geometry.position(self.model.lattice(), plane.index as usize, u, v);
+        // The pixel's own place is held to the voxels when it is sampled, the plane's already.
+        exact[2] = geometry.held(exact)[2];
         for (fixed, exact) in [plane.x, plane.y, plane.z].into_iter().zip(exact) {
             let error = f64::from(fixed.to_bits()) / 65536.0 - exact;
             // The tiles of a phase share their planes: count each once.
@@ -408,7 +414,24 @@ impl Lockstep<'_> {
     /// The model's part of the row's own samples, if it has one of that number.
     fn part(&self, offset: usize, number: u32) -> Option<Part> {
         let parts = self.model.parts(self.fronts.get(offset).copied(), self.values[offset]);
-        parts.into_iter().find(|part| part.number == number)
+        let part = parts.into_iter().find(|part| part.number == number)?;
+        Some(
+            match (&self.samples[self.row + offset], self.model.geometry().borders) {
+                (Some(sample), _) => part.of_fraction(sample.fraction),
+                (None, Borders::Whole) => part,
+                // The model's ray misses the box.
+                (None, _) => part.of_fraction(0.0),
+            },
+        )
+    }
+
+    /// The pipeline's own position of a sample, held to the voxels.
+    fn held_position(&self, at: Beam<'_>, offset: usize) -> [f64; 3] {
+        let position = fixed_position(at, offset);
+        match self.model.geometry().borders {
+            Borders::Whole => position,
+            _ => self.model.geometry().held(position),
+        }
     }
 
     /// The pipeline's own position of a sample on the plane in front, where segments are classified.
@@ -429,7 +452,7 @@ impl Lockstep<'_> {
         for (offset, [bits]) in values(rows) {
             let fixed = f64::from(bits) / self.scales.sample_one;
             self.values.push(fixed);
-            let local = fixed - self.model.value_at(fixed_position(at, offset));
+            let local = fixed - self.model.value_at(self.held_position(at, offset));
             let carried = self.samples[self.row + offset].as_ref().map(|s| fixed - s.value);
             self.add(Stage::Interpolation, local, carried);
         }
@@ -472,7 +495,7 @@ impl Lockstep<'_> {
         for (offset, gradient) in values::<3>(rows) {
             let fixed = gradient.map(|g| f64::from(g) / self.scales.sample_one);
             self.gradients.push(fixed);
-            let mut difference = self.model.difference_at(fixed_position(at, offset));
+            let mut difference = self.model.difference_at(self.held_position(at, offset));
             if let Some(front) = self.front_position(at, offset) {
                 let part = self.part(self.index(at) + offset - self.row, at.part);
                 let crossing = part.and_then(|part| part.crossing);

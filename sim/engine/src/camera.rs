@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use slicecast::borders;
 use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
@@ -11,7 +12,7 @@ use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
 
 use slicecast_scene::check::shown;
-use slicecast_scene::{CameraAxes, Frame, Highlight, Interpolation, Light, Lighting, Scene, View as SceneView};
+use slicecast_scene::{Borders, CameraAxes, Frame, Highlight, Interpolation, Light, Lighting, Scene};
 use slicecast_volume::Volume;
 
 /// A scene that the pipeline cannot take.
@@ -90,7 +91,12 @@ pub fn plan(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> Result<Plan, 
         rays_per_voxel: scene.sampling.rays_per_voxel,
     };
     let dims = dims.map(|side| u32::try_from(side).unwrap_or(u32::MAX));
-    let plan = Plan::new(view, dims, Spacing(spacing.map(factor)), sampling)?;
+    let borders = match scene.borders {
+        Borders::Whole => borders::Borders::Whole,
+        Borders::Cells => borders::Borders::Cells,
+        Borders::Nodes => borders::Borders::Nodes,
+    };
+    let plan = Plan::with_borders(view, dims, Spacing(spacing.map(factor)), sampling, borders)?;
     Ok(match scene.interpolation {
         Interpolation::Linear => plan,
         Interpolation::Nearest => plan.with_nearest(),
@@ -203,10 +209,14 @@ pub struct Picture {
     pub affine: [[f64; 2]; 3],
 }
 
-/// How far the corners of a volume reach from one end to the other, across the picture and up it, as lengths.
-pub fn extent(view: &SceneView, dims: [usize; 3], spacing: [f64; 3]) -> [f64; 2] {
-    let CameraAxes { right, up, .. } = view.axes();
-    let sides = [0, 1, 2].map(|a| (dims[a].max(2) - 1) as f64 * spacing[a]);
+/// How far the corners of a scene's volume reach from one end to the other, across the picture and up it, as lengths.
+pub fn extent(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> [f64; 2] {
+    let CameraAxes { right, up, .. } = scene.view.axes();
+    let voxels = |side: usize| match scene.borders {
+        Borders::Whole | Borders::Nodes => side.max(2) - 1,
+        Borders::Cells => side,
+    };
+    let sides = [0, 1, 2].map(|a| voxels(dims[a]) as f64 * spacing[a]);
     [right, up].map(|axis| (0..3).map(|a| sides[a] * axis[a].abs()).sum())
 }
 
@@ -235,7 +245,7 @@ pub fn picture(scene: &Scene, plan: &Plan, dims: [usize; 3], spacing: [f64; 3]) 
     let [ni, nj, nk] = plan.dims().map(f64::from);
     let rays = f64::from(plan.sampling().rays_per_voxel);
 
-    let extent = extent(&scene.view, dims, spacing);
+    let extent = extent(scene, dims, spacing);
     let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min) / rays;
     let [width, height] = scene.image.size.unwrap_or_else(|| size_at(extent, finest));
     if !(1..=PICTURE_SIDE_MAX).contains(&width) || !(1..=PICTURE_SIDE_MAX).contains(&height) {

@@ -37,6 +37,14 @@ pub enum RenderError {
         /// The scene's setting, as a scene file has it.
         asked: &'static str,
     },
+    /// Exact borders, where whole ones are needed: the converged integral and exported vectors know no others.
+    #[error(
+        "this command knows whole borders, and the scene asks for others (sampling.borders = {asked}); use --borders whole"
+    )]
+    WholeOnly {
+        /// The scene's setting, as a scene file has it.
+        asked: &'static str,
+    },
     /// A projection has no integral.
     #[error("a projection keeps one sample a ray; the converged integral is that of a composited scene")]
     Projection,

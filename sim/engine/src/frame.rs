@@ -1,5 +1,6 @@
 //! A scene on a volume, and the frame that it renders to.
 
+use slicecast::borders::Borders;
 use slicecast::integral::Length;
 use slicecast_scene::{Classification, Scene};
 use slicecast_volume::Volume;
@@ -93,6 +94,18 @@ impl<'a> Prepared<'a> {
                 asked: "\"auto\", which chose them",
             }),
             (Some(_), _) => Err(RenderError::PointsOnly { asked: "\"integral\"" }),
+        }
+    }
+
+    /// For what knows whole borders alone.
+    ///
+    /// # Errors
+    /// [`RenderError::WholeOnly`] if the scene has others.
+    pub fn check_whole(&self) -> Result<(), RenderError> {
+        match self.setup.plan.borders() {
+            Borders::Whole => Ok(()),
+            Borders::Cells => Err(RenderError::WholeOnly { asked: "\"cells\"" }),
+            Borders::Nodes => Err(RenderError::WholeOnly { asked: "\"nodes\"" }),
         }
     }
 

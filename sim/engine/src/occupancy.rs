@@ -8,6 +8,7 @@
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
+use slicecast::borders::Borders;
 use slicecast::classify::Support;
 use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
@@ -58,7 +59,12 @@ impl Looks {
 
     fn of_planes(plan: &Plan) -> Self {
         let [_, _, step] = plan.step();
-        if step.frac() == 0 { Self::Slices } else { Self::Planes }
+        // Of nodes, planes lie in the middle between slices.
+        if step.frac() == 0 && plan.borders() != Borders::Nodes {
+            Self::Slices
+        } else {
+            Self::Planes
+        }
     }
 }
 

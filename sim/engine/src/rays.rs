@@ -1,6 +1,6 @@
 //! The pipeline's definitions, applied to one ray at a time: what every row kernel, layer and vector has to equal.
 //!
-//! Only core's scalar definitions are used: `position`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`,
+//! Only core's scalar definitions are used: `position` and `middle`, `Side::part`, `fraction_of`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`,
 //! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which
 //! voxels they are given follows from the contract and is written here once more: no rows, no ring, no spans, no reuse.
 //! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
@@ -9,12 +9,13 @@
 mod grid;
 
 use rayon::prelude::*;
+use slicecast::borders::{Borders, Side, WHOLE, fraction_of};
 use slicecast::classify::Classifier;
 use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
 use slicecast::format::{Opacity, Position, Step, Weight};
 use slicecast::gradient::{coarsen, space};
 use slicecast::interpolate::trilinear;
-use slicecast::locate::{Cell, cell, position, settled};
+use slicecast::locate::{Cell, cell, middle, position, settled};
 use slicecast::normalise::{Normal, normalise};
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Depth, NO_DEPTH};
@@ -231,10 +232,11 @@ impl<'a, P: Precision> Rays<'a, P> {
         }
     }
 
-    /// Cells of a ray's sample on a plane, or `None` outside the volume.
+    /// Cells of a ray's sample on a plane and the fraction of its segment in the volume, or `None` outside.
     #[inline(always)]
-    fn locate<W: Witness>(&self, ray: &Ray, step: u32, witness: &mut W) -> Option<(Cells, Visit)> {
-        let positions = self.positions(ray, self.index(step));
+    fn locate<W: Witness>(&self, ray: &Ray, step: u32, witness: &mut W) -> Option<(Cells, Visit, u32)> {
+        let index = self.index(step);
+        let positions = self.positions(ray, index);
         let visit = Visit {
             step,
             phase: ray.phase,
@@ -243,7 +245,12 @@ impl<'a, P: Precision> Rays<'a, P> {
             part: 0,
         };
         witness.location(step, visit.phase, positions.map(Position::to_bits));
-        Some((self.cells(ray, positions)?, visit))
+        if self.plan.borders() == Borders::Whole {
+            return Some((self.cells(ray, positions)?, visit, WHOLE));
+        }
+        let part = |axis: usize, pixel| Side::of(self.plan, ray.start[axis], axis, index).part(pixel);
+        let fraction = part(0, ray.column).fraction(part(1, ray.row));
+        (fraction > 0).then(|| (self.held(ray, positions), visit, fraction))
     }
 
     /// Where the first pixel of a ray's phase lies on a plane.
@@ -251,8 +258,28 @@ impl<'a, P: Precision> Rays<'a, P> {
     fn positions(&self, ray: &Ray, index: u32) -> [Position; 3] {
         let [si, sj, sk] = self.plan.step();
         let [start_i, start_j] = ray.start;
-        [(start_i, si), (start_j, sj), (Step::ZERO, sk)]
-            .map(|(start, step)| settled(self.plan, position(start, step, index)))
+        let halves = 2 * i64::from(index) + 1;
+        let rate = i64::from(self.plan.sampling().planes_per_voxel);
+        let [x, y, z] = [(start_i, si), (start_j, sj), (Step::ZERO, sk)].map(|(start, step)| {
+            let at = match self.plan.borders() {
+                Borders::Whole => position(start, step, index),
+                Borders::Nodes => middle(start, step, halves),
+                Borders::Cells => middle(start, step, halves - rate),
+            };
+            settled(self.plan, at)
+        });
+        let last = self.grid.last[2] << 16;
+        [x, y, Position::from_bits(z.to_bits().clamp(0, last))]
+    }
+
+    /// The cells of a ray's sample, held to the voxels.
+    fn held(&self, ray: &Ray, positions: [Position; 3]) -> Cells {
+        let [x, y, z] = positions.map(|position| i64::from(position.to_bits()));
+        let own = [x + (i64::from(ray.column) << 16), y + (i64::from(ray.row) << 16), z];
+        [0, 1, 2].map(|axis| {
+            let last = i64::from(self.grid.last[axis]) << 16;
+            cell(Position::from_bits(own[axis].clamp(0, last) as i32))
+        })
     }
 
     /// The cells of a ray's sample, or `None` outside the volume.
@@ -289,7 +316,7 @@ impl<'a, P: Precision> Rays<'a, P> {
         let (p, recurrence) = (self.precision, self.precision.pixel());
         let mut pixel = recurrence.clear();
         for step in 0..self.plan.planes() {
-            let Some((cells, at)) = self.locate(ray, step, witness) else {
+            let Some((cells, at, fraction)) = self.locate(ray, step, witness) else {
                 continue;
             };
             let inner = self.grid.is_inner(cells);
@@ -317,7 +344,7 @@ impl<'a, P: Precision> Rays<'a, P> {
                 let part = if BACK_TO_FRONT { parts - 1 - turn } else { turn };
                 let opacity = match segment {
                     Some((segments, ends)) => segments.part_opacity(p, ends, part),
-                    None => self.table.opacity(p, sample),
+                    None => fraction_of(self.table.opacity(p, sample), fraction),
                 };
                 if !W::EVERYTHING && opacity.to_bits() == 0 {
                     continue;
@@ -372,7 +399,7 @@ impl<'a, P: Precision> Rays<'a, P> {
     fn projected<X: Extreme, W: Witness>(&self, ray: &Ray, witness: &mut W) -> Pixel<ChannelOf<P>> {
         let mut kept = X::EMPTY;
         for step in 0..self.plan.planes() {
-            if let Some((cells, at)) = self.locate(ray, step, witness) {
+            if let Some((cells, at, _)) = self.locate(ray, step, witness) {
                 let sample = self.sample::<false>(cells);
                 kept = X::keep(kept, sample);
                 witness.sample(at, sample, None);

@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Write};
 
+use slicecast::borders::Borders;
 use slicecast::format::{Coefficient, Intensity, Step, Vector};
 use slicecast_scene::{AlphaCodeName, Blend};
 
@@ -95,7 +96,7 @@ fn scene(numbers: &Numbers<'_>, name: &str, pipeline: &str) -> String {
     let _ = write!(
         out,
         "
-/* The scene: version, dims, direction, spacing factors, planes and rays per voxel, interpolation, table, lights; no
+/* The scene: version, dims, direction, spacing factors, planes and rays per voxel, interpolation, borders, table, lights; no
    integrals: segments have a table of their own, which `slicecast table` writes; no surfaces. */
 static const SlicecastScene {lower} = {{
     SLICECAST_VERSION,
@@ -105,6 +106,7 @@ static const SlicecastScene {lower} = {{
     {planes},
     {rays},
     {nearest},
+    {borders},
     {lower}_table,
     {low},
     {lighting},
@@ -139,6 +141,11 @@ static const uint16_t {lower}_background[3] = {background};
         planes = sampling.planes_per_voxel,
         rays = sampling.rays_per_voxel,
         nearest = u8::from(plan.is_nearest()),
+        borders = match plan.borders() {
+            Borders::Whole => 0,
+            Borders::Cells => 1,
+            Borders::Nodes => 2,
+        },
         parts = numbers
             .needs
             .bytes()

@@ -1,6 +1,7 @@
 //! The numbers as a list: name, format, width, unit, order, values.
 
 use serde::Serialize;
+use slicecast::borders::Borders;
 use slicecast::format::{Intensity, Step};
 use slicecast::view::Axis;
 use slicecast_engine::table::Table;
@@ -139,6 +140,17 @@ pub fn of_scene(numbers: &Numbers<'_>) -> Vec<Quantity> {
             "1: samples lie at voxels",
             "",
             [u8::from(plan.is_nearest())],
+        ),
+        quantity(
+            "borders",
+            ("2.0", 2),
+            "0 whole, 1 cells, 2 nodes",
+            "",
+            [match plan.borders() {
+                Borders::Whole => 0u8,
+                Borders::Cells => 1,
+                Borders::Nodes => 2,
+            }],
         ),
         quantity(
             "major_axis",

@@ -2,6 +2,7 @@
 
 use std::fmt::{Debug, Write};
 
+use slicecast::borders::Borders;
 use slicecast::format::{Intensity, Step};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 
@@ -175,6 +176,12 @@ fn geometry(out: &mut String, numbers: &Numbers<'_>) {
     let spacing = from_bits("Intensity", plan.view().restore(plan.spacing()).map(Intensity::to_bits));
     let (dims, sampling) = (plan.view().restore(plan.dims()), plan.sampling());
     let nearest = if plan.is_nearest() { ".with_nearest()" } else { "" };
+    let made = match plan.borders() {
+        Borders::Whole => ("new", ""),
+        Borders::Cells => ("with_borders", ", slicecast::borders::Borders::Cells"),
+        Borders::Nodes => ("with_borders", ", slicecast::borders::Borders::Nodes"),
+    };
+    let (new, borders) = made;
     let step = plan.step().map(Step::to_bits);
     let ([columns, rows], [oi, oj]) = (plan.base(), plan.origin());
     let _ = write!(
@@ -195,7 +202,7 @@ pub const SAMPLING: Sampling = Sampling {{
 
 /// The geometry.
 #[rustfmt::skip]
-pub const PLAN: Plan = match Plan::new(VIEW, {dims:?}, Spacing({spacing}), SAMPLING) {{
+pub const PLAN: Plan = match Plan::{new}(VIEW, {dims:?}, Spacing({spacing}), SAMPLING{borders}) {{
     Ok(plan) => plan{nearest},
     Err(_) => panic!(\"sizes, spacing or rates are out of range\"),
 }};

@@ -2,6 +2,7 @@
 //! bits.
 
 use serde_json::Value;
+use slicecast::borders::Borders;
 use slicecast::classify::{AlphaCode, Classifier, Colour16, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::{BackToFront, Channel as _, ChannelFormat, FrontToBack, Recurrence, Unorm16};
 use slicecast::format::{Direction, Intensity, Step};
@@ -109,7 +110,8 @@ impl Read {
             rays_per_voxel: self.one("rays_per_voxel"),
         };
         let spacing = Spacing(self.array("spacing_factors").map(Intensity::from_bits));
-        let plan = Plan::new(view, self.array("dims"), spacing, sampling).unwrap();
+        let borders = [Borders::Whole, Borders::Cells, Borders::Nodes][self.one("borders") as usize];
+        let plan = Plan::with_borders(view, self.array("dims"), spacing, sampling, borders).unwrap();
         assert_eq!(plan.dims(), self.array::<u32, 3>("slice_dims"));
         assert_eq!(plan.step().map(Step::to_bits), self.array::<i64, 3>("step"));
         assert_eq!(plan.origin(), self.array::<i32, 2>("origin"));
@@ -341,6 +343,8 @@ fn scenes_read_back_from_json_have_the_engines_bits() {
             s.sampling.rays_per_voxel = 3;
         }),
         turned(10.0, 0.0, |s| s.interpolation = Interpolation::Nearest),
+        turned(20.0, 15.0, |s| s.borders = slicecast_scene::Borders::Cells),
+        turned(-20.0, 15.0, |s| s.borders = slicecast_scene::Borders::Nodes),
     ];
     for (number, scene) in cases.iter().enumerate() {
         let prepared = Prepared::new(scene, &volume).unwrap();

@@ -29,7 +29,7 @@ fn warps_of_devices_are_the_hosts_but_for_low_bits() {
                 roll: f64::from(azimuth) / 3.0,
             };
             let setup = set_up(&scene, &volume).unwrap();
-            let pixel = fitting_pixel(extent(&scene.view, volume.dims, volume.spacing), size);
+            let pixel = fitting_pixel(extent(&scene, volume.dims, volume.spacing), size);
             let voxels = |axis: [f64; 3], sign: f64| {
                 let exact = [0, 1, 2].map(|a| sign * axis[a] * pixel / volume.spacing[a]);
                 exact.map(|c| Step::from_bits((c * 4_294_967_296.0).round() as i64))

@@ -26,6 +26,15 @@ impl Classified {
         opacity: 0.0,
     };
 
+    /// The same of a step of which a fraction lies in the volume; a whole one is left as it is.
+    pub fn of_fraction(self, fraction: f64) -> Self {
+        match fraction {
+            0.0 => Self { opacity: 0.0, ..self },
+            1.0.. => self,
+            _ => self.shared(fraction),
+        }
+    }
+
     /// The same over a share of the length.
     pub fn shared(self, share: f64) -> Self {
         Self {

@@ -12,7 +12,7 @@
 //! i and j are the two other axes of the volume in increasing order, never flipped. It may be left-handed, so only
 //! scalar products may be taken in it.
 
-use slicecast_scene::Sampling;
+use slicecast_scene::{Borders, Sampling};
 
 /// Half a unit of a 16.16 number: exact positions this far outside a face count as on it, because a position rounded
 /// to 16.16 would have been.
@@ -38,6 +38,8 @@ pub struct Geometry {
     pub planes_per_voxel: usize,
     /// Rays per voxel along i and along j.
     pub rays_per_voxel: usize,
+    /// Where the volume ends.
+    pub borders: Borders,
 }
 
 /// The base plane's pixels: which rays exist.
@@ -89,7 +91,13 @@ impl Geometry {
             spacing: order.map(|a| spacing[a]),
             planes_per_voxel: sampling.planes_per_voxel as usize,
             rays_per_voxel: sampling.rays_per_voxel as usize,
+            borders: Borders::Whole,
         }
+    }
+
+    /// The same view of a volume that ends elsewhere.
+    pub fn with_borders(self, borders: Borders) -> Self {
+        Self { borders, ..self }
     }
 
     /// The major axis of the volume: 0 = x, 1 = y, 2 = z.
@@ -97,9 +105,19 @@ impl Geometry {
         self.order[2]
     }
 
-    /// Number of sample planes: `(D - 1) * planes_per_voxel + 1`.
+    /// Number of sample planes: `(D - 1) * planes_per_voxel + 1`, or one per segment of the box.
     pub fn planes(&self) -> usize {
-        (self.dims[2] - 1) * self.planes_per_voxel + 1
+        let slabs = |slices| slices * self.planes_per_voxel;
+        match self.borders {
+            Borders::Whole => slabs(self.dims[2] - 1) + 1,
+            Borders::Cells => slabs(self.dims[2]),
+            Borders::Nodes => slabs(self.dims[2] - 1),
+        }
+    }
+
+    /// How far the box reaches beyond the outermost voxels, voxels.
+    fn beyond(&self) -> f64 {
+        if self.borders == Borders::Cells { 0.5 } else { 0.0 }
     }
 
     /// World length of a ray between two sample planes, in the volume's unit:
@@ -118,9 +136,24 @@ impl Geometry {
 
     /// The smallest lattice of whole voxels that holds every ray meeting the volume.
     ///
+    /// Of cells: the whole voxels around all places of k = 0 whose rays meet the box.
+    ///
     /// Along i: origin `-ceil((D - 1) s)` if s > 0, else 0; `W + ceil((D - 1) |s|)` voxel columns of
     /// `rays_per_voxel` pixels each. Along j alike. The ceilings forgive 1e-9.
     pub fn natural_lattice(&self) -> Lattice {
+        if self.borders == Borders::Cells {
+            // From its front face to its back face a ray moves D s, half a voxel of it before k = 0.
+            let places = [0, 1].map(|a| {
+                let (s, last) = (self.shear[a], self.dims[a] as f64 - 0.5);
+                let (front, back) = (-0.5 * s, (self.dims[2] as f64 - 0.5) * s);
+                [-0.5 - front.max(back), last - front.min(back)]
+            });
+            let bounds = places.map(|[low, high]| [(low + CEIL_TOLERANCE).floor(), (high - CEIL_TOLERANCE).ceil()]);
+            return Lattice {
+                origin: bounds.map(|[low, _]| low as i64),
+                size: bounds.map(|[low, high]| self.rays_per_voxel * ((high - low) as usize + 1)),
+            };
+        }
         let margin = |s: f64| ((self.dims[2] - 1) as f64 * s.abs() - CEIL_TOLERANCE).ceil().max(0.0) as usize;
         let origin = self.shear.map(|s| if s > 0.0 { -(margin(s) as i64) } else { 0 });
         let size = [0, 1].map(|a| self.rays_per_voxel * (self.dims[a] + margin(self.shear[a])));
@@ -128,13 +161,42 @@ impl Geometry {
     }
 
     /// Where the ray of pixel (u, v) meets a sample plane, unrounded and whether inside the volume or not:
-    /// `z = plane / r`, `x = o_i + u / n + z s_i`, `y = o_j + v / n + z s_j`. Voxels.
+    /// `z = plane / r`, `x = o_i + u / n + z s_i`, `y = o_j + v / n + z s_j`; with exact borders z is the middle of the
+    /// segment. Voxels.
     pub fn position(&self, lattice: Lattice, plane: usize, u: usize, v: usize) -> [f64; 3] {
-        let z = plane as f64 / self.planes_per_voxel as f64;
+        let middle = if self.borders == Borders::Whole { 0.0 } else { 0.5 };
+        let z = (plane as f64 + middle) / self.planes_per_voxel as f64 - self.beyond();
         let along = |axis: usize, pixel: usize| {
             lattice.origin[axis] as f64 + pixel as f64 / self.rays_per_voxel as f64 + z * self.shear[axis]
         };
         [along(0, u), along(1, v), z]
+    }
+
+    /// What of a ray's segment lies in the box, 0 to 1, from where its middle lies: between the entries into its pairs of
+    /// faces and the exits from them. With [`Borders::Whole`] everything is inside.
+    pub fn fraction(&self, middle: [f64; 3]) -> f64 {
+        if self.borders == Borders::Whole {
+            return 1.0;
+        }
+        let (mut from, mut to) = (-0.5f64, 0.5f64);
+        for ((at, shear), side) in middle.into_iter().zip(self.shear).zip(self.dims) {
+            let (low, high) = (-self.beyond(), (side - 1) as f64 + self.beyond());
+            let step = shear / self.planes_per_voxel as f64;
+            if step == 0.0 {
+                if !(low..=high).contains(&at) {
+                    return 0.0;
+                }
+                continue;
+            }
+            let [a, b] = [low, high].map(|face| (face - at) / step);
+            (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
+        }
+        (to - from).max(0.0)
+    }
+
+    /// A position held to the voxels.
+    pub fn held(&self, position: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|a| position[a].clamp(0.0, (self.dims[a] - 1) as f64))
     }
 
     /// The position itself if it lies in the volume (faces included), else `None`. For positions that are already

@@ -10,7 +10,7 @@ use super::rays::{Geometry, Lattice};
 use super::segment::Bins;
 use super::shade::Lights;
 use super::warp::ModelImage;
-use slicecast_scene::{Blend, Classification, Interpolation, Scene};
+use slicecast_scene::{Blend, Borders, Classification, Interpolation, Scene};
 use slicecast_volume::Volume;
 
 /// A segment is cut into pieces if its depth is more than this (docs/contract/surfaces.md).
@@ -71,6 +71,8 @@ pub struct Place {
     pub position: [f64; 3],
     /// The one on the plane in front, where a segment ends at this one.
     pub front: Option<[f64; 3]>,
+    /// What of the sample's own segment lies in the volume, 0 to 1.
+    pub fraction: f64,
 }
 
 /// Everything about one sample, stage by stage.
@@ -147,6 +149,7 @@ impl<'a> Model<'a> {
     /// As [`Geometry::new`].
     pub fn geometry_of(scene: &Scene, volume: &Volume) -> Geometry {
         Geometry::new(scene.view.axes().forward, volume.dims, volume.spacing, scene.sampling)
+            .with_borders(scene.borders)
     }
 
     /// The same model with other lights, for instance a pipeline's rounded ones; `None` is unlit.
@@ -174,7 +177,8 @@ impl<'a> Model<'a> {
         self.lights.as_ref()
     }
 
-    /// Where the ray of pixel (u, v) is sampled on a plane, voxels along i, j, k; `None` outside the volume.
+    /// Where the ray of pixel (u, v) is sampled on a plane, voxels along i, j, k; `None` outside the volume. With exact
+    /// borders: where a part of its segment is inside, and held to the voxels.
     pub fn position(&self, plane: usize, u: usize, v: usize) -> Option<[f64; 3]> {
         // Halves up; what is at a voxel stays there.
         let settled = |position: [f64; 3]| {
@@ -184,6 +188,14 @@ impl<'a> Model<'a> {
                 position
             }
         };
+        if self.geometry.borders != Borders::Whole {
+            let exact = self.geometry.position(self.lattice, plane, u, v);
+            let at = match &self.positions {
+                Positions::Exact => exact,
+                Positions::Given(position) => position(plane, u, v),
+            };
+            return (self.geometry.fraction(exact) > 0.0).then(|| self.geometry.held(settled(at)));
+        }
         match &self.positions {
             Positions::Exact => {
                 self.geometry
@@ -201,7 +213,14 @@ impl<'a> Model<'a> {
             Segmented::Not => None,
             _ => Some(self.position(plane.checked_sub(1)?, u, v)?),
         };
-        Some(Place { position, front })
+        let fraction = self
+            .geometry
+            .fraction(self.geometry.position(self.lattice, plane, u, v));
+        Some(Place {
+            position,
+            front,
+            fraction,
+        })
     }
 
     /// The value at a position inside the volume, code units.
@@ -326,7 +345,10 @@ impl<'a> Model<'a> {
     pub fn sample(&self, plane: usize, u: usize, v: usize) -> Option<ModelSample> {
         let position = self.position(plane, u, v)?;
         let value = self.value_at(position);
-        let Classified { colour, opacity } = self.classify(value);
+        let fraction = self
+            .geometry
+            .fraction(self.geometry.position(self.lattice, plane, u, v));
+        let Classified { colour, opacity } = self.classify(value).of_fraction(fraction);
         let gradient = self.gradient_at(position);
         let normal = normalise(gradient);
         Some(ModelSample {
@@ -363,6 +385,7 @@ impl<'a> Model<'a> {
         let front = place.front.map(|at| self.value_at(at));
         let parts = self.parts(front, self.value_at(place.position)).into_iter();
         parts
+            .map(|part| part.of_fraction(place.fraction))
             .filter(|part| part.classified.opacity > 0.0)
             .map(|part| {
                 let Classified { colour, opacity } = part.classified;

@@ -66,6 +66,7 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         table: None,
         lookup: None,
         interpolation: slicecast_scene::Interpolation::Linear,
+        borders: slicecast_scene::Borders::Whole,
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
         pieces: 1,

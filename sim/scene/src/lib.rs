@@ -25,6 +25,8 @@ pub struct Scene {
     pub sampling: Sampling,
     /// The value between voxels.
     pub interpolation: Interpolation,
+    /// Where the volume ends, and what a sample at its borders counts.
+    pub borders: Borders,
     /// Colour and opacity of data values.
     pub transfer: TransferFunction,
     /// Lights and material; `None` is an unlit scene.
@@ -450,6 +452,19 @@ pub enum Interpolation {
     Linear,
     /// That of the nearest voxel: for labels, which are names.
     Nearest,
+}
+
+/// Where the volume ends, and what a sample at its borders counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Borders {
+    /// At the outermost voxels, of which every sample counts as a whole step.
+    #[default]
+    Whole,
+    /// Half a voxel beyond them, exactly: a sample counts by the part of its step inside.
+    Cells,
+    /// At them, exactly.
+    Nodes,
 }
 
 /// How a sample finds its table entry.

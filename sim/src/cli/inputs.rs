@@ -12,7 +12,7 @@ use slicecast_scene::check;
 use slicecast_scene::colour::hexadecimal;
 use slicecast_scene::import::Shading;
 use slicecast_scene::{
-    AlphaCodeName, Blend, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
+    AlphaCodeName, Blend, Borders, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
 };
 use slicecast_volume::choice::{Choice, NanRule, Series};
 use slicecast_volume::colours::Colours;
@@ -285,6 +285,13 @@ enum InterpolationArg {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
+enum BordersArg {
+    Whole,
+    Cells,
+    Nodes,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
 enum BlendArg {
     FrontToBack,
     BackToFront,
@@ -330,6 +337,11 @@ pub struct SceneArgs {
     /// The value between voxels; without it, the scene's. Labels are names, and are sampled nearest.
     #[arg(long)]
     interpolation: Option<InterpolationArg>,
+    /// Where the volume ends: at its outermost voxels, where each sample counts as a whole step (whole), or exactly, where
+    /// it counts by the part of its step inside: half a voxel beyond them (cells) or at them (nodes); without it, the
+    /// scene's. Exact borders are of classified samples.
+    #[arg(long)]
+    borders: Option<BordersArg>,
     /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum) of a named scene gets a grey
     /// ramp over the values that rays keep.
     #[arg(long)]
@@ -513,6 +525,13 @@ impl SceneArgs {
             scene.interpolation = match interpolation {
                 InterpolationArg::Linear => Interpolation::Linear,
                 InterpolationArg::Nearest => Interpolation::Nearest,
+            };
+        }
+        if let Some(borders) = self.borders {
+            scene.borders = match borders {
+                BordersArg::Whole => Borders::Whole,
+                BordersArg::Cells => Borders::Cells,
+                BordersArg::Nodes => Borders::Nodes,
             };
         }
         if let Some(blend) = self.blend {

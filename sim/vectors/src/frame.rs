@@ -111,9 +111,10 @@ fn extent(plan: &Plan, plane: &Plane) -> [Range<u32>; 2] {
 /// Renders a part of a frame under a tap.
 ///
 /// # Errors
-/// [`RenderError`] as for any frame, and if segments are classified: the sets have one sample an opacity.
+/// [`RenderError`] as for any frame, and if segments are classified or borders are exact: the sets have one sample an opacity.
 pub fn sets(prepared: &Prepared<'_>, part: &Part) -> Result<FrameSets, RenderError> {
     prepared.check_points()?;
+    prepared.check_whole()?;
     let plan = &prepared.setup.plan;
     let mut turned = Turned::new(prepared.volume, plan.view());
     let slices = turned.slices()?;

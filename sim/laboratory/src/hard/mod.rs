@@ -4,6 +4,7 @@
 //! has a limit where the contract, algebra or the study gives one; the others are there to be compared. Limits say where
 //! they come from.
 
+pub mod borders;
 pub mod compositing;
 pub mod extremes;
 pub mod gradients;
@@ -114,7 +115,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 10] = [
+    let groups: [Group; 11] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -125,6 +126,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         sampling::cases,
         segments::cases,
         surfaces::cases,
+        borders::cases,
     ];
     let mut cases = Vec::new();
     for (done, group) in groups.iter().enumerate() {

@@ -51,6 +51,7 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         table: None,
         lookup: None,
         interpolation: slicecast_scene::Interpolation::Linear,
+        borders: slicecast_scene::Borders::Whole,
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
         pieces: 1,

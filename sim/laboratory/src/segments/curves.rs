@@ -120,6 +120,7 @@ fn scene(transfer: TransferFunction) -> Scene {
         table: None,
         lookup: None,
         interpolation: slicecast_scene::Interpolation::Linear,
+        borders: slicecast_scene::Borders::Whole,
         early_termination: None,
         classification: Classification::Point,
         pieces: 1,

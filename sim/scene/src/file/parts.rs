@@ -9,8 +9,8 @@ use crate::check::{
 };
 use crate::colour::Colour;
 use crate::{
-    AlphaCodeName, Blend, Classification, Face, Frame, Highlight, Image, Interpolation, Light, Lighting, LookupName,
-    Point, PrecisionName, Sampling, Scene, Surface, TransferFunction, View,
+    AlphaCodeName, Blend, Borders, Classification, Face, Frame, Highlight, Image, Interpolation, Light, Lighting,
+    LookupName, Point, PrecisionName, Sampling, Scene, Surface, TransferFunction, View,
 };
 
 /// A whole scene file.
@@ -53,6 +53,7 @@ struct SamplingPart {
     planes_per_voxel: Option<i64>,
     rays_per_voxel: Option<i64>,
     interpolation: Option<Interpolation>,
+    borders: Option<Borders>,
 }
 
 #[derive(Deserialize)]
@@ -142,6 +143,7 @@ impl SceneFile {
             view: self.view.into_view(),
             image: self.image.into_image()?,
             interpolation: self.sampling.interpolation.unwrap_or_default(),
+            borders: self.sampling.borders.unwrap_or_default(),
             sampling: self.sampling.into_sampling()?,
             transfer,
             lighting: self.lighting.map(LightingPart::into_lighting).transpose()?,

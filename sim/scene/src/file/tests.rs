@@ -4,8 +4,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::{
-    AlphaCodeName, Blend, Classification, Face, Frame, Highlight, Interpolation, Lighting, LookupName, PrecisionName,
-    Sampling, Surface, View,
+    AlphaCodeName, Blend, Borders, Classification, Face, Frame, Highlight, Interpolation, Lighting, LookupName,
+    PrecisionName, Sampling, Surface, View,
 };
 
 const MINIMAL: &str = "[transfer]\npoints = [{ value = 0, colour = \"#ffffff\", opacity = 0.5 }]\n";
@@ -78,6 +78,7 @@ fn the_reference_states_every_field() {
         "planes_per_voxel",
         "rays_per_voxel",
         "interpolation",
+        "borders",
         "unit_distance",
         "points",
         "ambient",
@@ -112,7 +113,10 @@ fn the_reference_states_every_field() {
 fn what_is_left_out_has_its_default() {
     let scene = with("").unwrap();
     assert_eq!((scene.view, scene.image, scene.sampling), Default::default());
-    assert_eq!(scene.interpolation, Interpolation::Linear);
+    assert_eq!(
+        (scene.interpolation, scene.borders),
+        (Interpolation::Linear, Borders::Whole)
+    );
     assert_eq!((scene.lighting, scene.transfer.unit_distance), (None, 1.0));
     assert_eq!(
         (scene.blend, scene.precision),
@@ -126,13 +130,16 @@ fn what_is_left_out_has_its_default() {
 fn every_field_arrives() {
     let scene = with(
         "[view]\nroll = -5\n[image]\nsize = [3, 4]\nzoom = 2\nbackground = [0, 0.5, 1]\n\
-         [sampling]\nplanes_per_voxel = 16\nrays_per_voxel = 8\ninterpolation = \"nearest\"\n\
+         [sampling]\nplanes_per_voxel = 16\nrays_per_voxel = 8\ninterpolation = \"nearest\"\nborders = \"nodes\"\n\
          [lighting]\nexponent = 256\nhighlight = \"half-vector\"\n\
          [[lighting.lights]]\ndirection = [0, -3e200, 4e200]\nframe = \"volume\"\ncolour = \"#ff0000\"\n\
          [render]\nblend = \"minimum\"\nprecision = \"wide\"\ntable = \"sqrt8\"\nlookup = \"linear\"\nearly_termination = 20",
     )
     .unwrap();
-    assert_eq!(scene.interpolation, Interpolation::Nearest);
+    assert_eq!(
+        (scene.interpolation, scene.borders),
+        (Interpolation::Nearest, Borders::Nodes)
+    );
     assert_eq!(
         (scene.view.roll, scene.image.size, scene.image.zoom),
         (-5.0, Some([3, 4]), 2.0)
@@ -431,6 +438,10 @@ fn surfaces_are_read_with_their_defaults() {
         (
             "[[surface]]\nvalue = 1\n[sampling]\ninterpolation = \"nearest\"",
             "no [[surface]], and \"point\" with nearest interpolation",
+        ),
+        (
+            "[[surface]]\nvalue = 1\n[sampling]\nborders = \"cells\"",
+            "no [[surface]], and \"point\" with exact borders",
         ),
         (
             "[[surface]]\nvalue = 1\n[render]\nblend = \"maximum\"",

@@ -1,0 +1,239 @@
+//! Borders: how much of a ray's step lies in the volume.
+//!
+//! Source: LaMar, adaptive border sampling; `docs/contract/borders.md` has the ranges and the proof.
+//!
+//! A sample stands for a segment of its ray. With exact borders it lies in the middle of the segment, is held to the voxels,
+//! and counts by the fraction of the segment that lies in the box of the volume.
+//!
+//! | value | format | unit |
+//! |---|---|---|
+//! | front end of a segment, from the box's low face | s30.33 | voxels |
+//! | part of a segment, from .. to | 0.16, both ends included | segments |
+//! | fraction f | 0.16, 65536 is 1 | segments |
+//! | opacity, optical depth y | 1.31, u5.27 | light, powers of 2 |
+//!
+//! Rounding: nearest, parts halves up. The fractions of a ray add up to its length in segments within 1 ulp. Overflow: none
+//! inside a `Plan`. State: none.
+
+use core::ops::Range;
+
+use crate::exp2::absorbed;
+use crate::format::{Opacity, Step};
+use crate::lanes::{Lanes, Small, Wide as _, places};
+use crate::plan::Plan;
+
+/// Where the volume ends, and what a sample at its borders counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Borders {
+    /// Every sample between the first and the last voxel counts as a whole step, and none beyond: Squeeze.
+    #[default]
+    Whole,
+    /// The box of the voxels' cells, from half a voxel before the first to half a voxel behind the last.
+    Cells,
+    /// The box between the first and the last voxel, along each axis.
+    Nodes,
+}
+
+/// A whole segment, 0.16.
+pub const WHOLE: u32 = 1 << 16;
+
+/// The part of a segment that lies between two faces, 0.16; nothing if it ends before it begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Where it begins.
+    pub from: u32,
+    /// Where it ends.
+    pub to: u32,
+}
+
+impl Part {
+    /// All of it.
+    pub const WHOLE: Self = Self { from: 0, to: WHOLE };
+    /// Nothing.
+    pub const NONE: Self = Self { from: WHOLE, to: 0 };
+
+    /// The fraction that lies in this part and in another: between the faces of both axes.
+    pub const fn fraction(self, other: Self) -> u32 {
+        let from = if self.from > other.from { self.from } else { other.from };
+        let to = if self.to < other.to { self.to } else { other.to };
+        to.saturating_sub(from)
+    }
+}
+
+/// The segments of a plane along one axis, in units of 2^-33 voxel: pixel (0, 0)'s, and the box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Side {
+    /// The front end of pixel 0's segment, from the box's low face.
+    pub begin: i64,
+    /// From its front end to its back end.
+    pub length: i64,
+    /// The box, from face to face.
+    pub side: i64,
+}
+
+impl Side {
+    /// Along i (axis 0) or j (axis 1), for a phase that starts at `start`, on the plane with this number.
+    pub fn of(plan: &Plan, start: Step, axis: usize, index: u32) -> Self {
+        let (steps, dims) = (plan.step(), plan.dims());
+        let (step, side) = match (steps.get(axis), dims.get(axis)) {
+            (Some(step), Some(side)) => (step.to_bits(), i64::from(*side)),
+            _ => (0, 0),
+        };
+        let cells = plan.borders() == Borders::Cells;
+        // Cells begin half a voxel before the first slice, and before the first voxel.
+        let (halves, before) = if cells {
+            (
+                2 * i64::from(index) - i64::from(plan.sampling().planes_per_voxel),
+                1 << 32,
+            )
+        } else {
+            (2 * i64::from(index), 0)
+        };
+        Self {
+            begin: 2 * start.to_bits() + halves * step + before,
+            length: 2 * step,
+            side: (side - i64::from(!cells)) << 33,
+        }
+    }
+
+    /// The part of a pixel's segment between the faces. A segment along the faces is whole between them, and on them. This
+    /// function is the definition.
+    pub fn part(self, pixel: u32) -> Part {
+        let begin = self.begin + (i64::from(pixel) << 33);
+        let length = self.length.unsigned_abs();
+        if length == 0 {
+            return if 0 <= begin && begin <= self.side {
+                Part::WHOLE
+            } else {
+                Part::NONE
+            };
+        }
+        let (into, out) = if self.length > 0 {
+            (-begin, self.side - begin)
+        } else {
+            (begin - self.side, begin)
+        };
+        Part {
+            from: share(into, length),
+            to: share(out, length),
+        }
+    }
+}
+
+/// Which of a side's pixels have something of their segments between the faces, and which all of it.
+impl Side {
+    /// The lower end of pixel 0's segment, and its upper end.
+    fn ends(self) -> [i64; 2] {
+        [self.begin + self.length.min(0), self.begin + self.length.max(0)]
+    }
+
+    /// The pixels whose segments have a part between the faces.
+    pub(crate) fn touched(self, pixels: u32) -> Range<u32> {
+        if self.length == 0 {
+            return self.whole(pixels);
+        }
+        let [low, high] = self.ends();
+        among(pixels, 1 + (-high >> 33), -((low - self.side) >> 33))
+    }
+
+    /// The pixels whose segments lie between the faces.
+    pub(crate) fn whole(self, pixels: u32) -> Range<u32> {
+        let [low, high] = self.ends();
+        among(pixels, -(low >> 33), 1 + ((self.side - high) >> 33))
+    }
+}
+
+/// A range of pixels, as far as there are so many.
+fn among(pixels: u32, first: i64, end: i64) -> Range<u32> {
+    let held = |pixel: i64| pixel.max(0).min(i64::from(pixels)) as u32;
+    held(first)..held(end).max(held(first))
+}
+
+/// A distance along a segment of this length, at most 2^33, held to the segment, as its share.
+fn share(distance: i64, length: u64) -> u32 {
+    let held = (distance.max(0) as u64).min(length);
+    // Not 0: a segment has a length here.
+    ((held << 17) + length).checked_div(2 * length).unwrap_or(0) as u32
+}
+
+/// The largest error of [`opacity_of_fraction`], ulp of 1.31.
+pub const ERROR: f64 = 60.0;
+
+/// Coefficients of `-log2(1 - w / 2) / (w / 2)`, s1.30, the highest power first: the polynomial that meets it at Chebyshev
+/// nodes, within 2^-26.8.
+const COEFFICIENTS: [i32; 10] = [
+    0x0050_08cb,
+    -0x00e3_0ac4,
+    0x0169_eb60,
+    -0x00d9_effb,
+    0x00fb_b21c,
+    0x0103_2e9f,
+    0x02e8_7105,
+    0x07b1_4c36,
+    0x1715_4b06,
+    0x5c55_1d90,
+];
+
+/// `-log2` of a transparency above 0, 1.31: u5.27.
+#[inline(always)]
+fn depth<V: Lanes>(transparency: V) -> V {
+    let whole = transparency.leading_zeros().at_most(V::splat(31));
+    // m = 1 - u of the transparency times 2^(whole - 1); w = 2 u, 1.31.
+    let w = V::splat(0).wrapping_sub(transparency.shl_each(whole));
+    let half = w.shr_unsigned(1);
+    let [first, rest @ ..] = COEFFICIENTS;
+    let mut sum = V::splat(first);
+    for c in rest {
+        sum = sum.product_signed(half).shr_narrow(30).wrapping_add(V::splat(c));
+    }
+    let part = (w.product(sum) + V::Wide::splat(1 << 34)).shr(35).narrow();
+    ((whole - V::splat(1)) << 27).wrapping_add(part)
+}
+
+/// The opacity of a fraction of a segment, `1 - (1 - a)^f`, 1.31, at most a. What is opaque stays opaque. This function is
+/// the definition.
+///
+/// Range: a at most 2^31, f 1 to [`WHOLE`] (which changes nothing).
+#[inline(always)]
+pub fn opacity_of_fraction<V: Lanes>(opacity: V, fraction: u32) -> V {
+    if fraction >= WHOLE {
+        return opacity;
+    }
+    let one = V::splat(i32::MIN);
+    let transparency = one.wrapping_sub(opacity);
+    let y = depth(transparency).product(V::splat(fraction as i32)) + V::Wide::splat(1 << 18);
+    let left = one.wrapping_sub(absorbed(y.shr_narrow(19)));
+    // A depth is a whole number of 2^-24: the part of a very thin step would round to more than the step.
+    one.wrapping_sub(transparency.nonzero_then(left))
+        .at_most_unsigned(opacity)
+}
+
+/// [`opacity_of_fraction`] of one opacity.
+pub fn fraction_of(opacity: Opacity, fraction: u32) -> Opacity {
+    Opacity::from_bits(opacity_of_fraction(opacity.to_bits() as i32, fraction) as u32)
+}
+
+/// Applies [`opacity_of_fraction`] along a row.
+#[inline(always)]
+pub fn fraction_row<V: Lanes>(opacities: &mut [i32], fraction: u32) {
+    if V::SMALL {
+        return fraction_row_small(opacities, fraction);
+    }
+    for at in places::<V>(opacities.len()) {
+        opacity_of_fraction(V::load(opacities, at), fraction).store(opacities, at);
+    }
+}
+
+/// On a small machine invisible samples, most of them, are left alone; a pipeline has the code once.
+#[inline(never)]
+fn fraction_row_small(opacities: &mut [i32], fraction: u32) {
+    for opacity in opacities.iter_mut().filter(|opacity| **opacity != 0) {
+        let mut out = [0];
+        opacity_of_fraction(Small::splat(*opacity), fraction).store(&mut out, 0);
+        [*opacity] = out;
+    }
+}
+
+#[cfg(test)]
+mod tests;
