@@ -17,6 +17,7 @@ use slicecast_engine::image::{BaseImage, Frame};
 use slicecast_engine::picture::of_base;
 use slicecast_engine::shard::Shard;
 use slicecast_engine::simd::Simd;
+use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_laboratory::sweep;
 use slicecast_scene::PrecisionName;
 
@@ -71,7 +72,18 @@ struct Header {
     shard: [u32; 2],
     #[serde(flatten)]
     frame: Framed,
+    /// Of this line without it, and of the rows.
     crc32: u32,
+}
+
+impl Header {
+    /// The checksum of the header and these rows.
+    fn sum(&self, rows: &[u8]) -> u32 {
+        let mut sum = crc32fast::Hasher::new();
+        sum.update(format!("{:?} {:?}", self.shard, self.frame).as_bytes());
+        sum.update(rows);
+        sum.finalize()
+    }
 }
 
 /// What all shards of a frame have in common.
@@ -111,7 +123,7 @@ pub fn file(prepared: &Prepared<'_>, base: &BaseImage, shard: Shard) -> std::io:
             rows.extend(bits.iter().flat_map(|bits| bits.to_le_bytes()));
         }
     }
-    let header = Header {
+    let mut header = Header {
         slicecast_shard: VERSION,
         shard: [shard.number(), shard.count()],
         frame: Framed {
@@ -126,8 +138,9 @@ pub fn file(prepared: &Prepared<'_>, base: &BaseImage, shard: Shard) -> std::io:
             affine: picture.affine,
             background: prepared.scene.image.background,
         },
-        crc32: crc32fast::hash(&rows),
+        crc32: 0,
     };
+    header.crc32 = header.sum(&rows);
     let mut file = serde_json::to_vec(&header)?;
     file.push(b'\n');
     let mut encoder = ZlibEncoder::new(file, Compression::fast());
@@ -153,11 +166,19 @@ impl Merged {
         let (header, data) = header(file)?;
         let [number, count] = header.shard;
         let [width, height] = header.frame.size;
-        let shard = Shard::new(number, count).ok_or(ShardError::Damaged("a number above that of all shards"))?;
+        check(&header.frame)?;
+        let strips = height.div_ceil(header.frame.rays).div_ceil(TILE_ROWS);
+        let shard = Shard::new(number, count).filter(|_| count as usize <= strips);
+        let shard = shard.ok_or(ShardError::Damaged("its number, or that of all shards"))?;
         let known = self.given.iter().flatten().next().cloned();
+        let sum = header.crc32;
+        let own: Vec<usize> = shard.rows(height, header.frame.rays).collect();
+        let rows = inflate(data, own.len() * width * 16)?;
+        if header.sum(&rows) != sum {
+            return Err(ShardError::Damaged("its checksum is another"));
+        }
         match &self.frame {
             None => {
-                check(&header.frame)?;
                 self.planes = [(); 4].map(|()| vec![0; width * height]);
                 self.given = vec![None; count as usize];
                 self.frame = Some((header.frame, count));
@@ -168,12 +189,6 @@ impl Merged {
         if let Some(Some(first)) = self.given.get(number as usize - 1) {
             let first = first.clone();
             return Err(ShardError::Twice { number, count, first });
-        }
-        let rays = self.frame.as_ref().map_or(1, |(frame, _)| frame.rays);
-        let own: Vec<usize> = shard.rows(height, rays).collect();
-        let rows = inflate(data, own.len() * width * 16)?;
-        if crc32fast::hash(&rows) != header.crc32 {
-            return Err(ShardError::Damaged("its checksum is another"));
         }
         let mut words = rows.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
         for row in own {
@@ -382,6 +397,22 @@ mod tests {
         other[at] = if other[at] == b'1' { b'2' } else { b'1' };
         let damaged = merged.add("b", &other).unwrap_err();
         assert!(matches!(damaged, ShardError::Damaged(_)), "{damaged}");
+        // The first line: a background, and more shards than there are strips, which are no reason to allocate any.
+        let edited = |from: &str, to: &str| {
+            let text = two.iter().map(|byte| char::from(*byte)).collect::<String>();
+            assert!(text.contains(from), "{from}");
+            text.replacen(from, to, 1).chars().map(|c| c as u8).collect::<Vec<_>>()
+        };
+        let wrong = ShardError::Damaged("its checksum is another");
+        assert_eq!(
+            merged.add("b", &edited("\"background\":[0.0,", "\"background\":[0.5,")),
+            Err(wrong)
+        );
+        let many = ShardError::Damaged("its number, or that of all shards");
+        assert_eq!(
+            merged.add("b", &edited("\"shard\":[2,3]", "\"shard\":[2,4294967295]")),
+            Err(many)
+        );
         // A file that was refused can be given again, whole.
         merged.add("two", &two).unwrap();
         let missing = ShardError::Missing {

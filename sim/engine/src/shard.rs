@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_row_has_one_share() {
+    fn every_row_has_one_shard() {
         for (height, n, count) in [(1, 1, 1), (100, 1, 3), (200, 2, 4), (1000, 4, 8)] {
             let mut times = vec![0; height];
             for number in 1..=count {

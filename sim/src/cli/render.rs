@@ -61,10 +61,12 @@ pub struct Args {
 impl Args {
     /// Renders the picture.
     pub fn run(self) -> Result<(), Failure> {
-        if let Some(shard) = self.shard {
-            return self.run_shard(shard);
-        }
-        let target = Target::checked(&self.output, vec![self.output.clone()], self.force)?;
+        let target = if self.shard.is_some() {
+            self.check_shard()?;
+            None
+        } else {
+            Some(Target::checked(&self.output, vec![self.output.clone()], self.force)?)
+        };
         check_free(&self.depth_map, self.force)?;
         if self.depth_map.as_ref() == Some(&self.output) {
             return Err(Failure::input(
@@ -74,7 +76,10 @@ impl Args {
         let mut loaded = self.volume.load()?;
         let mut chosen = self.scene.choose(&self.volume, &loaded)?;
         self.picture.apply(&mut chosen.scene);
-        let legend = self.legend(&target, &chosen, &loaded)?;
+        let legend = match &target {
+            Some(target) => self.legend(target, &chosen, &loaded)?,
+            None => Vec::new(),
+        };
         if let Some(note) = thicken(&mut loaded.volume) {
             eprintln!("note: {note}");
         }
@@ -85,6 +90,10 @@ impl Args {
         if let Some(note) = visibility::fineness(&prepared) {
             eprintln!("note: {note}");
         }
+        let target = match (target, self.shard) {
+            (Some(target), _) => target,
+            (None, shard) => return self.write_shard(&prepared, shard.unwrap_or(Shard::ALL)),
+        };
         let layer = if self.stream {
             Layer::Stream
         } else {
@@ -112,44 +121,32 @@ impl Args {
         Ok(())
     }
 
-    /// Renders a shard into its file.
-    fn run_shard(self, shard: Shard) -> Result<(), Failure> {
+    /// The file of a shard, found fit to be written before there is anything to write.
+    fn check_shard(&self) -> Result<(), Failure> {
         if self.output.extension().and_then(OsStr::to_str) != Some("shard") {
             return Err(Failure::input(format!(
                 "{}: with --shard a shard is written, expected a name that ends in .shard",
                 self.output.display()
             )));
         }
-        check_free([&self.output], self.force)?;
-        let mut loaded = self.volume.load()?;
-        let mut chosen = self.scene.choose(&self.volume, &loaded)?;
-        self.picture.apply(&mut chosen.scene);
-        if let Some(note) = thicken(&mut loaded.volume) {
-            eprintln!("note: {note}");
-        }
-        let scenes = std::slice::from_ref(&chosen.scene);
-        let framing = self.picture.frame(scenes, &loaded.volume, &self.scene)?;
-        let scene = framing.scene(&chosen.scene, &loaded.volume);
-        let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
+        check_free([&self.output], self.force)
+    }
+
+    /// Renders a shard into its file.
+    fn write_shard(&self, prepared: &Prepared<'_>, shard: Shard) -> Result<(), Failure> {
+        let (number, count) = (shard.number(), shard.count());
         let most = Shard::most(&prepared.setup.plan);
-        if shard.count() > most {
+        if count > most {
             return Err(Failure::input(format!(
-                "--shard {}/{}: the frame has {most} strips of rows, expected at most as many shards",
-                shard.number(),
-                shard.count()
+                "--shard {number}/{count}: the frame has {most} strips of rows, expected at most as many shards"
             )));
         }
         let base = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || prepared.render_shard(shard, progress))
         })??;
-        let file = shards::file(&prepared, &base, shard).map_err(Failure::machine)?;
+        let file = shards::file(prepared, &base, shard).map_err(Failure::machine)?;
         write_file(&self.output, self.force, &file)?;
-        println!(
-            "{}: shard {} of {}",
-            self.output.display(),
-            shard.number(),
-            shard.count()
-        );
+        println!("{}: shard {number} of {count}", self.output.display());
         Ok(())
     }
 
