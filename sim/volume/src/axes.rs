@@ -41,6 +41,35 @@ pub enum AxesError {
     },
 }
 
+/// Where a file's axes run to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Directions {
+    /// In the patient (LPS).
+    Patient([[f64; 3]; 3]),
+    /// In a space that is not a patient's.
+    Space([[f64; 3]; 3]),
+}
+
+impl Directions {
+    /// The turn that brings the file's axes there.
+    ///
+    /// # Errors
+    /// [`AxesError`] if they are no axes.
+    pub fn turn(self) -> Result<Turn, AxesError> {
+        match self {
+            Self::Patient(directions) | Self::Space(directions) => Turn::upright(directions),
+        }
+    }
+
+    /// What the axes are brought to, in words.
+    pub(super) const fn space(self) -> &'static str {
+        match self {
+            Self::Patient(_) => "the patient's axes",
+            Self::Space(_) => "the file's space",
+        }
+    }
+}
+
 /// How a file's axes become the volume's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {

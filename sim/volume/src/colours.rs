@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::axes::Turn;
+use super::axes::Directions;
 use super::error::{Problem, ShapeError};
 use super::values::{Orientation, Values, check_spacing, voxel_count};
 
@@ -59,13 +59,17 @@ impl Colours {
         self
     }
 
-    /// Brings the voxels into the order of `turn`, which makes the volume lie as `orientation` says in `space`.
-    pub(super) fn turned(mut self, turn: Turn, orientation: Orientation, space: &str) -> Result<Self, Problem> {
-        self.notes.extend(turn.notes(space));
+    /// Brings the voxels into the order of the patient's axes (LPS), or of a space's.
+    ///
+    /// # Errors
+    /// [`Problem::Axes`] if the directions are no axes; [`Problem::Memory`] if a second copy does not fit.
+    pub(super) fn along(mut self, directions: Directions) -> Result<Self, Problem> {
+        let turn = directions.turn()?;
+        self.notes.extend(turn.notes(directions.space()));
         self.values = turn.values(self.values, self.components, self.dims)?;
         self.dims = turn.permuted(self.dims);
         self.spacing = turn.permuted(self.spacing);
-        self.orientation = orientation;
+        self.orientation = Orientation::of(directions, &turn);
         Ok(self)
     }
 

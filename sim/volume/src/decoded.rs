@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::axes::Turn;
+use super::axes::{Directions, Turn};
 use super::choice::NanRule;
 use super::error::{Problem, ShapeError};
 use super::values::{Values, check_spacing, voxel_count};
@@ -47,11 +47,14 @@ pub enum Orientation {
 }
 
 impl Orientation {
-    /// That of a volume whose axes a turn has brought to the patient's.
-    pub(super) fn patient(turn: &Turn) -> Self {
-        Self::Patient {
-            file_axes: turn.letters(),
-            tilt: turn.tilt,
+    /// That of a volume whose axes a turn has brought to where they run.
+    pub(super) fn of(directions: Directions, turn: &Turn) -> Self {
+        match directions {
+            Directions::Space(_) => Self::Space,
+            Directions::Patient(_) => Self::Patient {
+                file_axes: turn.letters(),
+                tilt: turn.tilt,
+            },
         }
     }
 }
@@ -205,30 +208,17 @@ impl Decoded {
         self
     }
 
-    /// Brings the voxels into LPS order; `directions` are those of the file's axes in LPS.
+    /// Brings the voxels into the order of the patient's axes (LPS), or of a space's.
     ///
     /// # Errors
-    /// [`Problem::Axes`] if they are no axes; [`Problem::Memory`] if a second copy does not fit.
-    pub(super) fn in_patient(self, directions: [[f64; 3]; 3]) -> Result<Self, Problem> {
-        let turn = Turn::upright(directions)?;
-        self.turned(turn, Orientation::patient(&turn), "the patient's axes")
-    }
-
-    /// Brings the voxels into the order of a space that is not a patient's.
-    ///
-    /// # Errors
-    /// As [`Decoded::in_patient`].
-    pub(super) fn in_space(self, directions: [[f64; 3]; 3]) -> Result<Self, Problem> {
-        let turn = Turn::upright(directions)?;
-        self.turned(turn, Orientation::Space, "the file's space")
-    }
-
-    fn turned(mut self, turn: Turn, orientation: Orientation, space: &str) -> Result<Self, Problem> {
-        self.notes.extend(turn.notes(space));
+    /// [`Problem::Axes`] if the directions are no axes; [`Problem::Memory`] if a second copy does not fit.
+    pub(super) fn along(mut self, directions: Directions) -> Result<Self, Problem> {
+        let turn = directions.turn()?;
+        self.notes.extend(turn.notes(directions.space()));
         self.values = turn.values(self.values, 1, self.dims)?;
         self.dims = turn.permuted(self.dims);
         self.spacing = turn.permuted(self.spacing);
-        self.orientation = orientation;
+        self.orientation = Orientation::of(directions, &turn);
         Ok(self)
     }
 

@@ -21,6 +21,7 @@ pub mod nifti;
 pub mod nrrd;
 pub mod open;
 mod payload;
+mod placed;
 pub mod raw;
 pub mod statistics;
 mod text;

@@ -9,19 +9,21 @@
 
 mod header;
 
-use std::io::{BufRead, Cursor};
+use std::io::Cursor;
 use std::path::Path;
 
 use self::header::{Header, NAME};
+use super::axes::Directions;
 use super::choice::Choice;
 use super::companion;
 use super::error::{Problem, ReadError};
 use super::files::Data;
 use super::length::millimetres;
 use super::open::open_regular;
-use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
+use super::payload::{ByteSkip, Encoding, Layout, Tail};
+use super::placed::{Place, Placed};
 use super::text::shorten;
-use super::values::{Decoded, Endian, Modality, ValueType, Values};
+use super::values::{Decoded, Endian, Modality, ValueType};
 
 /// Axes that a header may have.
 const MAX_AXES: usize = 16;
@@ -34,36 +36,24 @@ const DATA_FILE: &str = "ElementDataFile";
 /// # Errors
 /// [`ReadError`] names the file (header or data), what was wrong and what was expected; see [`Problem`].
 pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
+    place(path)?.read(choice.nan)
+}
+
+/// What a MetaImage header says, and where its values are.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn place(path: &Path) -> Result<Placed, ReadError> {
     let at_header = |problem| ReadError::new(path, problem);
-    let (mut source, len) = open_regular(path)?;
+    let (mut source, _) = open_regular(path)?;
     let header = Header::read(&mut source).map_err(at_header)?;
-    let mut description = Description::new(&header).map_err(at_header)?;
-    let name = path.display().to_string();
-    let (data_path, values) = match &description.data {
-        Data::Attached => {
-            let left = len.saturating_sub(header.len);
-            (
-                path.to_owned(),
-                description.read_data(&mut source, left).map_err(at_header)?,
-            )
-        }
-        Data::File(data_file) => {
-            let data_path = companion::data_file(path, data_file)?;
-            let (mut data, data_len) = open_regular(&data_path)?;
-            let values = description.read_data(&mut data, data_len);
-            (
-                data_path.clone(),
-                values.map_err(|problem| ReadError::new(&data_path, problem))?,
-            )
-        }
-        Data::Files(files) => {
-            let values = files.read(path, &description.layout, sniffed, &mut description.notes)?;
-            (path.to_owned(), values)
-        }
+    let (description, data) = describe(&header, path.display().to_string()).map_err(at_header)?;
+    let place = match data {
+        Data::Attached => Place::File(path.to_owned(), header.len),
+        Data::File(data_file) => Place::File(companion::data_file(path, &data_file)?, 0),
+        Data::Files(files) => Place::Files(path.to_owned(), files),
     };
-    description
-        .finish(values, name, choice)
-        .map_err(|problem| ReadError::new(&data_path, problem))
+    Ok(Placed { place, ..description })
 }
 
 /// Reads a MetaImage file with attached data that is already in memory; `name` stands for its path in messages.
@@ -74,8 +64,8 @@ pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, 
     let fail = |problem| ReadError::new(Path::new(name), problem);
     let mut source = Cursor::new(bytes);
     let header = Header::read(&mut source).map_err(fail)?;
-    let mut description = Description::new(&header).map_err(fail)?;
-    if !matches!(description.data, Data::Attached) {
+    let (placed, data) = describe(&header, name.to_owned()).map_err(fail)?;
+    if !matches!(data, Data::Attached) {
         let found = header.get(&[DATA_FILE]).unwrap_or_default();
         return Err(fail(refuse(
             DATA_FILE,
@@ -84,8 +74,7 @@ pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, 
         )));
     }
     let left = (bytes.len() as u64).saturating_sub(header.len);
-    let values = description.read_data(&mut source, left).map_err(fail)?;
-    description.finish(values, name.to_owned(), choice).map_err(fail)
+    placed.read_from(&mut source, left, choice.nan).map_err(fail)
 }
 
 /// Whether a file that begins so is a MetaImage header.
@@ -97,121 +86,72 @@ pub(super) fn recognise(start: &[u8]) -> bool {
     key.is_some_and(|key| [&b"ObjectType"[..], b"NDims"].contains(&key.trim_ascii()) && key.len() < 32)
 }
 
-/// What a header says, interpreted.
-struct Description {
-    layout: Layout,
-    spacing: [f64; 3],
-    directions: Option<[[f64; 3]; 3]>,
-    modality: Option<Modality>,
-    data: Data,
-    rescale: [f64; 2],
-    /// `CompressedDataSize`.
-    packed_len: Option<u64>,
-    notes: Vec<String>,
-}
-
-impl Description {
-    /// Makes sense of a header's fields.
-    fn new(header: &Header) -> Result<Self, Problem> {
-        let stated = header.require("NDims", "3")?;
-        let axes = stated
-            .parse::<usize>()
-            .ok()
-            .filter(|axes| (3..=MAX_AXES).contains(axes));
-        let axes = axes.ok_or_else(|| refuse("NDims", stated, "3: a volume of one value a voxel"))?;
-        let channels = header.get(&["ElementNumberOfChannels"]).unwrap_or("1");
-        if channels != "1" {
-            return Err(refuse("ElementNumberOfChannels", channels, "1"));
-        }
-        let sizes = header.require("DimSize", "three whole numbers")?;
-        let all_sides =
-            numbers::<u64>(sizes, axes).ok_or_else(|| refuse("DimSize", sizes, "a whole number for each axis"))?;
-        if all_sides[3..].iter().any(|&side| side != 1) {
-            return Err(refuse("DimSize", sizes, "1 for every axis after the third"));
-        }
-        let dims = [all_sides[0], all_sides[1], all_sides[2]];
-        let encoding = encoding(header)?;
-        let mut notes = header.notes.clone();
-        if axes > 3 {
-            notes.push(format!("{} axes of one entry are left out", axes - 3));
-        }
-        let spacing = match header.get(&["ElementSpacing", "ElementSize"]) {
-            Some(text) => {
-                let lengths = numbers::<f64>(text, axes);
-                let lengths =
-                    lengths.ok_or_else(|| refuse("ElementSpacing", text, "a number above 0 for each axis"))?;
-                let unit = unit(header, &mut notes);
-                [lengths[0] * unit, lengths[1] * unit, lengths[2] * unit]
-            }
-            None => {
-                notes.push("the file states no spacing: 1 is assumed".into());
-                [1.0; 3]
-            }
-        };
-        let layout = Layout {
-            dims,
-            components: 1,
-            value_type: value_type(header)?,
-            endian: endian(header)?,
-            encoding,
-            line_skip: 0,
-            byte_skip: byte_skip(header, encoding)?,
-            tail: Tail::Refused,
-        };
-        Ok(Self {
-            layout,
-            spacing,
-            directions: directions(header, axes, &mut notes)?,
-            modality: header
-                .get(&["Modality"])
-                .and_then(|text| Modality::from_code(text.trim_start_matches("MET_MOD_"))),
-            data: data(header)?,
-            rescale: [
-                number(header, "ElementToIntensityFunctionSlope", 1.0)?,
-                number(header, "ElementToIntensityFunctionOffset", 0.0)?,
-            ],
-            packed_len: header.get(&["CompressedDataSize"]).and_then(|text| text.parse().ok()),
-            notes,
-        })
+/// Makes sense of a header's fields; where the data are comes beside, and the place is the name's until it is known.
+fn describe(header: &Header, name: String) -> Result<(Placed, Data), Problem> {
+    let stated = header.require("NDims", "3")?;
+    let axes = stated
+        .parse::<usize>()
+        .ok()
+        .filter(|axes| (3..=MAX_AXES).contains(axes));
+    let axes = axes.ok_or_else(|| refuse("NDims", stated, "3: a volume of one value a voxel"))?;
+    let channels = header.get(&["ElementNumberOfChannels"]).unwrap_or("1");
+    if channels != "1" {
+        return Err(refuse("ElementNumberOfChannels", channels, "1"));
     }
-
-    /// Reads the data of a single file, or those after the header.
-    fn read_data(&mut self, source: &mut impl BufRead, source_len: u64) -> Result<Values, Problem> {
-        if self.layout.encoding == Encoding::Zlib {
-            let start = source.fill_buf().map_err(Problem::io("read the file"))?;
-            self.layout = sniffed(self.layout, start);
-            if let Some(stated) = self.packed_len.filter(|&stated| stated != source_len) {
-                self.notes.push(format!(
-                    "CompressedDataSize is {stated}, the file has {source_len} bytes of packed data: all are read"
-                ));
-            }
-        }
-        read_values(&self.layout, source, source_len, &mut self.notes)
+    let sizes = header.require("DimSize", "three whole numbers")?;
+    let all_sides =
+        numbers::<u64>(sizes, axes).ok_or_else(|| refuse("DimSize", sizes, "a whole number for each axis"))?;
+    if all_sides[3..].iter().any(|&side| side != 1) {
+        return Err(refuse("DimSize", sizes, "1 for every axis after the third"));
     }
-
-    /// Joins the values with the description.
-    fn finish(self, values: Values, name: String, choice: &Choice) -> Result<Decoded, Problem> {
-        let dims = self.layout.dims.map(|d| d as usize);
-        let mut decoded = Decoded::with_nan(name, dims, self.spacing, values, (choice.nan, self.rescale[0]))?
-            .with_modality(self.modality)
-            .with_notes(self.notes);
-        if self.rescale != [1.0, 0.0] {
-            decoded = decoded.with_rescale(NAME, self.rescale[0], self.rescale[1])?;
-        }
-        match self.directions {
-            Some(directions) => decoded.in_patient(directions),
-            None => Ok(decoded),
-        }
+    let dims = [all_sides[0], all_sides[1], all_sides[2]];
+    let encoding = encoding(header)?;
+    let mut notes = header.notes.clone();
+    if axes > 3 {
+        notes.push(format!("{} axes of one entry are left out", axes - 3));
     }
-}
-
-/// Packed data are zlib's or gzip's; their first bytes tell.
-fn sniffed(layout: Layout, start: &[u8]) -> Layout {
-    let encoding = match layout.encoding {
-        Encoding::Zlib if start.starts_with(&[0x1f, 0x8b]) => Encoding::Gzip,
-        other => other,
+    let spacing = match header.get(&["ElementSpacing", "ElementSize"]) {
+        Some(text) => {
+            let lengths = numbers::<f64>(text, axes);
+            let lengths = lengths.ok_or_else(|| refuse("ElementSpacing", text, "a number above 0 for each axis"))?;
+            let unit = unit(header, &mut notes);
+            [lengths[0] * unit, lengths[1] * unit, lengths[2] * unit]
+        }
+        None => {
+            notes.push("the file states no spacing: 1 is assumed".into());
+            [1.0; 3]
+        }
     };
-    Layout { encoding, ..layout }
+    let layout = Layout {
+        dims,
+        components: 1,
+        value_type: value_type(header)?,
+        endian: endian(header)?,
+        encoding,
+        line_skip: 0,
+        byte_skip: byte_skip(header, encoding)?,
+        tail: Tail::Refused,
+    };
+    let rescale = [
+        number(header, "ElementToIntensityFunctionSlope", 1.0)?,
+        number(header, "ElementToIntensityFunctionOffset", 0.0)?,
+    ];
+    let placed = Placed {
+        place: Place::File((&name).into(), 0),
+        name,
+        format: NAME,
+        layout,
+        spacing,
+        directions: directions(header, axes, &mut notes)?.map(Directions::Patient),
+        rescale: (rescale != [1.0, 0.0]).then_some(rescale),
+        modality: header
+            .get(&["Modality"])
+            .and_then(|text| Modality::from_code(text.trim_start_matches("MET_MOD_"))),
+        stated_window: None,
+        packed_len: header.get(&["CompressedDataSize"]).and_then(|text| text.parse().ok()),
+        notes,
+    };
+    Ok((placed, data(header)?))
 }
 
 /// Where the data are.

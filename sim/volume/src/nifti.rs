@@ -14,11 +14,13 @@ use flate2::bufread::MultiGzDecoder;
 
 use self::header::{Header, NAME};
 use self::orientation::orientation;
+use super::axes::Directions;
 use super::choice::Choice;
 use super::companion;
 use super::error::{Problem, ReadError};
 use super::open::open_regular;
-use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
+use super::payload::{ByteSkip, Encoding, Layout, Tail};
+use super::placed::{Place, Placed};
 use super::values::Decoded;
 
 /// Reads a NIfTI file, packed by gzip or not, or a header and the `.img` file beside it, whichever of the two is named.
@@ -26,19 +28,26 @@ use super::values::Decoded;
 /// # Errors
 /// [`ReadError`] names the file, what was wrong and what was expected; see [`Problem`].
 pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
+    place(path)?.read(choice.nan)
+}
+
+/// What a NIfTI header says, and where its values are.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn place(path: &Path) -> Result<Placed, ReadError> {
     if let Some(header) = header_beside(path) {
-        let note = format!("the header is in {}", header.display());
-        return read(&header, choice).map(|decoded| decoded.with_notes(vec![note]));
+        let mut placed = place(&header)?;
+        placed.notes.push(format!("the header is in {}", header.display()));
+        return Ok(placed);
     }
     let fail = |problem| ReadError::new(path, problem);
-    let (mut source, len) = open_regular(path)?;
+    let (mut source, _) = open_regular(path)?;
     let packed = is_gzip(&mut source).map_err(fail)?;
     let header = header_of(&mut source, packed).map_err(fail)?;
     let name = path.display().to_string();
     if header.attached {
-        // The unpacker is started anew, so that the payload reader counts from the file's first byte.
-        let (mut source, _) = open_regular(path)?;
-        return finish(&header, &mut source, len, packed, name, choice).map_err(fail);
+        return placed(&header, path.to_owned(), packed, name).map_err(fail);
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let stem = stem.strip_suffix(".hdr").unwrap_or(&stem).to_owned();
@@ -47,10 +56,10 @@ pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
         let packed_path = companion::data_file(path, &format!("{stem}.img.gz"))?;
         data_path = if packed_path.exists() { packed_path } else { data_path };
     }
-    let (mut source, len) = open_regular(&data_path)?;
+    let (mut source, _) = open_regular(&data_path)?;
     let at_data = |problem| ReadError::new(&data_path, problem);
     let packed = is_gzip(&mut source).map_err(at_data)?;
-    finish(&header, &mut source, len, packed, name, choice).map_err(at_data)
+    placed(&header, data_path.clone(), packed, name).map_err(at_data)
 }
 
 /// Reads a NIfTI file that is already in memory; `name` stands for its path in messages.
@@ -67,15 +76,10 @@ pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, 
         return Err(fail(Problem::format(NAME, fault)));
     }
     let mut source = Cursor::new(bytes);
-    finish(
-        &header,
-        &mut source,
-        bytes.len() as u64,
-        packed,
-        name.to_owned(),
-        choice,
-    )
-    .map_err(fail)
+    let placed = placed(&header, name.into(), packed, name.to_owned()).map_err(fail)?;
+    placed
+        .read_from(&mut source, bytes.len() as u64, choice.nan)
+        .map_err(fail)
 }
 
 /// Whether a file that begins so is a NIfTI header; `start` may be packed.
@@ -111,42 +115,32 @@ fn header_of(source: &mut impl BufRead, packed: bool) -> Result<Header, Problem>
     }
 }
 
-/// Reads the data and joins them with the header.
-fn finish(
-    header: &Header,
-    source: &mut impl BufRead,
-    source_len: u64,
-    packed: bool,
-    name: String,
-    choice: &Choice,
-) -> Result<Decoded, Problem> {
+/// The header's word, of values in a file that begins with a header's length of other bytes.
+fn placed(header: &Header, path: PathBuf, packed: bool, name: String) -> Result<Placed, Problem> {
     let orientation = orientation(header)?;
-    let layout = Layout {
-        dims: header.dims,
-        components: 1,
-        value_type: header.value_type,
-        endian: header.endian,
-        encoding: if packed { Encoding::Gzip } else { Encoding::Raw },
-        line_skip: 0,
-        byte_skip: ByteSkip::Bytes(header.data_offset),
-        tail: Tail::LeftOut,
-    };
-    let mut notes = header.notes.clone();
-    let values = read_values(&layout, source, source_len, &mut notes)?;
-    let dims = header.dims.map(|d| d as usize);
-    let [low, high] = header.display_range;
-    let scale = if header.slope == 0.0 { 1.0 } else { header.slope };
-    let mut decoded = Decoded::with_nan(name, dims, orientation.spacing, values, (choice.nan, scale))?
-        .with_stated_window(Some([low, high]))
-        .with_notes(notes)
-        .with_notes(orientation.notes);
-    if header.slope != 0.0 {
-        decoded = decoded.with_rescale(NAME, header.slope, header.intercept)?;
-    }
-    match orientation.directions {
-        Some(directions) => decoded.in_patient(directions),
-        None => Ok(decoded),
-    }
+    Ok(Placed {
+        name,
+        format: NAME,
+        // The bytes before the values are counted in the unpacked file.
+        place: Place::File(path, 0),
+        layout: Layout {
+            dims: header.dims,
+            components: 1,
+            value_type: header.value_type,
+            endian: header.endian,
+            encoding: if packed { Encoding::Gzip } else { Encoding::Raw },
+            line_skip: 0,
+            byte_skip: ByteSkip::Bytes(header.data_offset),
+            tail: Tail::LeftOut,
+        },
+        spacing: orientation.spacing,
+        directions: orientation.directions.map(Directions::Patient),
+        rescale: (header.slope != 0.0).then_some([header.slope, header.intercept]),
+        modality: None,
+        stated_window: Some(header.display_range),
+        packed_len: None,
+        notes: [header.notes.clone(), orientation.notes].concat(),
+    })
 }
 
 #[cfg(test)]

@@ -17,8 +17,7 @@ use std::io::{BufRead, Cursor};
 use std::path::{Path, PathBuf};
 
 use self::header::Header;
-use self::orientation::Directions;
-use super::axes::Turn;
+use super::axes::Directions;
 use super::choice::Choice;
 use super::colours::Colours;
 use super::companion;
@@ -26,8 +25,9 @@ use super::error::{Problem, ReadError};
 use super::files::Data;
 use super::open::open_regular;
 use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
+use super::placed::{Place, Placed};
 use super::text::shorten;
-use super::values::{Decoded, Endian, Modality, Orientation, ValueType, Values, check_spacing};
+use super::values::{Decoded, Endian, Modality, ValueType, Values, check_spacing};
 
 /// What a header says about its volume, interpreted.
 #[derive(Debug)]
@@ -46,12 +46,24 @@ struct Description {
 /// # Errors
 /// [`ReadError`] names the file (header or data), what was wrong and what was expected; see [`Problem`].
 pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
+    place(path)?.read(choice.nan)
+}
+
+/// What an NRRD file's header says, and where its values are.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn place(path: &Path) -> Result<Placed, ReadError> {
     let at_header = |problem| ReadError::new(path, problem);
-    let (mut source, len) = open_regular(path)?;
-    let (header, mut description) = describe(&mut source).map_err(at_header)?;
-    let (data_path, values) = values_of(path, &header, &mut description, (&mut source, len))?;
-    let name = path.display().to_string();
-    finish(description, values, name, choice).map_err(|problem| ReadError::new(&data_path, problem))
+    let (mut source, _) = open_regular(path)?;
+    let (header, description) = describe(&mut source).map_err(at_header)?;
+    let place = match &description.data {
+        Data::Attached if !header.ended => return Err(at_header(Problem::NoData)),
+        Data::Attached => Place::File(path.to_owned(), header.len),
+        Data::File(data_file) => Place::File(companion::data_file(path, data_file)?, 0),
+        Data::Files(files) => Place::Files(path.to_owned(), files.clone()),
+    };
+    Ok(description.placed(path.display().to_string(), place))
 }
 
 /// Reads an NRRD file of colours: its first axis has three or four entries, which no field says to be anything else.
@@ -84,16 +96,9 @@ pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
         .map_err(Problem::from)
         .map_err(at_data)?
         .with(header.keys, notes);
-    let turn = |directions| Turn::upright(directions).map_err(|error| at_data(error.into()));
     let colours = match directions {
         None => Ok(colours),
-        Some(Directions::Patient(directions)) => {
-            let turn = turn(directions)?;
-            colours.turned(turn, Orientation::patient(&turn), "the patient's axes")
-        }
-        Some(Directions::Space(directions)) => {
-            colours.turned(turn(directions)?, Orientation::Space, "the file's space")
-        }
+        Some(directions) => colours.along(directions),
     };
     colours.map(Some).map_err(at_data)
 }
@@ -132,7 +137,7 @@ fn values_of(
 pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, ReadError> {
     let fail = |problem| ReadError::new(Path::new(name), problem);
     let mut source = Cursor::new(bytes);
-    let (header, mut description) = describe(&mut source).map_err(fail)?;
+    let (header, description) = describe(&mut source).map_err(fail)?;
     if !matches!(description.data, Data::Attached) {
         return Err(fail(Problem::FieldValue {
             field: "data file",
@@ -140,9 +145,12 @@ pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, 
             expected: "no such field, since the data have to be attached here",
         }));
     }
-    let (layout, len) = (&description.layout, bytes.len() as u64);
-    let values = attached(&header, layout, &mut source, len, &mut description.notes).map_err(fail)?;
-    finish(description, values, name.to_owned(), choice).map_err(fail)
+    if !header.ended {
+        return Err(fail(Problem::NoData));
+    }
+    let left = (bytes.len() as u64).saturating_sub(header.len);
+    let placed = description.placed(name.to_owned(), Place::File(name.into(), header.len));
+    placed.read_from(&mut source, left, choice.nan).map_err(fail)
 }
 
 /// Reads and interprets a header.
@@ -167,18 +175,22 @@ fn attached(
     read_values(layout, source, file_len.saturating_sub(header.len), notes)
 }
 
-/// Joins the values with the header's description.
-fn finish(description: Description, values: Values, name: String, choice: &Choice) -> Result<Decoded, Problem> {
-    let dims = description.layout.dims.map(|d| d as usize);
-    let decoded = Decoded::with_nan(name, dims, description.spacing, values, (choice.nan, 1.0))?;
-    let decoded = decoded
-        .with_value_offset(description.value_offset)
-        .with_modality(description.modality)
-        .with_notes(description.notes);
-    match description.directions {
-        None => Ok(decoded),
-        Some(Directions::Patient(directions)) => decoded.in_patient(directions),
-        Some(Directions::Space(directions)) => decoded.in_space(directions),
+impl Description {
+    /// With where the values are.
+    fn placed(self, name: String, place: Place) -> Placed {
+        Placed {
+            name,
+            format: "NRRD",
+            place,
+            layout: self.layout,
+            spacing: self.spacing,
+            directions: self.directions,
+            rescale: Some([1.0, f64::from(self.value_offset)]),
+            modality: self.modality,
+            stated_window: None,
+            packed_len: None,
+            notes: self.notes,
+        }
     }
 }
 

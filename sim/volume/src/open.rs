@@ -8,6 +8,7 @@ use super::choice::Choice;
 use super::colours::Colours;
 use super::error::{Problem, ReadError};
 use super::mapping::{Labels, Mapped, MappingError, MappingReport, Window, map};
+use super::placed::Placed;
 use super::values::{Decoded, Modality, Orientation};
 use super::{Volume, dicom, metaimage, nifti, nrrd, raw, tiff};
 
@@ -53,14 +54,40 @@ pub fn read(path: &Path) -> Result<Decoded, ReadError> {
 /// # Errors
 /// [`ReadError`] if the file is a device, is of no known format, or its reader refuses it.
 pub fn read_with(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
+    let choice = &options.choice;
+    match find(path, options)? {
+        Found::Placed(placed) => placed.read(choice.nan),
+        Found::Folder => read_folder(path, options),
+        Found::Dicom => dicom::read_with_file(path, choice),
+        Found::Tiff => tiff::read(path, choice),
+    }
+}
+
+/// What a path leads to.
+pub(super) enum Found {
+    /// A header has been read, the values have not.
+    Placed(Box<Placed>),
+    /// A folder of slices.
+    Folder,
+    /// A DICOM file.
+    Dicom,
+    /// A TIFF file.
+    Tiff,
+}
+
+/// Finds the format of a file, and reads its header where the values lie in one piece or in files of their own.
+///
+/// # Errors
+/// As [`read_with`].
+pub(super) fn find(path: &Path, options: &Options) -> Result<Found, ReadError> {
     if path.is_dir() {
-        return read_folder(path, options);
+        return Ok(Found::Folder);
     }
     let choice = &options.choice;
     let fail = |problem| ReadError::new(path, problem);
     if let Some(description) = &options.raw {
         choice.check_single().map_err(fail)?;
-        return raw::read_described(path, description, choice);
+        return Ok(Found::Placed(raw::place(path, description)?.into()));
     }
     let (mut source, _) = open_regular(path)?;
     let start = source.fill_buf().map_err(Problem::io("read the file")).map_err(fail)?;
@@ -68,19 +95,22 @@ pub fn read_with(path: &Path, options: &Options) -> Result<Decoded, ReadError> {
     if format != Some(Format::Tiff) {
         choice.check_single().map_err(fail)?;
     }
-    match format {
-        Some(Format::Nrrd) => nrrd::read(path, choice),
-        Some(Format::Nifti) => nifti::read(path, choice),
-        Some(Format::MetaImage) => metaimage::read(path, choice),
-        Some(Format::Dicom) => dicom::read_with_file(path, choice),
-        Some(Format::Tiff) => tiff::read(path, choice),
-        None => match raw::read_by_sidecar(path, choice) {
-            Some(read) => read,
-            None => Err(fail(Problem::UnknownFormat {
-                first_bytes: format!("\"{}\"", start[..start.len().min(8)].escape_ascii()),
-            })),
+    let placed = match format {
+        Some(Format::Nrrd) => nrrd::place(path)?,
+        Some(Format::Nifti) => nifti::place(path)?,
+        Some(Format::MetaImage) => metaimage::place(path)?,
+        Some(Format::Dicom) => return Ok(Found::Dicom),
+        Some(Format::Tiff) => return Ok(Found::Tiff),
+        None => match raw::place_by_sidecar(path) {
+            Some(placed) => placed?,
+            None => {
+                return Err(fail(Problem::UnknownFormat {
+                    first_bytes: format!("\"{}\"", start[..start.len().min(8)].escape_ascii()),
+                }));
+            }
         },
-    }
+    };
+    Ok(Found::Placed(placed.into()))
 }
 
 /// Reads a volume of colours; `None` of a file that is none, which [`read_with`] may read or refuse. Of the choice, channel and

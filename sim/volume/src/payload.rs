@@ -3,7 +3,7 @@
 //! Plain data are refused before anything is allocated unless the file holds exactly the bytes that the shape needs.
 //! Compressed data cannot be measured beforehand: their buffer grows as they unpack and stops at the shape's size.
 
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead, Read, Write};
 use std::str::FromStr;
 
 use bzip2::bufread::MultiBzDecoder;
@@ -125,57 +125,100 @@ pub(super) fn read_values(
 ) -> Result<Values, Problem> {
     let count = layout.count()?;
     let expected = count * layout.value_type.byte_len();
-    let remaining = source_len.saturating_sub(skip_lines(source, layout.line_skip)?);
     match layout.encoding {
         Encoding::Raw => {
-            let skip = match layout.byte_skip {
-                ByteSkip::Bytes(n) => n,
-                ByteSkip::FromEnd => remaining.saturating_sub(expected),
-            };
-            let end = skip.checked_add(expected);
-            let rest = end.and_then(|end| remaining.checked_sub(end));
-            let Some(rest) = rest.filter(|&rest| rest == 0 || layout.tail == Tail::LeftOut) else {
-                let place = if skip == 0 {
-                    String::new()
-                } else {
-                    format!(" after the {skip} skipped")
-                };
-                let found = remaining.saturating_sub(skip);
-                return Err(Problem::Length {
-                    expected,
-                    found,
-                    place,
-                    shape: layout.describe(),
-                });
-            };
-            if rest > 0 {
-                notes.push(format!("{rest} bytes after the voxels are left out"));
-            }
-            skip_bytes(source, skip, Problem::io("read the file"))?;
+            plain_start(layout, source, source_len, expected, notes)?;
             // The file was seen to hold all of them, so the whole buffer may be reserved at once.
             let (values, read) = decode(layout, source, count, count)?;
             read.map_err(Problem::io("read the file"))?;
-            complete(layout, expected, values)
-        }
-        Encoding::Gzip => {
-            let mut members = Members::new(source);
-            let values = unpack(layout, &mut members, count, expected, notes)?;
-            if members.padded {
-                notes.push("bytes after the gzip data are left out".into());
-            }
+            complete(layout, expected, byte_count(layout, &values))?;
             Ok(values)
         }
-        Encoding::Zlib => unpack(layout, &mut ZlibDecoder::new(source), count, expected, notes),
-        Encoding::Bzip2 => unpack(layout, &mut MultiBzDecoder::new(source), count, expected, notes),
         Encoding::Text => {
+            skip_lines(source, layout.line_skip)?;
             check_memory(expected)?;
             if let ByteSkip::Bytes(n) = layout.byte_skip {
                 skip_bytes(source, n, Problem::io("read the file"))?;
             }
             let values = text_values(layout, source, count)?;
-            complete(layout, expected, values)
+            complete(layout, expected, byte_count(layout, &values))?;
+            Ok(values)
+        }
+        Encoding::Gzip | Encoding::Zlib | Encoding::Bzip2 => {
+            skip_lines(source, layout.line_skip)?;
+            check_memory(expected)?;
+            unpack(layout, source, expected, notes, &mut |unpacked| {
+                let (values, end) = decode(layout, unpacked, count, 0)?;
+                Ok((byte_count(layout, &values), end, values))
+            })
         }
     }
+}
+
+/// Unpacks the bytes of the values, `expected` of them, into another file.
+pub(super) fn unpack_into(
+    layout: &Layout,
+    source: &mut dyn BufRead,
+    expected: u64,
+    notes: &mut Vec<String>,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    skip_lines(source, layout.line_skip)?;
+    unpack(layout, source, expected, notes, &mut |unpacked| {
+        let mut chunk = vec![0; CHUNK_LEN];
+        let mut done = 0;
+        let mut end = Ok(());
+        while done < expected && end.is_ok() {
+            let wanted = (expected - done).min(CHUNK_LEN as u64) as usize;
+            let (len, read) = read_full(unpacked, &mut chunk[..wanted]);
+            end = read;
+            let written = out.write_all(&chunk[..len]);
+            written.map_err(Problem::io("write the unpacked values to a scratch file"))?;
+            done += len as u64;
+            if len < wanted {
+                break;
+            }
+        }
+        Ok((done, end, ()))
+    })
+}
+
+/// Passes over what precedes plain values, after a look at whether the source has exactly as many bytes as they need; the
+/// bytes passed.
+pub(super) fn plain_start(
+    layout: &Layout,
+    source: &mut dyn BufRead,
+    source_len: u64,
+    expected: u64,
+    notes: &mut Vec<String>,
+) -> Result<u64, Problem> {
+    let lines = skip_lines(source, layout.line_skip)?;
+    let remaining = source_len.saturating_sub(lines);
+    let skip = match layout.byte_skip {
+        ByteSkip::Bytes(n) => n,
+        ByteSkip::FromEnd => remaining.saturating_sub(expected),
+    };
+    let end = skip.checked_add(expected);
+    let rest = end.and_then(|end| remaining.checked_sub(end));
+    let Some(rest) = rest.filter(|&rest| rest == 0 || layout.tail == Tail::LeftOut) else {
+        let place = if skip == 0 {
+            String::new()
+        } else {
+            format!(" after the {skip} skipped")
+        };
+        let found = remaining.saturating_sub(skip);
+        return Err(Problem::Length {
+            expected,
+            found,
+            place,
+            shape: layout.describe(),
+        });
+    };
+    if rest > 0 {
+        notes.push(format!("{rest} bytes after the voxels are left out"));
+    }
+    skip_bytes(source, skip, Problem::io("read the file"))?;
+    Ok(lines + skip)
 }
 
 /// Refuses volumes that a small packed file could claim without end.
@@ -190,15 +233,39 @@ fn check_memory(bytes: u64) -> Result<(), Problem> {
     })
 }
 
-/// Reads values from an unpacker, which is asked for one byte more than they need.
-fn unpack(
+/// What takes unpacked bytes: how many it took, how reading ended, and what became of them.
+type Take<'a, T> = &'a mut dyn FnMut(&mut dyn Read) -> Result<(u64, io::Result<()>, T), Problem>;
+
+/// Hands the unpacked values to `take`.
+fn unpack<T>(
     layout: &Layout,
-    unpacked: &mut dyn Read,
-    count: u64,
+    source: &mut dyn BufRead,
     expected: u64,
     notes: &mut Vec<String>,
-) -> Result<Values, Problem> {
-    check_memory(expected)?;
+    take: Take<'_, T>,
+) -> Result<T, Problem> {
+    match layout.encoding {
+        Encoding::Zlib => unpack_from(layout, &mut ZlibDecoder::new(source), expected, notes, take),
+        Encoding::Bzip2 => unpack_from(layout, &mut MultiBzDecoder::new(source), expected, notes, take),
+        Encoding::Gzip | Encoding::Raw | Encoding::Text => {
+            let mut members = Members::new(source);
+            let taken = unpack_from(layout, &mut members, expected, notes, take)?;
+            if members.padded {
+                notes.push("bytes after the gzip data are left out".into());
+            }
+            Ok(taken)
+        }
+    }
+}
+
+/// Hands an unpacker's values to `take`, and asks it for one byte more than they need.
+fn unpack_from<T>(
+    layout: &Layout,
+    unpacked: &mut dyn Read,
+    expected: u64,
+    notes: &mut Vec<String>,
+    take: Take<'_, T>,
+) -> Result<T, Problem> {
     let packing = layout.encoding.name();
     let damaged = |done: u64| {
         move |error: io::Error| Problem::Damaged {
@@ -218,15 +285,15 @@ fn unpack(
         }
         skip_bytes(unpacked, n, damaged(0))?;
     }
-    let (values, read) = decode(layout, unpacked, count, 0)?;
-    read.map_err(damaged(values.len() as u64 * layout.value_type.byte_len()))?;
-    let values = complete(layout, expected, values)?;
+    let (done, end, taken) = take(unpacked)?;
+    end.map_err(damaged(done))?;
+    complete(layout, expected, done)?;
     match read_full(unpacked, &mut [0]) {
-        (0, Ok(())) => Ok(values),
+        (0, Ok(())) => Ok(taken),
         (0, Err(error)) => Err(damaged(expected)(error)),
         _ if layout.tail == Tail::LeftOut => {
             notes.push("more data follow the voxels and are left out".into());
-            Ok(values)
+            Ok(taken)
         }
         _ => Err(Problem::UnpacksTooLong {
             expected,
@@ -235,11 +302,15 @@ fn unpack(
     }
 }
 
+/// The bytes that values took in their file.
+fn byte_count(layout: &Layout, values: &Values) -> u64 {
+    values.len() as u64 * layout.value_type.byte_len()
+}
+
 /// Refuses data that ended early.
-fn complete(layout: &Layout, expected: u64, values: Values) -> Result<Values, Problem> {
-    let found = values.len() as u64 * layout.value_type.byte_len();
+fn complete(layout: &Layout, expected: u64, found: u64) -> Result<(), Problem> {
     if found == expected {
-        return Ok(values);
+        return Ok(());
     }
     Err(Problem::Length {
         expected,
@@ -280,7 +351,7 @@ fn skip_bytes(source: &mut dyn Read, bytes: u64, on_error: impl FnOnce(io::Error
 }
 
 /// Up to `count` values and whether reading ended well. Room for `reserve` of them is made at once.
-fn decode(
+pub(super) fn decode(
     layout: &Layout,
     source: &mut dyn Read,
     count: u64,

@@ -7,10 +7,12 @@ use std::io::Read;
 use std::path::Path;
 
 use self::describe::Description;
+use super::axes::Directions;
 use super::choice::{Choice, NanRule};
 use super::error::{Problem, ReadError};
 use super::open::open_regular;
-use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
+use super::payload::{ByteSkip, Encoding, Layout, Tail};
+use super::placed::{Place, Placed};
 use super::values::{Decoded, Endian, ValueType, check_spacing};
 
 /// The format's name in messages.
@@ -40,28 +42,14 @@ pub struct RawShape {
 /// [`ReadError`] if the shape is out of range, the file is no regular file, cannot be read or is shorter or longer than
 /// the shape says, or a voxel is NaN or infinite.
 pub fn read(path: &Path, shape: &RawShape) -> Result<Decoded, ReadError> {
-    read_with(path, shape, (NanRule::Refuse, 1.0))
-}
-
-/// As [`read`], with NaN treated by a rule; the factor is that from stored values to the data's unit.
-fn read_with(path: &Path, shape: &RawShape, nan: (NanRule, f64)) -> Result<Decoded, ReadError> {
-    let fail = |problem| ReadError::new(path, problem);
-    check_spacing(shape.spacing).map_err(|error| ReadError::new(path, error))?;
-    let layout = Layout {
-        dims: shape.dims,
-        components: 1,
-        value_type: shape.value_type,
-        endian: shape.endian,
-        encoding: Encoding::Raw,
-        line_skip: 0,
-        byte_skip: ByteSkip::Bytes(shape.skip),
-        tail: Tail::Refused,
+    let plain = Description {
+        shape: *shape,
+        scale: 1.0,
+        offset: 0.0,
+        modality: None,
+        directions: None,
     };
-    let (mut source, len) = open_regular(path)?;
-    let values = read_values(&layout, &mut source, len, &mut Vec::new()).map_err(fail)?;
-    let dims = shape.dims.map(|d| d as usize);
-    let decoded = Decoded::with_nan(path.display().to_string(), dims, shape.spacing, values, nan);
-    decoded.map_err(|error| ReadError::new(path, error))
+    place(path, &plain)?.read(NanRule::Refuse)
 }
 
 /// Reads a raw file as described.
@@ -69,33 +57,58 @@ fn read_with(path: &Path, shape: &RawShape, nan: (NanRule, f64)) -> Result<Decod
 /// # Errors
 /// As [`read`]; and if the scale or the axes are not usable.
 pub fn read_described(path: &Path, description: &Description, choice: &Choice) -> Result<Decoded, ReadError> {
-    let fail = |problem| ReadError::new(path, problem);
-    let decoded = read_with(path, &description.shape, (choice.nan, description.scale))?;
-    let decoded = decoded
-        .with_modality(description.modality)
-        .with_rescale(NAME, description.scale, description.offset)
-        .map_err(fail)?;
-    match description.directions {
-        Some(directions) => decoded.in_patient(directions).map_err(fail),
-        None => Ok(decoded),
-    }
+    place(path, description)?.read(choice.nan)
 }
 
-/// Reads a raw file by the sidecar beside it, else by its name; `None` if neither tells a shape.
+/// What is described, and where its values are.
+///
+/// # Errors
+/// [`ReadError`] if the spacing is no length.
+pub(super) fn place(path: &Path, description: &Description) -> Result<Placed, ReadError> {
+    let shape = &description.shape;
+    check_spacing(shape.spacing).map_err(|error| ReadError::new(path, error))?;
+    Ok(Placed {
+        name: path.display().to_string(),
+        format: NAME,
+        place: Place::File(path.to_owned(), 0),
+        layout: Layout {
+            dims: shape.dims,
+            components: 1,
+            value_type: shape.value_type,
+            endian: shape.endian,
+            encoding: Encoding::Raw,
+            line_skip: 0,
+            byte_skip: ByteSkip::Bytes(shape.skip),
+            tail: Tail::Refused,
+        },
+        spacing: shape.spacing,
+        directions: description.directions.map(Directions::Patient),
+        rescale: Some([description.scale, description.offset]),
+        modality: description.modality,
+        stated_window: None,
+        packed_len: None,
+        notes: Vec::new(),
+    })
+}
+
+/// What the sidecar beside a raw file tells, else its name, and where its values are; `None` if neither tells a shape.
 ///
 /// # Errors
 /// As [`read_described`]; a sidecar that cannot be read is the file at fault.
-pub fn read_by_sidecar(path: &Path, choice: &Choice) -> Option<Result<Decoded, ReadError>> {
+pub(super) fn place_by_sidecar(path: &Path) -> Option<Result<Placed, ReadError>> {
     let sidecar = describe::sidecar_path(path);
     if sidecar.exists() {
         return Some(sidecar_text(&sidecar).and_then(|text| {
             let description = describe::from_toml(&text).map_err(|problem| ReadError::new(&sidecar, problem))?;
-            read_described(path, &description, choice)
+            place(path, &description)
         }));
     }
     let description = describe::from_name(path)?;
     let note = "shape and type come from the file's name; little endian and spacing 1 are assumed";
-    Some(read_described(path, &description, choice).map(|decoded| decoded.with_notes(vec![note.into()])))
+    Some(place(path, &description).map(|mut placed| {
+        placed.notes.push(note.into());
+        placed
+    }))
 }
 
 /// A sidecar's text.

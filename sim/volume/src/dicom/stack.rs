@@ -5,6 +5,7 @@ use std::path::Path;
 use super::folder::{file_name, list};
 use super::slice::{PixelForm, Slice};
 use super::{Found, NAME, pixels};
+use crate::axes::Directions;
 use crate::error::{Problem, ReadError};
 use crate::values::{Decoded, Modality, Values, check_spacing, voxel_count};
 
@@ -131,7 +132,7 @@ impl Stack {
         let [slope, intercept] = if even { first.rescale } else { [1.0, 0.0] };
         let decoded = decoded.with_rescale(NAME, slope, intercept).map_err(fail)?;
         match self.directions {
-            Some(directions) => decoded.in_patient(directions).map_err(fail),
+            Some(directions) => decoded.along(Directions::Patient(directions)).map_err(fail),
             None => Ok(decoded),
         }
     }

@@ -169,7 +169,7 @@ fn a_pair_is_read_from_its_header() {
         (volume.values(), volume.spacing())
     );
     assert!(
-        by_data.notes().last().unwrap().ends_with("v.hdr"),
+        by_data.notes().first().unwrap().ends_with("v.hdr"),
         "{:?}",
         by_data.notes()
     );

@@ -2,21 +2,13 @@
 
 use super::header::Header;
 use super::{refuse, three};
+use crate::axes::Directions;
 use crate::error::Problem;
 use crate::length::millimetres;
 use crate::text::shorten;
 
 /// What two statements of the same spacing may differ by, as a part of it.
 const AGREEMENT: f64 = 1e-3;
-
-/// Where the file's axes run to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Directions {
-    /// In the patient (LPS).
-    Patient([[f64; 3]; 3]),
-    /// In another space.
-    Space([[f64; 3]; 3]),
-}
 
 /// Spacing, directions if any are stated, and notes for the user.
 type Stated = ([f64; 3], Option<Directions>, Vec<String>);

@@ -1,0 +1,138 @@
+//! A volume as its header tells it, its values still in their file.
+//!
+//! NRRD, MetaImage, NIfTI and raw files all end here: the values are read whole ([`Placed::read`]) or stay where they are
+//! ([`on_disk`](crate::on_disk)).
+
+use std::io::{BufRead, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use super::axes::Directions;
+use super::choice::NanRule;
+use super::error::{Problem, ReadError};
+use super::files::DataFiles;
+use super::open::open_regular;
+use super::payload::{Encoding, Layout, read_values};
+use super::values::{Decoded, Modality, Values};
+
+/// Where the values are.
+#[derive(Clone, Debug)]
+pub(super) enum Place {
+    /// In a file, behind so many bytes.
+    File(PathBuf, u64),
+    /// In the files that a header names.
+    Files(PathBuf, DataFiles),
+}
+
+impl Place {
+    /// The file that is at fault where values are.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::File(path, _) | Self::Files(path, _) => path,
+        }
+    }
+}
+
+/// What a header says, interpreted.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    /// Where it came from, for messages.
+    pub name: String,
+    /// The format's name in messages.
+    pub format: &'static str,
+    pub place: Place,
+    pub layout: Layout,
+    /// Distance between voxels along the file's axes.
+    pub spacing: [f64; 3],
+    pub directions: Option<Directions>,
+    /// Scale and offset from stored values to the data's unit, where the file states them.
+    pub rescale: Option<[f64; 2]>,
+    pub modality: Option<Modality>,
+    pub stated_window: Option<[f64; 2]>,
+    /// How many packed bytes the header states; files state too few.
+    pub packed_len: Option<u64>,
+    pub notes: Vec<String>,
+}
+
+impl Placed {
+    /// Reads the values.
+    ///
+    /// # Errors
+    /// [`ReadError`] names the file, what was wrong and what was expected.
+    pub fn read(mut self, nan: NanRule) -> Result<Decoded, ReadError> {
+        match self.place.clone() {
+            Place::File(path, start) => {
+                let (mut source, len) = open_at(&path, start)?;
+                let read = self.read_from(&mut source, len, nan);
+                read.map_err(|problem| ReadError::new(&path, problem))
+            }
+            Place::Files(header, files) => {
+                let values = files.read(&header, &self.layout, sniffed, &mut self.notes)?;
+                self.finish(values, nan)
+                    .map_err(|problem| ReadError::new(&header, problem))
+            }
+        }
+    }
+
+    /// Reads the values from a source that begins with them and has `len` bytes.
+    ///
+    /// # Errors
+    /// [`Problem`] says what was wrong.
+    pub fn read_from(mut self, source: &mut dyn BufRead, len: u64, nan: NanRule) -> Result<Decoded, Problem> {
+        self.look(source, len)?;
+        let values = read_values(&self.layout, source, len, &mut self.notes)?;
+        self.finish(values, nan)
+    }
+
+    /// Takes the first bytes' word for how packed data are packed.
+    ///
+    /// # Errors
+    /// [`Problem::Io`] if they cannot be read.
+    pub fn look(&mut self, source: &mut dyn BufRead, len: u64) -> Result<(), Problem> {
+        if self.layout.encoding == Encoding::Zlib {
+            let start = source.fill_buf().map_err(Problem::io("read the file"))?;
+            self.layout = sniffed(self.layout, start);
+            if let Some(stated) = self.packed_len.filter(|&stated| stated != len) {
+                self.notes.push(format!(
+                    "CompressedDataSize is {stated}, the file has {len} bytes of packed data: all are read"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Joins the values with what is known of them.
+    fn finish(self, values: Values, nan: NanRule) -> Result<Decoded, Problem> {
+        let dims = self.layout.dims.map(|d| d as usize);
+        let [scale, offset] = self.rescale.unwrap_or([1.0, 0.0]);
+        let mut decoded = Decoded::with_nan(self.name, dims, self.spacing, values, (nan, scale))?
+            .with_modality(self.modality)
+            .with_stated_window(self.stated_window)
+            .with_notes(self.notes);
+        if self.rescale.is_some() {
+            decoded = decoded.with_rescale(self.format, scale, offset)?;
+        }
+        match self.directions {
+            Some(directions) => decoded.along(directions),
+            None => Ok(decoded),
+        }
+    }
+}
+
+/// Opens a file at a byte; the bytes left come with it.
+pub(super) fn open_at(path: &Path, start: u64) -> Result<(impl BufRead + use<>, u64), ReadError> {
+    let (mut source, len) = open_regular(path)?;
+    let sought = source
+        .seek(SeekFrom::Start(start))
+        .map_err(Problem::io("read the file"));
+    sought.map_err(|problem| ReadError::new(path, problem))?;
+    Ok((source, len.saturating_sub(start)))
+}
+
+/// Packed data are zlib's or gzip's; their first bytes tell.
+fn sniffed(layout: Layout, start: &[u8]) -> Layout {
+    let encoding = match layout.encoding {
+        Encoding::Zlib if start.starts_with(&[0x1f, 0x8b]) => Encoding::Gzip,
+        other => other,
+    };
+    Layout { encoding, ..layout }
+}
