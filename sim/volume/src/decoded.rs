@@ -5,6 +5,7 @@ use std::fmt;
 use super::axes::{Directions, Turn};
 use super::choice::NanRule;
 use super::error::{Problem, ShapeError};
+use super::mapping::census::Meaning;
 use super::values::{Values, check_spacing, voxel_count};
 
 /// The machine that made the values, as far as the file says so.
@@ -250,6 +251,17 @@ impl Decoded {
     /// What to add to a stored value, once scaled, to get the data's unit.
     pub const fn value_offset(&self) -> f64 {
         self.value_offset
+    }
+
+    /// What the stored values mean.
+    pub(super) const fn meaning(&self) -> Meaning {
+        Meaning {
+            value_type: self.values.value_type(),
+            scale: self.value_scale,
+            offset: self.value_offset,
+            modality: self.modality,
+            stated_window: self.stated_window,
+        }
     }
 
     /// How the volume lies in the patient.

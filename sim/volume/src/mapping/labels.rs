@@ -11,7 +11,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::values::{Decoded, Modality, Values};
+use super::census::{Census, Meaning};
+use crate::values::{Modality, Values};
 
 /// Integers that may differ in any volume that is mostly 0.
 const FEW: usize = 64;
@@ -87,19 +88,22 @@ impl Labels {
     }
 
     /// The labels of a volume, if it is a label map; `code` is the linear code of a label, where there is one for each.
-    pub(super) fn detect(decoded: &Decoded, is_whole: bool, code: impl Fn(f64) -> Option<u16>) -> Option<Self> {
-        let image = matches!(decoded.modality(), Some(Modality::Ct | Modality::Mr));
-        if image || !is_whole || decoded.value_scale() != 1.0 {
+    pub(super) fn detect(
+        meaning: &Meaning,
+        census: &dyn Census,
+        is_whole: bool,
+        code: impl Fn(f64) -> Option<u16>,
+    ) -> Option<Self> {
+        let image = matches!(meaning.modality, Some(Modality::Ct | Modality::Mr));
+        if image || !is_whole || meaning.scale != 1.0 {
             return None;
         }
-        let shift = decoded.value_offset();
-        let values = decoded.values();
-        let flat = is_flat(values, decoded.dims()[0], -shift);
-        let counts = count(values, if flat { MOST } else { FEW })?;
+        let shift = meaning.offset;
+        let flat = census.is_flat(-shift);
+        let counts = census.counts(if flat { MOST } else { FEW })?;
         let (&least, &background) = counts.first_key_value()?;
-        let stored_as_integers = !matches!(values, Values::F32(_) | Values::F64(_));
-        let mostly_background = background as f64 > BACKGROUND * values.len() as f64;
-        let few = stored_as_integers && counts.len() <= FEW && mostly_background;
+        let mostly_background = background as f64 > BACKGROUND * census.count() as f64;
+        let few = meaning.has_integers() && counts.len() <= FEW && mostly_background;
         if least as f64 + shift != 0.0 || counts.len() < 2 || !(flat || few) {
             return None;
         }
@@ -118,8 +122,13 @@ impl Labels {
     }
 }
 
+/// Whether so many equal pairs of so many make a label map.
+pub(super) fn are_flat(equal: u64, pairs: u64) -> bool {
+    pairs > 0 && equal as f64 > FLAT * pairs as f64
+}
+
 /// Whether most neighbours along x, of which neither is background, are equal.
-fn is_flat(values: &Values, width: usize, background: f64) -> bool {
+pub(super) fn is_flat(values: &Values, width: usize, background: f64) -> bool {
     let (mut pairs, mut equal) = (0_u64, 0_u64);
     let mut before = background;
     let mut x = 0;
@@ -132,11 +141,11 @@ fn is_flat(values: &Values, width: usize, background: f64) -> bool {
         x = if x + 1 == width { 0 } else { x + 1 };
         true
     });
-    pairs > 0 && equal as f64 > FLAT * pairs as f64
+    are_flat(equal, pairs)
 }
 
 /// How often each whole value occurs; `None` if more than `most` differ.
-fn count(values: &Values, most: usize) -> Option<BTreeMap<i64, u64>> {
+pub(super) fn count(values: &Values, most: usize) -> Option<BTreeMap<i64, u64>> {
     let mut counts = BTreeMap::new();
     // Equal voxels follow each other: each run is looked up once.
     let mut run: Option<(f64, u64)> = None;

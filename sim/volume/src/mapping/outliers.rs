@@ -2,13 +2,14 @@
 
 use std::cmp::Ordering;
 
+use super::census::Census;
 use crate::values::Values;
 
 /// The share of the voxels, at each end, that may be outliers; at least one voxel may.
 const SHARE: f64 = 1e-4;
 
 /// Fewer voxels have no outliers: one of them is no exception.
-const LEAST_VOXELS: usize = 1000;
+const LEAST_VOXELS: u64 = 1000;
 
 /// How many times the range of the other voxels an outlier lies beyond them.
 ///
@@ -20,18 +21,19 @@ const DISTANCE: f64 = 2.0;
 ///
 /// In a volume of at least [`LEAST_VOXELS`], an outlier is one of at most [`SHARE`] of the voxels at its end and lies beyond all others by more than [`DISTANCE`]
 /// times their range.
-pub(super) fn inliers(values: &Values, range: [f64; 2]) -> [f64; 2] {
-    if values.len() < LEAST_VOXELS {
+pub(super) fn inliers(census: &dyn Census, range: [f64; 2]) -> [f64; 2] {
+    let count = census.count();
+    if count < LEAST_VOXELS {
         return range;
     }
-    let rank = ((SHARE * values.len() as f64) as usize).max(1);
-    let [low, high] = at_ranks(values, [rank, values.len() - 1 - rank]);
+    let rank = ((SHARE * count as f64) as u64).max(1);
+    let [low, high] = census.at_ranks([rank, count - 1 - rank]);
     let reach = DISTANCE * (high - low);
     // All but the ends have one value: the ends are the data.
     if reach == 0.0 || (range[0] >= low - reach && range[1] <= high + reach) {
         return range;
     }
-    within(values, [low - reach, high + reach])
+    census.within([low - reach, high + reach])
 }
 
 /// The stored values at two ranks, counted from 0.
@@ -55,7 +57,7 @@ pub(super) fn at_ranks(values: &Values, ranks: [usize; 2]) -> [f64; 2] {
 }
 
 /// Least and greatest of the values between two bounds.
-fn within(values: &Values, [low, high]: [f64; 2]) -> [f64; 2] {
+pub(super) fn within(values: &Values, [low, high]: [f64; 2]) -> [f64; 2] {
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     values.for_each(|value| {
         if (low..=high).contains(&value) {
