@@ -89,6 +89,11 @@ impl Turn {
         tilt: 0.0,
     };
 
+    /// Whether nothing changes.
+    pub fn is_none(&self) -> bool {
+        (self.source, self.reversed) == (Self::NONE.source, Self::NONE.reversed)
+    }
+
     /// The turn for directions of the file's x, y and z axis in LPS; their lengths do not matter.
     ///
     /// # Errors
@@ -178,7 +183,7 @@ impl Turn {
     }
 
     fn groups<T: Copy>(&self, values: Vec<T>, components: usize, dims: [usize; 3]) -> Result<Vec<T>, Problem> {
-        if (self.source, self.reversed) == (Self::NONE.source, Self::NONE.reversed) {
+        if self.is_none() {
             return Ok(values);
         }
         Ok(match components {

@@ -164,15 +164,7 @@ impl Decoded {
     /// # Errors
     /// [`Problem::Format`] if the scale is 0 or one of the two is not finite or too great to be computed with.
     pub(super) fn with_rescale(mut self, format: &'static str, scale: f64, offset: f64) -> Result<Self, Problem> {
-        let usable = (1e-30..=1e30).contains(&scale.abs()) && offset.abs() <= 1e30;
-        if !usable {
-            return Err(Problem::format(
-                format,
-                format!(
-                    "values are scaled by {scale} plus {offset}, expected finite numbers up to 1e30, and no scale of 0"
-                ),
-            ));
-        }
+        check_rescale(format, scale, offset)?;
         if scale < 0.0 {
             self.values = self.values.rescaled(scale, offset)?;
             if let Some((_, value)) = self.values.first_not_finite() {
@@ -283,4 +275,16 @@ impl Decoded {
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
+}
+
+/// Refuses scales and offsets that are not usable.
+pub(super) fn check_rescale(format: &'static str, scale: f64, offset: f64) -> Result<(), Problem> {
+    let usable = (1e-30..=1e30).contains(&scale.abs()) && offset.abs() <= 1e30;
+    if usable {
+        return Ok(());
+    }
+    Err(Problem::format(
+        format,
+        format!("values are scaled by {scale} plus {offset}, expected finite numbers up to 1e30, and no scale of 0"),
+    ))
 }

@@ -123,8 +123,22 @@ impl Pattern {
 }
 
 impl DataFiles {
+    /// The shape of one file's slab.
+    ///
+    /// # Errors
+    /// [`Problem::Format`] says how many files were expected.
+    pub fn slab(&self, dims: [u64; 3]) -> Result<[u64; 3], Problem> {
+        self.divided(dims).map_err(|expected| {
+            let found = self.names.len();
+            Problem::format(
+                "data in many files",
+                format!("{found} files are named, expected {expected}"),
+            )
+        })
+    }
+
     /// The shape of one file's slab; `Err` says how many files were expected.
-    fn slab(&self, [x, y, z]: [u64; 3]) -> Result<[u64; 3], String> {
+    fn divided(&self, [x, y, z]: [u64; 3]) -> Result<[u64; 3], String> {
         let count = self.names.len() as u64;
         match self.axes {
             1 if count == y * z => Ok([x, 1, 1]),
@@ -151,13 +165,7 @@ impl DataFiles {
         let at_header = |problem| ReadError::new(header, problem);
         voxel_count(whole.dims).map_err(|error| ReadError::new(header, error))?;
         whole.check_memory().map_err(at_header)?;
-        let dims = self.slab(whole.dims).map_err(|expected| {
-            let found = self.names.len();
-            at_header(Problem::format(
-                "data in many files",
-                format!("{found} files are named, expected {expected}"),
-            ))
-        })?;
+        let dims = self.slab(whole.dims).map_err(at_header)?;
         let mut all: Option<Values> = None;
         let mut file_notes = Vec::new();
         for name in &self.names {
@@ -223,11 +231,11 @@ mod tests {
             names: vec!["n".into(); count],
             axes,
         };
-        assert_eq!(files(4, 2).slab([2, 3, 4]), Ok([2, 3, 1]));
-        assert_eq!(files(2, 3).slab([2, 3, 4]), Ok([2, 3, 2]));
-        assert_eq!(files(12, 1).slab([2, 3, 4]), Ok([2, 1, 1]));
-        assert_eq!(files(3, 2).slab([2, 3, 4]), Err("4 slices".into()));
-        assert_eq!(files(3, 3).slab([2, 3, 4]), Err("a divisor of 4 slices".into()));
-        assert!(files(0, 3).slab([2, 3, 4]).is_err());
+        assert_eq!(files(4, 2).divided([2, 3, 4]), Ok([2, 3, 1]));
+        assert_eq!(files(2, 3).divided([2, 3, 4]), Ok([2, 3, 2]));
+        assert_eq!(files(12, 1).divided([2, 3, 4]), Ok([2, 1, 1]));
+        assert_eq!(files(3, 2).divided([2, 3, 4]), Err("4 slices".into()));
+        assert_eq!(files(3, 3).divided([2, 3, 4]), Err("a divisor of 4 slices".into()));
+        assert!(files(0, 3).divided([2, 3, 4]).is_err());
     }
 }

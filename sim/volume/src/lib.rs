@@ -19,6 +19,7 @@ pub mod mapping;
 pub mod metaimage;
 pub mod nifti;
 pub mod nrrd;
+pub mod on_disk;
 pub mod open;
 mod payload;
 mod placed;
@@ -58,7 +59,7 @@ pub struct Volume {
     pub dims: [usize; 3],
     /// Distance between voxels along x, y and z, in the file's unit (millimetres for medical data).
     pub spacing: [f64; 3],
-    /// Voxels, x fastest, each 0 to 4095.
+    /// Voxels, x fastest, each 0 to 4095; none of a volume that is read in parts ([`on_disk`]).
     pub voxels: Vec<u16>,
     /// From codes back to the data's unit.
     pub mapping: Mapping,

@@ -25,7 +25,7 @@
 pub(crate) mod census;
 pub(crate) mod choice;
 mod coding;
-mod labels;
+pub(crate) mod labels;
 mod outliers;
 mod report;
 

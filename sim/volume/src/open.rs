@@ -9,6 +9,7 @@ use super::colours::Colours;
 use super::error::{Problem, ReadError};
 use super::mapping::{Labels, Mapped, MappingError, MappingReport, Window, map};
 use super::placed::Placed;
+use super::statistics::Statistics;
 use super::values::{Decoded, Modality, Orientation};
 use super::{Volume, dicom, metaimage, nifti, nrrd, raw, tiff};
 
@@ -227,6 +228,8 @@ pub struct Loaded {
     pub integers: bool,
     /// The labels, if the volume is a label map.
     pub labels: Option<Labels>,
+    /// How often each code occurs.
+    pub statistics: Statistics,
 }
 
 impl Loaded {
@@ -269,6 +272,7 @@ pub fn prepare(decoded: &Decoded, window: Window) -> Result<Loaded, LoadError> {
             labels,
             note,
         }) => Ok(Loaded {
+            statistics: Statistics::of(&volume),
             volume,
             report,
             labels,

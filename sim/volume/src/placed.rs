@@ -78,26 +78,9 @@ impl Placed {
     /// # Errors
     /// [`Problem`] says what was wrong.
     pub fn read_from(mut self, source: &mut dyn BufRead, len: u64, nan: NanRule) -> Result<Decoded, Problem> {
-        self.look(source, len)?;
-        let values = read_values(&self.layout, source, len, &mut self.notes)?;
+        let layout = looked_at(self.layout, self.packed_len, source, len, &mut self.notes)?;
+        let values = read_values(&layout, source, len, &mut self.notes)?;
         self.finish(values, nan)
-    }
-
-    /// Takes the first bytes' word for how packed data are packed.
-    ///
-    /// # Errors
-    /// [`Problem::Io`] if they cannot be read.
-    pub fn look(&mut self, source: &mut dyn BufRead, len: u64) -> Result<(), Problem> {
-        if self.layout.encoding == Encoding::Zlib {
-            let start = source.fill_buf().map_err(Problem::io("read the file"))?;
-            self.layout = sniffed(self.layout, start);
-            if let Some(stated) = self.packed_len.filter(|&stated| stated != len) {
-                self.notes.push(format!(
-                    "CompressedDataSize is {stated}, the file has {len} bytes of packed data: all are read"
-                ));
-            }
-        }
-        Ok(())
     }
 
     /// Joins the values with what is known of them.
@@ -126,6 +109,30 @@ pub(super) fn open_at(path: &Path, start: u64) -> Result<(impl BufRead + use<>, 
         .map_err(Problem::io("read the file"));
     sought.map_err(|problem| ReadError::new(path, problem))?;
     Ok((source, len.saturating_sub(start)))
+}
+
+/// The layout, with the first bytes' word for how packed data are packed; `packed_len` is the header's word for `len`.
+///
+/// # Errors
+/// [`Problem::Io`] if they cannot be read.
+pub(super) fn looked_at(
+    layout: Layout,
+    packed_len: Option<u64>,
+    source: &mut dyn BufRead,
+    len: u64,
+    notes: &mut Vec<String>,
+) -> Result<Layout, Problem> {
+    if layout.encoding != Encoding::Zlib {
+        return Ok(layout);
+    }
+    let start = source.fill_buf().map_err(Problem::io("read the file"))?;
+    let layout = sniffed(layout, start);
+    if let Some(stated) = packed_len.filter(|&stated| stated != len) {
+        notes.push(format!(
+            "CompressedDataSize is {stated}, the file has {len} bytes of packed data: all are read"
+        ));
+    }
+    Ok(layout)
 }
 
 /// Packed data are zlib's or gzip's; their first bytes tell.

@@ -2,9 +2,6 @@
 
 use super::Volume;
 
-/// Codes of a volume.
-const CODES: usize = 4096;
-
 /// The histogram of a volume's codes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statistics {
@@ -13,18 +10,26 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// How many codes there are.
+    pub const CODES: usize = 4096;
+
+    /// Of voxels that have been counted, by code.
+    pub(super) fn from_counts(counts: Vec<u64>) -> Self {
+        Self {
+            total: counts.iter().sum(),
+            counts,
+        }
+    }
+
     /// Counts a volume's voxels.
     pub fn of(volume: &Volume) -> Self {
-        let mut counts = vec![0; CODES];
+        let mut counts = vec![0; Self::CODES];
         for &code in &volume.voxels {
             if let Some(count) = counts.get_mut(usize::from(code)) {
                 *count += 1;
             }
         }
-        Self {
-            total: counts.iter().sum(),
-            counts,
-        }
+        Self::from_counts(counts)
     }
 
     /// Voxels of every code.
@@ -49,7 +54,7 @@ impl Statistics {
                 return code;
             }
         }
-        CODES - 1
+        Self::CODES - 1
     }
 
     /// The code from which on voxels differ most from those below it, among codes of `first` and above (Otsu: the

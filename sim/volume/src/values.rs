@@ -306,15 +306,23 @@ fn converted<T: Copy, U>(values: &[T], convert: impl Fn(T) -> U) -> Result<Vec<U
 /// # Errors
 /// [`ShapeError::Axis`] or [`ShapeError::Voxels`] if a side or the product is out of range.
 pub(super) fn voxel_count(dims: [u64; 3]) -> Result<u64, ShapeError> {
-    if let Some(axis) = (0..3).find(|&axis| !(1..=MAX_AXIS as u64).contains(&dims[axis])) {
-        return Err(ShapeError::Axis { axis, len: dims[axis] });
-    }
-    // At most 2^39, since each side is at most 2^13.
-    let voxels = dims[0] * dims[1] * dims[2];
+    let voxels = side_product(dims)?;
     if voxels > MAX_VOXELS {
         return Err(ShapeError::Voxels { voxels });
     }
     Ok(voxels)
+}
+
+/// The number of voxels of a shape that need not be held in memory.
+///
+/// # Errors
+/// [`ShapeError::Axis`] if a side is out of range.
+pub(super) fn side_product(dims: [u64; 3]) -> Result<u64, ShapeError> {
+    if let Some(axis) = (0..3).find(|&axis| !(1..=MAX_AXIS as u64).contains(&dims[axis])) {
+        return Err(ShapeError::Axis { axis, len: dims[axis] });
+    }
+    // At most 2^39, since each side is at most 2^13.
+    Ok(dims[0] * dims[1] * dims[2])
 }
 
 /// Refuses spacings that are no lengths.

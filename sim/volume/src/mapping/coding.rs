@@ -136,6 +136,15 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
+    /// Both together.
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            clipped_low: self.clipped_low + other.clipped_low,
+            clipped_high: self.clipped_high + other.clipped_high,
+            max_rounding_error: self.max_rounding_error.max(other.max_rounding_error),
+        }
+    }
+
     /// The code of a value that `voxels` have.
     pub fn code(&mut self, coding: &Coding, value: f64, voxels: u64) -> u16 {
         if value < coding.low {

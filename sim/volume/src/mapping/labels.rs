@@ -123,7 +123,7 @@ impl Labels {
 }
 
 /// Whether so many equal pairs of so many make a label map.
-pub(super) fn are_flat(equal: u64, pairs: u64) -> bool {
+pub(crate) fn are_flat(equal: u64, pairs: u64) -> bool {
     pairs > 0 && equal as f64 > FLAT * pairs as f64
 }
 

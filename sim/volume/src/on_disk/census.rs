@@ -1,0 +1,435 @@
+//! The census of values that stay in their files: slice by slice, in parallel.
+//!
+//! Values of 8 and 16 bits are counted once, each on its own; what is asked then costs nothing. Of others every question
+//! is a pass over the file, and a rank is four.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+use rayon::prelude::*;
+
+use super::store::{Region, Store};
+use crate::error::{Problem, ReadError, ShapeError};
+use crate::mapping::census::Census;
+use crate::mapping::labels::are_flat;
+use crate::values::Values;
+
+/// What is told how many slices of how many are done.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
+/// Does something with each slice of the file, as it comes, and joins what comes of it.
+pub(super) fn each_slice<T: Send>(
+    store: &Store,
+    progress: Progress<'_>,
+    none: impl Fn() -> T + Sync,
+    take: impl Fn(T, usize, Values) -> Result<T, ReadError> + Sync,
+    join: impl Fn(T, T) -> T + Sync,
+) -> Result<T, ReadError> {
+    let [nx, ny, nz] = store.dims();
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let one = |taken: Result<T, ReadError>, z: usize| {
+        let slice = store.read(Region {
+            first: [0, 0, z],
+            dims: [nx, ny, 1],
+        })?;
+        let taken = take(taken?, z, slice);
+        progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, nz);
+        taken
+    };
+    let both = |a: Result<T, ReadError>, b: Result<T, ReadError>| Ok(join(a?, b?));
+    (0..nz)
+        .into_par_iter()
+        .fold(|| Ok(none()), one)
+        .reduce(|| Ok(none()), both)
+}
+
+/// Pairs of neighbours that are no background, and how many of them are equal.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pairs {
+    all: u64,
+    equal: u64,
+}
+
+impl Pairs {
+    fn add<T: Copy + PartialEq>(&mut self, a: &[T], b: &[T], background: Option<T>) {
+        for (a, b) in a.iter().zip(b) {
+            let counts = background.is_none_or(|background| *a != background && *b != background);
+            self.all += u64::from(counts);
+            self.equal += u64::from(counts && a == b);
+        }
+    }
+
+    /// Of a slice, along an axis of the file; `before` is the slice before, which the third axis needs.
+    fn of<T: Copy + PartialEq>(slice: &[T], before: &[T], width: usize, axis: usize, background: Option<T>) -> Self {
+        let mut pairs = Self::default();
+        match axis {
+            0 => slice
+                .chunks(width)
+                .for_each(|row| pairs.add(row, row.get(1..).unwrap_or(&[]), background)),
+            1 => pairs.add(slice, slice.get(width..).unwrap_or(&[]), background),
+            _ => pairs.add(slice, before, background),
+        }
+        pairs
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            all: self.all + other.all,
+            equal: self.equal + other.equal,
+        }
+    }
+}
+
+/// How often each value of 8 or 16 bits occurs.
+pub(super) struct Histogram {
+    /// By value, the least one first.
+    counts: Vec<u64>,
+    /// The value of the first of them.
+    first: i32,
+    pairs: Pairs,
+}
+
+/// Values of 16 bits, and of fewer.
+const NARROW: usize = 1 << 16;
+
+impl Histogram {
+    /// Counts the values; `axis` is that of the file along which the volume's rows run, `background` the value that labels
+    /// do not count. `None` of values of more bits.
+    ///
+    /// # Errors
+    /// [`ReadError`] if a file cannot be read.
+    pub fn of(store: &Store, axis: usize, background: f64, progress: Progress<'_>) -> Result<Option<Self>, ReadError> {
+        let [nx, ny, _] = store.dims();
+        let none = || (vec![0_u64; NARROW], Pairs::default(), None);
+        let take = |(mut counts, pairs, _): (Vec<u64>, Pairs, Option<i32>), z: usize, slice: Values| {
+            let before = if axis == 2 && z > 0 {
+                let first = [0, 0, z - 1];
+                Some(store.read(Region {
+                    first,
+                    dims: [nx, ny, 1],
+                })?)
+            } else {
+                None
+            };
+            macro_rules! count {
+                ($kind:ident, $type:ty, $values:expr) => {{
+                    for &value in $values {
+                        counts[(i32::from(value) - i32::from(<$type>::MIN)) as usize] += 1;
+                    }
+                    let before: &[$type] = match &before {
+                        Some(Values::$kind(before)) => before,
+                        _ => &[],
+                    };
+                    let exact = background as $type;
+                    let background = (f64::from(exact) == background).then_some(exact);
+                    let of_slice = Pairs::of($values, before, nx, axis, background);
+                    Ok((counts, pairs.with(of_slice), Some(i32::from(<$type>::MIN))))
+                }};
+            }
+            match &slice {
+                Values::I8(v) => count!(I8, i8, v),
+                Values::U8(v) => count!(U8, u8, v),
+                Values::I16(v) => count!(I16, i16, v),
+                Values::U16(v) => count!(U16, u16, v),
+                _ => Ok((counts, pairs, None)),
+            }
+        };
+        let join = |(mut counts, pairs, first): (Vec<u64>, Pairs, Option<i32>), (others, more, other): _| {
+            counts
+                .iter_mut()
+                .zip(others)
+                .for_each(|(count, other): (_, u64)| *count += other);
+            (counts, pairs.with(more), first.or(other))
+        };
+        let (counts, pairs, first) = each_slice(store, progress, none, take, join)?;
+        Ok(first.map(|first| Self { counts, first, pairs }))
+    }
+
+    /// Every value that occurs, the least one first, and how often it does.
+    pub fn entries(&self) -> impl DoubleEndedIterator<Item = (f64, u64)> {
+        let value = |index: usize| f64::from(self.first + index as i32);
+        let entries = self.counts.iter().enumerate();
+        entries
+            .filter(|(_, count)| **count > 0)
+            .map(move |(index, &count)| (value(index), count))
+    }
+}
+
+impl Census for Histogram {
+    fn count(&self) -> u64 {
+        self.counts.iter().sum()
+    }
+
+    fn is_whole(&self) -> bool {
+        true
+    }
+
+    fn range(&self) -> [f64; 2] {
+        let (first, last) = (self.entries().next(), self.entries().next_back());
+        [first, last].map(|entry| entry.map_or(0.0, |(value, _)| value))
+    }
+
+    fn at_ranks(&self, ranks: [u64; 2]) -> [f64; 2] {
+        ranks.map(|rank| {
+            let mut seen = 0;
+            let found = self.entries().find(|(_, count)| {
+                seen += count;
+                seen > rank
+            });
+            found.map_or(self.range()[1], |(value, _)| value)
+        })
+    }
+
+    fn within(&self, [low, high]: [f64; 2]) -> [f64; 2] {
+        let inside = || self.entries().filter(|(value, _)| (low..=high).contains(value));
+        [
+            inside().next().map_or(f64::INFINITY, |(value, _)| value),
+            inside().next_back().map_or(f64::NEG_INFINITY, |(value, _)| value),
+        ]
+    }
+
+    fn counts(&self, most: usize) -> Option<BTreeMap<i64, u64>> {
+        let differ = self.counts.iter().filter(|count| **count > 0).count();
+        (differ <= most).then(|| self.entries().map(|(value, count)| (value as i64, count)).collect())
+    }
+
+    fn is_flat(&self, _background: f64) -> bool {
+        are_flat(self.pairs.equal, self.pairs.all)
+    }
+}
+
+/// Values of more bits: every question reads the file.
+pub(super) struct Passes<'s> {
+    store: &'s Store,
+    /// The file's axis along which the volume's rows run.
+    axis: usize,
+    range: [f64; 2],
+    is_whole: bool,
+    progress: Progress<'s>,
+    /// The first pass that failed; later ones are not begun.
+    failed: Mutex<Option<ReadError>>,
+}
+
+/// A number whose order as a whole number is that of the doubles.
+fn key(value: f64) -> u64 {
+    // Both zeros are one value.
+    let bits = (value + 0.0).to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
+}
+
+/// The double of a [`key`].
+fn of_key(key: u64) -> f64 {
+    f64::from_bits(if key >> 63 == 1 { key & !(1 << 63) } else { !key })
+}
+
+impl<'s> Passes<'s> {
+    /// Looks at every value once.
+    ///
+    /// # Errors
+    /// [`ReadError`] if a file cannot be read or a value is not finite.
+    pub fn new(store: &'s Store, axis: usize, progress: Progress<'s>) -> Result<Self, ReadError> {
+        let [nx, ny, _] = store.dims();
+        let none = || ([f64::INFINITY, f64::NEG_INFINITY], true);
+        let take = |(mut range, is_whole): ([f64; 2], bool), z: usize, slice: Values| {
+            if let Some((index, value)) = slice.first_not_finite() {
+                let voxel = [index % nx, index / nx % ny, z];
+                return Err(ReadError::new(store.path(), ShapeError::NotFinite { voxel, value }));
+            }
+            slice.for_each(|value| {
+                range = [range[0].min(value), range[1].max(value)];
+                true
+            });
+            Ok((range, is_whole && slice.are_whole()))
+        };
+        let join = |(a, whole): ([f64; 2], bool), (b, other): ([f64; 2], bool)| {
+            ([a[0].min(b[0]), a[1].max(b[1])], whole && other)
+        };
+        let (range, is_whole) = each_slice(store, progress, none, take, join)?;
+        Ok(Self {
+            store,
+            axis,
+            range,
+            is_whole,
+            progress,
+            failed: Mutex::new(None),
+        })
+    }
+
+    /// What went wrong in a pass, if anything did: what was answered is then worth nothing.
+    pub fn failure(self) -> Option<ReadError> {
+        self.failed
+            .into_inner()
+            .unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    /// A pass; nothing of one that fails.
+    fn pass<T: Send>(
+        &self,
+        none: impl Fn() -> T + Sync,
+        take: impl Fn(T, usize, Values) -> Result<T, ReadError> + Sync,
+        join: impl Fn(T, T) -> T + Sync,
+    ) -> T {
+        let mut failed = self.failed.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if failed.is_some() {
+            return none();
+        }
+        match each_slice(self.store, self.progress, &none, take, join) {
+            Ok(taken) => taken,
+            Err(error) => {
+                *failed = Some(error);
+                none()
+            }
+        }
+    }
+}
+
+impl Census for Passes<'_> {
+    fn count(&self) -> u64 {
+        self.store.dims().iter().map(|&side| side as u64).product()
+    }
+
+    fn is_whole(&self) -> bool {
+        self.is_whole
+    }
+
+    fn range(&self) -> [f64; 2] {
+        self.range
+    }
+
+    fn at_ranks(&self, ranks: [u64; 2]) -> [f64; 2] {
+        let (mut prefixes, mut ranks) = ([0_u64; 2], ranks.map(|rank| rank.min(self.count().saturating_sub(1))));
+        for shift in [48, 32, 16, 0] {
+            let none = || [(); 2].map(|()| vec![0_u64; NARROW]);
+            let take = |mut counts: [Vec<u64>; 2], _, slice: Values| {
+                slice.for_each(|value| {
+                    let key = key(value);
+                    for (counts, prefix) in counts.iter_mut().zip(prefixes) {
+                        if shift == 48 || key >> (shift + 16) == prefix {
+                            counts[(key >> shift) as usize & (NARROW - 1)] += 1;
+                        }
+                    }
+                    true
+                });
+                Ok(counts)
+            };
+            let join = |mut a: [Vec<u64>; 2], b: [Vec<u64>; 2]| {
+                for (a, b) in a.iter_mut().zip(b) {
+                    a.iter_mut().zip(b).for_each(|(count, other)| *count += other);
+                }
+                a
+            };
+            let counts = self.pass(none, take, join);
+            for ((counts, prefix), rank) in counts.iter().zip(&mut prefixes).zip(&mut ranks) {
+                let bin = counts.iter().position(|&count| {
+                    let here = *rank < count;
+                    *rank -= if here { 0 } else { count };
+                    here
+                });
+                *prefix = *prefix << 16 | bin.unwrap_or(0) as u64;
+            }
+        }
+        prefixes.map(of_key)
+    }
+
+    fn within(&self, [low, high]: [f64; 2]) -> [f64; 2] {
+        let none = || [f64::INFINITY, f64::NEG_INFINITY];
+        let take = |mut range: [f64; 2], _, slice: Values| {
+            slice.for_each(|value| {
+                if (low..=high).contains(&value) {
+                    range = [range[0].min(value), range[1].max(value)];
+                }
+                true
+            });
+            Ok(range)
+        };
+        self.pass(none, take, |a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    }
+
+    fn counts(&self, most: usize) -> Option<BTreeMap<i64, u64>> {
+        let take = |counts: Option<BTreeMap<i64, u64>>, _, slice: Values| {
+            let Some(mut counts) = counts else { return Ok(None) };
+            slice.for_each(|value| {
+                *counts.entry(value as i64).or_insert(0) += 1;
+                counts.len() <= most
+            });
+            Ok((counts.len() <= most).then_some(counts))
+        };
+        let join = |a: Option<BTreeMap<i64, u64>>, b: Option<BTreeMap<i64, u64>>| {
+            let (mut a, b) = (a?, b?);
+            for (value, count) in b {
+                *a.entry(value).or_insert(0) += count;
+            }
+            (a.len() <= most).then_some(a)
+        };
+        self.pass(|| Some(BTreeMap::new()), take, join)
+    }
+
+    fn is_flat(&self, background: f64) -> bool {
+        let [nx, ny, _] = self.store.dims();
+        let doubles = |values: &Values| {
+            let mut doubles = Vec::with_capacity(values.len());
+            values.for_each(|value| {
+                doubles.push(value);
+                true
+            });
+            doubles
+        };
+        let take = |pairs: Pairs, z: usize, slice: Values| {
+            let before = if self.axis == 2 && z > 0 {
+                let first = [0, 0, z - 1];
+                let dims = [nx, ny, 1];
+                doubles(&self.store.read(Region { first, dims })?)
+            } else {
+                Vec::new()
+            };
+            Ok(pairs.with(Pairs::of(&doubles(&slice), &before, nx, self.axis, Some(background))))
+        };
+        let pairs = self.pass(Pairs::default, take, Pairs::with);
+        are_flat(pairs.equal, pairs.all)
+    }
+}
+
+/// Refuses NaN where it was to be background: which value that is, is known when all have been read.
+pub(super) fn background_needs_all(error: ReadError) -> ReadError {
+    match &error.problem {
+        Problem::Shape(ShapeError::NotFinite { voxel, value }) if value.is_nan() => {
+            let [x, y, z] = voxel;
+            let fault =
+                format!("voxel ({x}, {y}, {z}) is NaN, expected finite numbers where a volume is read in parts");
+            ReadError {
+                problem: Problem::format("--nan background", fault),
+                path: error.path,
+            }
+        }
+        _ => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_in_the_order_of_doubles() {
+        let values = [
+            f64::MIN,
+            -1e300,
+            -2.5,
+            -1.0,
+            -f64::MIN_POSITIVE,
+            0.0,
+            5e-324,
+            0.1,
+            1.0,
+            3e9,
+            f64::MAX,
+        ];
+        for pair in values.windows(2) {
+            assert!(key(pair[0]) < key(pair[1]), "{pair:?}");
+        }
+        for value in values {
+            assert_eq!(of_key(key(value)), value);
+        }
+        assert_eq!(key(-0.0), key(0.0));
+    }
+}
