@@ -12,6 +12,7 @@ mod laboratory;
 mod licences;
 mod lock_step;
 mod packages;
+mod parts;
 mod small;
 mod tolerance;
 mod vectors;

@@ -2,6 +2,7 @@
 
 use slicecast::slice::SliceError;
 use slicecast::stream::StreamError;
+use slicecast_volume::error::ReadError;
 
 use crate::camera::CameraError;
 
@@ -48,6 +49,25 @@ pub enum RenderError {
     /// A projection has no integral.
     #[error("a projection keeps one sample a ray; the converged integral is that of a composited scene")]
     Projection,
+    /// Not even the image and the slices around a plane fit.
+    #[error(
+        "within {memory} bytes of memory: the image and the slices around one plane take {least}; expected at least as much, \
+         or fewer --rays"
+    )]
+    Budget {
+        /// Bytes given.
+        memory: u64,
+        /// Bytes needed.
+        least: u64,
+    },
+    /// Samples or segments, chosen by how much neighbouring voxels differ.
+    #[error(
+        "--classification auto looks at all voxels, and the volume is read in parts; accepted: point, integral or none"
+    )]
+    Automatic,
+    /// A part of the volume cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
     /// The threads could not be started.
     #[error("the threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -152,7 +152,10 @@ impl<'a> Prepared<'a> {
     ) -> Result<BaseImage, RenderError> {
         let mut turned = Turned::new(self.volume, self.setup.plan.view());
         let mut rendering = self.begun()?;
-        rendering.fold_shard(&Oriented::of(&turned.slices()?), shard, self.simd, progress);
+        let slices = turned.slices()?;
+        for part in rendering.parts(slices.len()) {
+            rendering.fold_part(&Oriented::of(&slices), &part, shard, self.simd, progress);
+        }
         Ok(rendering.base())
     }
 

@@ -13,6 +13,7 @@ pub mod image;
 pub mod integrals;
 pub mod occupancy;
 pub mod oriented;
+pub mod parts;
 pub mod picture;
 pub mod pipelines;
 pub mod rays;

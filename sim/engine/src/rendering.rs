@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use slicecast::classify::Support;
 use slicecast::plan::Plan;
-use slicecast::plane::{Pictured, Pipeline};
+use slicecast::plane::{Pictured, Pipeline, near_slice};
 use slicecast::slice::Slice;
 use slicecast::stream::{Needs, StreamError};
 use slicecast::tap::Tap;
@@ -17,6 +17,7 @@ use crate::frame::Prepared;
 use crate::image::{BaseImage, Rgb, base_image, new_image};
 use crate::occupancy::Looks;
 use crate::oriented::Oriented;
+use crate::parts::{Part, parts};
 use crate::picture::picture;
 use crate::shard::Shard;
 use crate::simd::Simd;
@@ -48,8 +49,12 @@ pub trait Rendering: Send + Sync {
     /// Folds all planes, tile by tile on rayon's current threads: rows as a whole, or the blocks that can be seen where they
     /// are few.
     fn fold(&mut self, volume: &Oriented<'_>, tile_rows: usize, simd: Simd, progress: Progress<'_>);
-    /// The same of one shard of the tiles; other rows stay untouched.
-    fn fold_shard(&mut self, volume: &Oriented<'_>, shard: Shard, simd: Simd, progress: Progress<'_>);
+    /// The planes in parts of at most so many slices, in the order of folding.
+    fn parts(&self, most: usize) -> Vec<Part>;
+    /// [`Rendering::fold`] of the planes of a part, from its slices alone, into one shard of the tiles; other rows stay untouched.
+    fn fold_part(&mut self, volume: &Oriented<'_>, part: &Part, shard: Shard, simd: Simd, progress: Progress<'_>);
+    /// Whether no further plane can change the image.
+    fn is_finished(&self) -> bool;
     /// [`Rendering::fold`], rows as a whole.
     fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>);
     /// The same by the scalar definitions, each tile under a tap. See [`tapped`].
@@ -127,8 +132,22 @@ impl<L: Pipeline + Send> Rendering for Under<L> {
         fold_oriented(plan, pipeline, volume, image, tile_rows.into(), simd, progress);
     }
 
-    fn fold_shard(&mut self, volume: &Oriented<'_>, shard: Shard, simd: Simd, progress: Progress<'_>) {
-        let tiling = Tiling { rows: TILE_ROWS, shard };
+    fn parts(&self, most: usize) -> Vec<Part> {
+        let [_, _, depth] = self.plan.dims();
+        let near = |plane| near_slice::<L>(&self.plan, plane);
+        parts([self.plan.planes(), depth], near, L::BACK_TO_FRONT, most)
+    }
+
+    fn is_finished(&self) -> bool {
+        self.pipeline.finished::<i32>(&self.plan, &self.image)
+    }
+
+    fn fold_part(&mut self, volume: &Oriented<'_>, part: &Part, shard: Shard, simd: Simd, progress: Progress<'_>) {
+        let tiling = Tiling {
+            rows: TILE_ROWS,
+            shard,
+            part: Some(part),
+        };
         let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
         fold_oriented(plan, pipeline, volume, image, tiling, simd, progress);
     }

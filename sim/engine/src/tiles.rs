@@ -1,6 +1,7 @@
 //! Tiles of base-plane rows through all planes, on all cores.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
@@ -13,6 +14,7 @@ use slicecast::tap::Tap;
 
 use crate::occupancy::{Looks, Sight};
 use crate::oriented::Oriented;
+use crate::parts::Part;
 use crate::rendering::{LendTap, Progress};
 use crate::shard::Shard;
 use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
@@ -22,18 +24,21 @@ pub const TILE_ROWS: usize = 32;
 
 /// The tiles that are folded.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tiling {
+pub(crate) struct Tiling<'p> {
     /// Rows of a tile.
     pub(crate) rows: usize,
     pub(crate) shard: Shard,
+    /// The planes that are folded, and which slices there are of the volume; none: all.
+    pub(crate) part: Option<&'p Part>,
 }
 
-impl From<usize> for Tiling {
+impl From<usize> for Tiling<'_> {
     /// All tiles of so many rows.
     fn from(rows: usize) -> Self {
         Self {
             rows,
             shard: Shard::ALL,
+            part: None,
         }
     }
 }
@@ -56,7 +61,7 @@ pub(crate) fn fold_oriented<L: Pipeline>(
     pipeline: &L,
     volume: &Oriented<'_>,
     image: &mut [L::Element],
-    tiling: Tiling,
+    tiling: Tiling<'_>,
     simd: Simd,
     progress: Progress<'_>,
 ) {
@@ -72,7 +77,7 @@ pub(crate) fn fold_tiles<L: Pipeline>(
     pipeline: &L,
     (slices, seen): (&[Slice<'_>], Option<&Sight>),
     image: &mut [L::Element],
-    tiling: Tiling,
+    tiling: Tiling<'_>,
     simd: Simd,
     progress: Progress<'_>,
 ) {
@@ -82,7 +87,12 @@ pub(crate) fn fold_tiles<L: Pipeline>(
         sizes = sizes.keeping(plan, tiling.rows);
     }
     each_tile(plan, image, sizes, tiling, progress, &|tile, data, memory| {
-        let fold = FoldTile::new(pipeline, Way::of::<L>(plan, slices, seen, tile), (data, memory), None);
+        let fold = FoldTile::new(
+            pipeline,
+            Way::of::<L>(plan, slices, seen, tile, tiling.part),
+            (data, memory),
+            None,
+        );
         enough(with_lanes(simd, fold));
     });
 }
@@ -188,7 +198,7 @@ fn each_tile<E: Send>(
     plan: &Plan,
     image: &mut [E],
     sizes: Sizes,
-    Tiling { rows, shard }: Tiling,
+    Tiling { rows, shard, .. }: Tiling<'_>,
     progress: Progress<'_>,
     work: Work<'_, E>,
 ) {
@@ -230,7 +240,7 @@ fn fold_scalar<L: Pipeline>(
 ) -> Result<(), ScratchError> {
     FoldTile::new(
         pipeline,
-        Way::of::<L>(plan, slices, None, tile),
+        Way::of::<L>(plan, slices, None, tile, None),
         (data, memory),
         Some(tap),
     )
@@ -250,6 +260,10 @@ struct Way<'a, 's> {
     /// The blocks that can be seen; none: rows are made as a whole.
     seen: Option<&'a Sight>,
     tile: Tile,
+    /// The planes that are folded.
+    planes: Range<u32>,
+    /// Number of the first of the slices.
+    first_slice: i32,
     back_to_front: bool,
     /// Number of the slice that a plane's window begins with.
     near_slice: fn(&Plan, u32) -> i32,
@@ -257,8 +271,16 @@ struct Way<'a, 's> {
 
 impl<'a, 's> Way<'a, 's> {
     /// The way of a kind of pipeline.
-    fn of<L: Pipeline>(plan: &'a Plan, slices: &'a [Slice<'s>], seen: Option<&'a Sight>, tile: Tile) -> Self {
+    fn of<L: Pipeline>(
+        plan: &'a Plan,
+        slices: &'a [Slice<'s>],
+        seen: Option<&'a Sight>,
+        tile: Tile,
+        part: Option<&Part>,
+    ) -> Self {
         Self {
+            planes: part.map_or(0..plan.planes(), |part| part.planes.clone()),
+            first_slice: part.map_or(0, |part| part.slices.start as i32),
             plan,
             slices,
             seen,
@@ -270,11 +292,16 @@ impl<'a, 's> Way<'a, 's> {
 
     /// Goes through the planes, in a pipeline's order, until its rays are finished.
     fn walk(&self, fold: &mut dyn FoldPlane) -> Result<(), ScratchError> {
-        let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
-        let planes = self.plan.planes();
+        let place = |z: i32| usize::try_from(z - self.first_slice).ok();
+        let slice = |z: i32| place(z).and_then(|z| self.slices.get(z)).copied();
+        let Range { start, end } = self.planes;
         let mut ahead = None;
-        for step in 0..planes {
-            let index = if self.back_to_front { planes - 1 - step } else { step };
+        for step in 0..end - start {
+            let index = if self.back_to_front {
+                end - 1 - step
+            } else {
+                start + step
+            };
             let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
             let z = (self.near_slice)(self.plan, index);
             let wanted = if self.back_to_front { z - AHEAD } else { z + AHEAD };
@@ -291,7 +318,7 @@ impl<'a, 's> Way<'a, 's> {
                     plan: self.plan,
                     plane,
                     window,
-                    seen: self.seen.map(|sight| sight.at(z as usize)),
+                    seen: self.seen.map(|sight| sight.at(place(z).unwrap_or(0))),
                     reading: fresh.as_ref().map(|ahead| ahead as &dyn Reading),
                 })?;
             }

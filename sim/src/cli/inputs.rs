@@ -17,6 +17,7 @@ use slicecast_scene::{
 use slicecast_volume::choice::{Choice, NanRule, Series};
 use slicecast_volume::colours::Colours;
 use slicecast_volume::mapping::Window;
+use slicecast_volume::on_disk::OnDisk;
 use slicecast_volume::open::{self, Loaded, Options, prepare};
 use slicecast_volume::raw::RawShape;
 use slicecast_volume::raw::describe::{self, Description};
@@ -27,6 +28,7 @@ use super::Failure;
 use super::chosen::Chosen;
 use super::look::LookArgs;
 use super::named_scene::{NamedScene, Transfer, is_fitted};
+use super::progress::with_bar;
 use crate::projection;
 
 /// The parser of a number that a scene's field may have.
@@ -240,12 +242,39 @@ impl VolumeArgs {
     /// Loads it, and says on standard error how its values were mapped.
     pub fn load(&self) -> Result<Loaded, Failure> {
         let loaded = self.map(&self.decode()?)?;
-        let [nx, ny, nz] = loaded.volume.dims;
-        eprintln!("{}: {nx} x {ny} x {nz} voxels; {}", loaded.volume.name, loaded.report);
-        for note in &loaded.notes {
-            eprintln!("note: {note}");
-        }
+        say(&loaded);
         Ok(loaded)
+    }
+
+    /// As [`VolumeArgs::load`], and leaves the voxels in the file.
+    pub fn load_on_disk(&self) -> Result<(Loaded, OnDisk), Failure> {
+        let Some(path) = &self.volume else {
+            return Err(Failure::input(
+                "--memory: the built-in CT head is in memory, expected a volume file",
+            ));
+        };
+        let window = self.window.unwrap_or(Window::Auto);
+        let opened = with_bar("counting values", |progress| {
+            OnDisk::open(path, window, &self.options(), progress)
+        })?;
+        let [nx, ny, nz] = opened.1.dims();
+        if nx.min(ny).min(nz) == 1 {
+            return Err(Failure::input(format!(
+                "{}: is one slice thick ({nx} x {ny} x {nz} voxels); expected no --memory: it is drawn twice, in memory",
+                path.display()
+            )));
+        }
+        say(&opened.0);
+        Ok(opened)
+    }
+}
+
+/// Says on standard error how a volume's values were mapped.
+fn say(loaded: &Loaded) {
+    let [nx, ny, nz] = loaded.volume.dims;
+    eprintln!("{}: {nx} x {ny} x {nz} voxels; {}", loaded.volume.name, loaded.report);
+    for note in &loaded.notes {
+        eprintln!("note: {note}");
     }
 }
 
@@ -412,7 +441,7 @@ impl SceneArgs {
     }
 
     fn choose_or(&self, default: &'static str, volume: &VolumeArgs, loaded: &Loaded) -> Result<Chosen, Failure> {
-        let statistics = Statistics::of(&loaded.volume);
+        let statistics = loaded.statistics.clone();
         let (fitting, reason) = presets::suggest(loaded);
         let default = if volume.is_named() && fitting != slicecast_scene::file::DEFAULT {
             fitting
@@ -425,11 +454,26 @@ impl SceneArgs {
         if self.view.is_some() && !matches!(loaded.orientation, Orientation::Patient { .. }) {
             eprintln!("note: the file does not say how the patient lies: --view follows the file's axes");
         }
-        let mut scene = self.finish(self.read(default, Some((loaded, &statistics)))?)?;
         let stock = self.stock(default);
+        // Colours of labels depend on which of them touch, and a projection's greys on what rays keep.
+        if let Some(name) = stock.as_deref().filter(|name| ["labels", "mip"].contains(name))
+            && loaded.volume.voxels.is_empty()
+        {
+            return Err(Failure::input(format!(
+                "--memory: the scene `{name}` is fitted by a look at all voxels, and the volume is read in parts; expected \
+                 --scene with another or with a file"
+            )));
+        }
+        let mut scene = self.finish(self.read(default, Some((loaded, &statistics)))?)?;
         let projection = matches!(scene.blend, Blend::Maximum | Blend::Minimum);
         // Labels are names: they keep their colours.
         if projection && stock.as_ref().is_some_and(|name| name != "labels") && self.transfer.is_none() {
+            if loaded.volume.voxels.is_empty() {
+                return Err(Failure::input(
+                    "--memory: a projection of a named scene is grey by what rays keep, and the volume is read in parts; \
+                     expected --scene FILE or --transfer FILE",
+                ));
+            }
             scene.transfer = projection::ramp(&loaded.volume, scene.blend);
             scene.check().map_err(Failure::input)?;
             eprintln!("projection: {}", projection::described(&scene.transfer));

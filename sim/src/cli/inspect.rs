@@ -68,7 +68,7 @@ impl Args {
         let mut loaded = self.volume.map(&decoded)?;
         let mut notes = decoded.notes().to_vec();
         let (fitting, scene_reason) = presets::suggest(&loaded);
-        let statistics = Statistics::of(&loaded.volume);
+        let statistics = loaded.statistics.clone();
         let chosen = Chosen {
             scene: presets::scene(fitting, &loaded, &statistics).map_err(Failure::input)?,
             stock: Some(fitting.into()),

@@ -11,6 +11,7 @@ mod hard;
 mod inputs;
 mod inspect;
 mod look;
+mod memory;
 mod merge;
 mod named_scene;
 mod output;

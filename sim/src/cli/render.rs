@@ -14,6 +14,7 @@ use slicecast_volume::open::Loaded;
 use super::Failure;
 use super::chosen::Chosen;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use super::memory;
 use super::output::{check_free, write_file};
 use super::picture::{self, PictureArgs, Target};
 use super::progress::with_bar;
@@ -29,6 +30,7 @@ use crate::{legend, shards, visibility};
   slicecast render scan.nrrd --background none --depth 16 -o - | other-program
   slicecast render angiogram.nrrd --scene mip -o vessels.png
   slicecast render --surface 200 --surface -300,#e0a080,0.3 -o skin-over-skull.png --depth-map depth.png
+  slicecast render large.nrrd --memory 1GiB --scene bone.toml -o large.png
   slicecast render voxels.raw --raw-dims 256x256x128 --raw-type uint8 --scene fog.toml -o fog.png")]
 pub struct Args {
     #[command(flatten)]
@@ -53,6 +55,10 @@ pub struct Args {
     /// `slicecast merge` makes the picture of all.
     #[arg(long, value_name = "I/N", value_parser = picture::shard, conflicts_with_all = ["stream", "depth_map"])]
     shard: Option<Shard>,
+    /// Leave the volume in its file and read it in parts, within so much memory, such as 512MiB or 2GiB: for raw, NRRD,
+    /// MetaImage and NIfTI files that are larger than memory. The picture is the same.
+    #[arg(long, value_name = "SIZE", value_parser = memory::bytes, conflicts_with_all = ["stream", "depth_map", "shard"])]
+    memory: Option<u64>,
     /// Replace the output if it exists.
     #[arg(long)]
     force: bool,
@@ -73,14 +79,22 @@ impl Args {
                 "--depth-map: names the picture's own file, expected another",
             ));
         }
-        let mut loaded = self.volume.load()?;
+        let (mut loaded, on_disk) = match self.memory {
+            Some(_) => {
+                let (loaded, on_disk) = self.volume.load_on_disk()?;
+                (loaded, Some(on_disk))
+            }
+            None => (self.volume.load()?, None),
+        };
         let mut chosen = self.scene.choose(&self.volume, &loaded)?;
         self.picture.apply(&mut chosen.scene);
         let legend = match &target {
             Some(target) => self.legend(target, &chosen, &loaded)?,
             None => Vec::new(),
         };
-        if let Some(note) = thicken(&mut loaded.volume) {
+        if on_disk.is_none()
+            && let Some(note) = thicken(&mut loaded.volume)
+        {
             eprintln!("note: {note}");
         }
         let scenes = std::slice::from_ref(&chosen.scene);
@@ -100,7 +114,15 @@ impl Args {
             Layer::Tiles(TILE_ROWS)
         };
         let frame = with_bar("rendering", |progress| {
-            on_threads(self.threads.count(), || prepared.render(layer, progress))
+            on_threads(self.threads.count(), || match (&on_disk, self.memory) {
+                (Some(volume), Some(memory)) => {
+                    prepared.render_in_parts(volume, memory, progress).map(|(frame, read)| {
+                        eprintln!("{read}");
+                        frame
+                    })
+                }
+                _ => prepared.render(layer, progress),
+            })
         })??;
         let depth_map = self.depth_map(&prepared)?;
         if let Some(warning) = visibility::warning(&prepared, &frame, &chosen.circumstances()) {

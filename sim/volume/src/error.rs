@@ -237,7 +237,9 @@ pub enum ShapeError {
         len: u64,
     },
     /// Too many voxels in all.
-    #[error("has {voxels} voxels, expected at most {MAX_VOXELS}")]
+    #[error(
+        "has {voxels} voxels, expected at most {MAX_VOXELS} in memory; `slicecast render --memory` reads more in parts"
+    )]
     Voxels {
         /// Voxels in all.
         voxels: u64,

@@ -53,36 +53,6 @@ pub struct OnDisk {
     coder: Coder,
 }
 
-/// What reading a volume whole would take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
-    /// Voxels along x, y and z.
-    pub dims: [usize; 3],
-    /// Bytes of memory while it is read: values and codes.
-    pub bytes: u64,
-}
-
-/// What reading a file whole would take; `None` if its format does not tell before it is read: DICOM and TIFF.
-///
-/// # Errors
-/// [`ReadError`] if the header is refused.
-pub fn size(path: &Path, options: &Options) -> Result<Option<Size>, ReadError> {
-    let Found::Placed(placed) = find(path, options)? else {
-        return Ok(None);
-    };
-    let value_len = placed.layout.value_type.byte_len();
-    let turn = turn(&placed)?;
-    let dims = turn.permuted(placed.layout.dims);
-    // Turned values are a second copy of them; the codes come when it is gone.
-    let beside = if turn.is_none() { 2 } else { value_len.max(2) };
-    let voxels: u128 = dims.iter().map(|&side| u128::from(side)).product();
-    let bytes = voxels * u128::from(value_len + beside);
-    Ok(Some(Size {
-        dims: dims.map(|side| usize::try_from(side).unwrap_or(usize::MAX)),
-        bytes: u64::try_from(bytes).unwrap_or(u64::MAX),
-    }))
-}
-
 /// The turn to the volume's axes.
 fn turn(placed: &Placed) -> Result<Turn, ReadError> {
     match placed.directions {
@@ -187,6 +157,12 @@ impl OnDisk {
     /// Whether the codes of a part are first read in another order, which takes as much memory again.
     pub fn is_turned(&self) -> bool {
         !self.turn.is_none()
+    }
+
+    /// Bytes that reading takes beside the codes: a slice of the file for each thread, as bytes and as values.
+    pub fn reading_bytes(&self, threads: usize) -> u64 {
+        let [nx, ny, _] = self.store.dims();
+        2 * (nx * ny * threads) as u64 * self.store.value_len()
     }
 
     /// A box of the volume: `dims` voxels from `first` on, along its own axes. Files are read in parallel, slice by slice of

@@ -135,7 +135,12 @@ impl Store {
         self.layout.dims.map(|side| side as usize)
     }
 
-    /// The file of a value, for messages.
+    /// Bytes of a value.
+    pub const fn value_len(&self) -> u64 {
+        self.layout.value_type.byte_len()
+    }
+
+    /// The first file, for messages.
     pub fn path(&self) -> &Path {
         self.pieces.first().map_or(Path::new(""), |piece| &piece.path)
     }

@@ -260,14 +260,40 @@ fn what_is_read_whole_is_refused() {
 }
 
 #[test]
-fn sizes_come_from_headers() {
+fn volumes_beyond_memory_are_opened() {
     let folder = tempfile::tempdir().unwrap();
-    // Nothing but a header: 8 GiB of voxels behind it are not there.
-    let text = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2048 1024 2048\nendian: little\nencoding: raw\n\
-                space: right-anterior-superior\nspace directions: (0,0,1) (1,0,0) (0,1,0)\n\n";
-    let path = file(&folder, "h.nrrd", &[text.as_bytes()]);
-    let size = size(&path, &Options::default()).unwrap().unwrap();
-    assert_eq!((size.dims, size.bytes), ([1024, 2048, 2048], 4 << 32));
-    let error = open(&path, Window::Auto, &Options::default()).unwrap_err().to_string();
-    assert!(error.contains("has 0 bytes of data, expected 8589934592"), "{error}");
+    // A file with a hole: 4 GiB and a slice of zeros, of which the disk has none.
+    let path = folder.path().join("hole.raw");
+    let dims = [2048, 1025, 2048];
+    let file = fs::File::create(&path).unwrap();
+    file.set_len(dims.iter().product()).unwrap();
+    let whole = load_with(Some(&path), Window::Auto, &hole(dims));
+    assert!(whole.unwrap_err().to_string().contains("--memory"));
+    let short = open(&path, Window::Auto, &hole([2048, 1025, 2049]));
+    assert!(
+        short
+            .unwrap_err()
+            .to_string()
+            .contains("expected 4301279232 for 2048 x 1025 x 2049 uint8")
+    );
+}
+
+/// A raw file of bytes.
+fn hole(dims: [u64; 3]) -> Options {
+    Options {
+        raw: Some(Description {
+            shape: RawShape {
+                dims,
+                spacing: [1.0; 3],
+                value_type: ValueType::U8,
+                endian: Endian::Little,
+                skip: 0,
+            },
+            scale: 1.0,
+            offset: 0.0,
+            modality: None,
+            directions: None,
+        }),
+        ..Options::default()
+    }
 }

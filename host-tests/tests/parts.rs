@@ -1,0 +1,147 @@
+//! Frames of volumes that stay on disk have the bits of frames of the same volumes in memory, however small the parts.
+
+use std::fs;
+
+use slicecast_engine::error::RenderError;
+use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::simd::Simd;
+use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_host_tests::random::{Filling, Random, volume};
+use slicecast_scene::file::built_in;
+use slicecast_scene::{Blend, Borders, Classification, Face, PrecisionName, Scene, Surface};
+use slicecast_volume::Volume;
+use slicecast_volume::mapping::Window;
+use slicecast_volume::on_disk::OnDisk;
+use slicecast_volume::open::{Loaded, Options};
+use slicecast_volume::raw::RawShape;
+use slicecast_volume::raw::describe::Description;
+use slicecast_volume::values::{Endian, ValueType};
+
+/// A volume as a raw file, opened where it lies.
+fn on_disk(volume: &Volume, folder: &tempfile::TempDir) -> (Loaded, OnDisk) {
+    let path = folder.path().join("v.raw");
+    let bytes: Vec<u8> = volume.voxels.iter().flat_map(|code| code.to_be_bytes()).collect();
+    fs::write(&path, bytes).unwrap();
+    let shape = RawShape {
+        dims: volume.dims.map(|side| side as u64),
+        spacing: volume.spacing,
+        value_type: ValueType::U16,
+        endian: Endian::Big,
+        skip: 0,
+    };
+    let options = Options {
+        raw: Some(Description {
+            shape,
+            scale: 1.0,
+            offset: 0.0,
+            modality: None,
+            directions: None,
+        }),
+        ..Options::default()
+    };
+    let window = Window::Range { low: 0.0, high: 4095.0 };
+    OnDisk::open(&path, window, &options, &|_, _| {}).unwrap()
+}
+
+/// A random scene of any kind that a pipeline has.
+fn scene(random: &mut Random) -> Scene {
+    let mut pick = |count: u32| random.below(count);
+    let mut scene = built_in(["headsq", "ct-fog", "ct-bone", "ct-fog8"][pick(4) as usize]).unwrap();
+    scene.precision = [PrecisionName::Paper, PrecisionName::Compact, PrecisionName::Wide][pick(3) as usize];
+    scene.view.azimuth = f64::from(pick(360)) - 180.0;
+    scene.view.elevation = f64::from(pick(181)) - 90.0;
+    scene.sampling.planes_per_voxel = 1 + pick(4);
+    scene.sampling.rays_per_voxel = 1 + pick(2);
+    let mapping = |point: &mut slicecast_scene::Point| point.value += 1024.0;
+    scene.transfer.points.iter_mut().for_each(mapping);
+    match pick(6) {
+        0 => scene.blend = Blend::BackToFront,
+        1 => scene.blend = Blend::Maximum,
+        2 => scene.blend = Blend::Minimum,
+        3 => scene.classification = Classification::Integral,
+        4 => {
+            scene.classification = Classification::None;
+            let face = Face {
+                opacity: 0.4,
+                ..Face::default()
+            };
+            scene.surfaces = vec![Surface::of(900.0, face), Surface::of(2500.5, face)];
+        }
+        _ => scene.borders = [Borders::Whole, Borders::Cells, Borders::Nodes][pick(3) as usize],
+    }
+    scene
+}
+
+#[test]
+fn parts_are_the_whole_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random::new(1024);
+    let fillings = [
+        Filling::Noise,
+        Filling::Extremes,
+        Filling::Sparse,
+        Filling::Boxes,
+        Filling::Ball,
+        Filling::Ripples,
+    ];
+    let mut cut = 0;
+    for case in 0..120_u64 {
+        let dims = [(); 3].map(|()| 2 + random.below(22) as usize);
+        let mut volume = volume(dims, fillings[random.below(6) as usize], case);
+        volume.spacing = [1.0, 0.7, 1.9];
+        let (loaded, on_disk) = on_disk(&volume, &folder);
+        let mut scene = scene(&mut random);
+        scene.transfer.unit_distance = 1.0;
+        let simd: Vec<Simd> = Simd::available().collect();
+        let simd = simd[random.below(simd.len() as u32) as usize];
+        let whole = Prepared::new(&scene, &volume).unwrap().with_simd(simd);
+        let parted = Prepared::new(&scene, &loaded.volume).unwrap().with_simd(simd);
+        let expected = whole.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
+        let most = 5 + random.below(4) as usize;
+        let (found, reading) = parted.render_in_parts(&on_disk, most, &|_, _| ()).unwrap();
+        assert!(
+            expected == found,
+            "case {case}: {}, {scene:?}, parts of {most} slices",
+            volume.name
+        );
+        assert!(reading.largest <= most.max(5));
+        cut += u32::from(reading.parts > 1);
+    }
+    assert!(cut > 60, "{cut} of 120 frames had more than one part");
+}
+
+#[test]
+fn nothing_is_read_behind_what_is_opaque() {
+    let folder = tempfile::tempdir().unwrap();
+    let volume = volume([20, 20, 400], Filling::Constant(3000), 1);
+    let (loaded, on_disk) = on_disk(&volume, &folder);
+    let mut scene = built_in("ct-bone").unwrap();
+    (scene.view.azimuth, scene.view.elevation) = (0.0, 90.0);
+    scene.sampling.planes_per_voxel = 1;
+    let whole = Prepared::new(&scene, &volume).unwrap();
+    let parted = Prepared::new(&scene, &loaded.volume).unwrap();
+    let expected = whole.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
+    let (found, reading) = parted.render_in_parts(&on_disk, 12, &|_, _| ()).unwrap();
+    assert!(expected == found);
+    assert!(reading.slices <= 100 && reading.depth == 400, "{reading}");
+}
+
+#[test]
+fn what_needs_all_voxels_or_more_memory_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (loaded, on_disk) = on_disk(&volume([9; 3], Filling::Noise, 1), &folder);
+    let mut scene = built_in("ct-fog").unwrap();
+    let prepared = Prepared::new(&scene, &loaded.volume).unwrap();
+    let Err(RenderError::Budget { least, .. }) = prepared.slices_within(&on_disk, 1 << 20) else {
+        panic!("1 MiB is enough");
+    };
+    assert!(matches!(
+        prepared.slices_within(&on_disk, least - 1),
+        Err(RenderError::Budget { .. })
+    ));
+    assert!(prepared.slices_within(&on_disk, least).unwrap() >= 5);
+    scene.classification = Classification::Auto;
+    let automatic = Prepared::new(&scene, &loaded.volume).unwrap();
+    let refused = automatic.render_in_parts(&on_disk, 5, &|_, _| ());
+    assert!(matches!(refused, Err(RenderError::Automatic)));
+}
