@@ -84,7 +84,7 @@ fn parts_are_the_whole_frame() {
         Filling::Ball,
         Filling::Ripples,
     ];
-    let mut cut = 0;
+    let (mut cut, mut hidden) = (0, 0);
     for case in 0..120_u64 {
         let dims = [(); 3].map(|()| 2 + random.below(22) as usize);
         let mut volume = volume(dims, fillings[random.below(6) as usize], case);
@@ -106,7 +106,9 @@ fn parts_are_the_whole_frame() {
         );
         assert!(reading.largest <= most.max(5));
         cut += u32::from(reading.parts > 1);
+        hidden += u32::from(reading.voxels < reading.all);
     }
+    assert!(hidden > 10, "{hidden} of 120 frames left something out");
     assert!(cut > 60, "{cut} of 120 frames had more than one part");
 }
 

@@ -7,7 +7,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use slicecast::slice::Slice;
+use slicecast::slice::{RowRange, Slice};
 use slicecast::view::Axis;
 use slicecast_scene::Classification;
 use slicecast_volume::on_disk::OnDisk;
@@ -85,6 +85,10 @@ pub struct Reading {
     pub slices: usize,
     /// Slices of the volume.
     pub depth: usize,
+    /// Voxels that were read, those of two parts twice: what the table hides is left out.
+    pub voxels: u64,
+    /// Voxels of the volume.
+    pub all: u64,
 }
 
 impl fmt::Display for Reading {
@@ -94,11 +98,14 @@ impl fmt::Display for Reading {
             largest,
             slices,
             depth,
+            voxels,
+            all,
         } = self;
         write!(
             f,
-            "read in {parts} {} of at most {largest} slices: {slices} reads of a slice, of {depth} slices",
-            if *parts == 1 { "part" } else { "parts" }
+            "read in {parts} {} of at most {largest} slices: {slices} slices, of {depth}; {:.1} % of the voxels",
+            if *parts == 1 { "part" } else { "parts" },
+            100.0 * *voxels as f64 / (*all).max(1) as f64
         )
     }
 }
@@ -128,10 +135,15 @@ impl Prepared<'_> {
             largest: 0,
             slices: 0,
             depth,
+            voxels: 0,
+            all: self.volume.dims.iter().map(|&side| side as u64).product(),
         };
+        let support = rendering.support();
+        let wanted = support.map(|support| volume.wanted(|[low, high]| support.meets(RowRange { low, high })));
         let mut folded = 0;
         for part in rendering.parts(most) {
-            let sub = volume.read(self.corner(&part), self.sides(&part))?;
+            let (sub, voxels) = volume.read(self.corner(&part), self.sides(&part), wanted.as_ref())?;
+            reading.voxels += voxels;
             let mut turned = Turned::new(&sub, plan.view());
             let slices: Vec<Slice<'_>> = turned.slices()?;
             let oriented = Oriented::of(&slices);

@@ -6,16 +6,20 @@
 
 mod census;
 mod store;
+mod strips;
 #[cfg(test)]
 mod tests;
 
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
 pub use self::census::Progress;
 use self::census::{Histogram, Passes, background_needs_all, each_slice};
 use self::store::{Region, Store};
+use self::strips::Strips;
+pub use self::strips::Wanted;
 use super::axes::Turn;
 use super::choice::NanRule;
 use super::decoded::check_rescale;
@@ -51,6 +55,7 @@ pub struct OnDisk {
     turn: Turn,
     store: Store,
     coder: Coder,
+    strips: Strips,
 }
 
 /// The turn to the volume's axes.
@@ -112,6 +117,7 @@ impl OnDisk {
             tally,
             statistics,
             coder,
+            strips,
         } = match counted {
             Err(LoadError::Read(error)) if options.choice.nan == NanRule::Background => {
                 return Err(background_needs_all(error).into());
@@ -135,6 +141,7 @@ impl OnDisk {
             turn,
             store,
             coder,
+            strips,
         };
         let loaded = Loaded {
             volume: on_disk.part(on_disk.dims, Vec::new()),
@@ -165,28 +172,56 @@ impl OnDisk {
         2 * (nx * ny * threads) as u64 * self.store.value_len()
     }
 
-    /// A box of the volume: `dims` voxels from `first` on, along its own axes. Files are read in parallel, slice by slice of
-    /// theirs.
+    /// The parts of the file that can be seen, where `meets` tells whether anything from a code to another is visible.
+    pub fn wanted(&self, meets: impl Fn([u16; 2]) -> bool) -> Wanted {
+        self.strips.wanted(meets)
+    }
+
+    /// A box of the volume: `dims` voxels from `first` on, along its own axes; and how many of them were read. What is not
+    /// `wanted`, if anything is said of that, has one of its own codes everywhere, and is not read. Files are read in parallel,
+    /// slice by slice of theirs.
     ///
     /// # Errors
     /// [`ReadError`] if a file cannot be read any more.
-    pub fn read(&self, first: [usize; 3], dims: [usize; 3]) -> Result<Volume, ReadError> {
+    pub fn read(
+        &self,
+        first: [usize; 3],
+        dims: [usize; 3],
+        wanted: Option<&Wanted>,
+    ) -> Result<(Volume, u64), ReadError> {
         let region = Region { first, dims }.turned(&self.turn, self.store.dims());
         let [nx, ny, nz] = region.dims;
+        let [x, y, z] = region.first;
+        let read = AtomicU64::new(0);
         let mut voxels = vec![0; nx * ny * nz];
         let slices = voxels.par_chunks_mut((nx * ny).max(1)).enumerate();
         slices.try_for_each(|(k, out)| {
-            let [x, y, z] = region.first;
-            let values = self.store.read(Region {
-                first: [x, y, z + k],
-                dims: [nx, ny, 1],
-            })?;
-            self.coder.code(&values, out);
+            let has = |row: usize| wanted.is_none_or(|wanted| wanted.has(z + k, row / strips::ROWS));
+            let mut row = y;
+            while row < y + ny {
+                // Strips side by side are read, or left out, together.
+                let is_wanted = has(row);
+                let end = (row + 1..y + ny).find(|&next| has(next) != is_wanted).unwrap_or(y + ny);
+                let out = &mut out[(row - y) * nx..(end - y) * nx];
+                if is_wanted {
+                    let values = self.store.read(Region {
+                        first: [x, row, z + k],
+                        dims: [nx, end - row, 1],
+                    })?;
+                    self.coder.code(&values, out);
+                    read.fetch_add(out.len() as u64, Ordering::Relaxed);
+                } else {
+                    for (place, out) in out.chunks_mut(nx).enumerate() {
+                        out.fill(self.strips.least(z + k, (row + place) / strips::ROWS));
+                    }
+                }
+                row = end;
+            }
             Ok::<(), ReadError>(())
         })?;
         let turned = self.turn.values(Values::U16(voxels), 1, region.dims);
         match turned.map_err(|problem| ReadError::new(self.store.path(), problem))? {
-            Values::U16(voxels) => Ok(self.part(dims, voxels)),
+            Values::U16(voxels) => Ok((self.part(dims, voxels), read.into_inner())),
             _ => unreachable!("a turn keeps the type of values"),
         }
     }
@@ -258,6 +293,7 @@ struct Counted {
     tally: Tally,
     statistics: Statistics,
     coder: Coder,
+    strips: Strips,
 }
 
 /// Counts all values, chooses their codes and counts those.
@@ -288,6 +324,7 @@ fn count(
             counts[usize::from(code)] += voxels;
         }
         return Ok(Counted {
+            strips: Strips::coded(histogram.strips, &chosen.code),
             tally,
             statistics: Statistics::from_counts(counts),
             coder: Coder::table(meaning, &chosen.code),
@@ -296,9 +333,7 @@ fn count(
     }
     let passes = Passes::new(store, axis, progress)?;
     let chosen = choose(meaning, &passes, window);
-    if let Some(error) = passes.failure() {
-        return Err(error.into());
-    }
+    let measured = passes.end()?;
     let chosen = chosen.map_err(mapping)?;
     let none = || (vec![0; Statistics::CODES], Tally::default());
     let take = |(mut counts, mut tally): (Vec<u64>, Tally), _, slice: Values| {
@@ -313,6 +348,7 @@ fn count(
     };
     let (counts, tally) = each_slice(store, progress, none, take, join)?;
     Ok(Counted {
+        strips: Strips::coded(measured, &chosen.code),
         tally,
         statistics: Statistics::from_counts(counts),
         coder: Coder::Code(chosen.code.clone()),

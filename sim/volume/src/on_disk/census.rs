@@ -9,6 +9,7 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 
 use super::store::{Region, Store};
+use super::strips;
 use crate::error::{Problem, ReadError, ShapeError};
 use crate::mapping::census::Census;
 use crate::mapping::labels::are_flat;
@@ -87,7 +88,15 @@ pub(super) struct Histogram {
     /// The value of the first of them.
     first: i32,
     pairs: Pairs,
+    /// Of each slice, as they came.
+    pub strips: Measured,
 }
+
+/// Slices by number, and the least and greatest value of their strips.
+pub(super) type Measured = Vec<(usize, Vec<[f64; 2]>)>;
+
+/// What is counted of some slices.
+type Counts = (Vec<u64>, Pairs, Option<i32>, Measured);
 
 /// Values of 16 bits, and of fewer.
 const NARROW: usize = 1 << 16;
@@ -100,8 +109,9 @@ impl Histogram {
     /// [`ReadError`] if a file cannot be read.
     pub fn of(store: &Store, axis: usize, background: f64, progress: Progress<'_>) -> Result<Option<Self>, ReadError> {
         let [nx, ny, _] = store.dims();
-        let none = || (vec![0_u64; NARROW], Pairs::default(), None);
-        let take = |(mut counts, pairs, _): (Vec<u64>, Pairs, Option<i32>), z: usize, slice: Values| {
+        let none = || (vec![0_u64; NARROW], Pairs::default(), None, Vec::new());
+        let take = |(mut counts, pairs, _, mut strips): Counts, z: usize, slice: Values| {
+            strips.push((z, strips::measured(&slice, nx)));
             let before = if axis == 2 && z > 0 {
                 let first = [0, 0, z - 1];
                 Some(store.read(Region {
@@ -123,7 +133,12 @@ impl Histogram {
                     let exact = background as $type;
                     let background = (f64::from(exact) == background).then_some(exact);
                     let of_slice = Pairs::of($values, before, nx, axis, background);
-                    Ok((counts, pairs.with(of_slice), Some(i32::from(<$type>::MIN))))
+                    Ok((
+                        counts,
+                        pairs.with(of_slice),
+                        Some(i32::from(<$type>::MIN)),
+                        strips,
+                    ))
                 }};
             }
             match &slice {
@@ -131,18 +146,21 @@ impl Histogram {
                 Values::U8(v) => count!(U8, u8, v),
                 Values::I16(v) => count!(I16, i16, v),
                 Values::U16(v) => count!(U16, u16, v),
-                _ => Ok((counts, pairs, None)),
+                _ => Ok((counts, pairs, None, strips)),
             }
         };
-        let join = |(mut counts, pairs, first): (Vec<u64>, Pairs, Option<i32>), (others, more, other): _| {
-            counts
-                .iter_mut()
-                .zip(others)
-                .for_each(|(count, other): (_, u64)| *count += other);
-            (counts, pairs.with(more), first.or(other))
+        let join = |(mut counts, pairs, first, mut strips): Counts, (others, more, other, others_strips): Counts| {
+            counts.iter_mut().zip(others).for_each(|(count, other)| *count += other);
+            strips.extend(others_strips);
+            (counts, pairs.with(more), first.or(other), strips)
         };
-        let (counts, pairs, first) = each_slice(store, progress, none, take, join)?;
-        Ok(first.map(|first| Self { counts, first, pairs }))
+        let (counts, pairs, first, strips) = each_slice(store, progress, none, take, join)?;
+        Ok(first.map(|first| Self {
+            counts,
+            first,
+            pairs,
+            strips,
+        }))
     }
 
     /// Every value that occurs, the least one first, and how often it does.
@@ -205,6 +223,7 @@ pub(super) struct Passes<'s> {
     axis: usize,
     range: [f64; 2],
     is_whole: bool,
+    strips: Measured,
     progress: Progress<'s>,
     /// The first pass that failed; later ones are not begun.
     failed: Mutex<Option<ReadError>>,
@@ -229,37 +248,46 @@ impl<'s> Passes<'s> {
     /// [`ReadError`] if a file cannot be read or a value is not finite.
     pub fn new(store: &'s Store, axis: usize, progress: Progress<'s>) -> Result<Self, ReadError> {
         let [nx, ny, _] = store.dims();
-        let none = || ([f64::INFINITY, f64::NEG_INFINITY], true);
-        let take = |(mut range, is_whole): ([f64; 2], bool), z: usize, slice: Values| {
+        type Looked = ([f64; 2], bool, Measured);
+        let none = || ([f64::INFINITY, f64::NEG_INFINITY], true, Vec::new());
+        let take = |(mut range, is_whole, mut strips): Looked, z: usize, slice: Values| {
             if let Some((index, value)) = slice.first_not_finite() {
                 let voxel = [index % nx, index / nx % ny, z];
                 return Err(ReadError::new(store.path(), ShapeError::NotFinite { voxel, value }));
             }
-            slice.for_each(|value| {
-                range = [range[0].min(value), range[1].max(value)];
-                true
-            });
-            Ok((range, is_whole && slice.are_whole()))
+            let measured = strips::measured(&slice, nx);
+            for [low, high] in &measured {
+                range = [range[0].min(*low), range[1].max(*high)];
+            }
+            strips.push((z, measured));
+            Ok((range, is_whole && slice.are_whole(), strips))
         };
-        let join = |(a, whole): ([f64; 2], bool), (b, other): ([f64; 2], bool)| {
-            ([a[0].min(b[0]), a[1].max(b[1])], whole && other)
+        let join = |(a, whole, mut strips): Looked, (b, other, others): Looked| {
+            strips.extend(others);
+            ([a[0].min(b[0]), a[1].max(b[1])], whole && other, strips)
         };
-        let (range, is_whole) = each_slice(store, progress, none, take, join)?;
+        let (range, is_whole, strips) = each_slice(store, progress, none, take, join)?;
         Ok(Self {
             store,
             axis,
             range,
             is_whole,
+            strips,
             progress,
             failed: Mutex::new(None),
         })
     }
 
+    /// The strips that were measured.
+    ///
+    /// # Errors
     /// What went wrong in a pass, if anything did: what was answered is then worth nothing.
-    pub fn failure(self) -> Option<ReadError> {
-        self.failed
+    pub fn end(self) -> Result<Measured, ReadError> {
+        let failed = self
+            .failed
             .into_inner()
-            .unwrap_or_else(|poisoned| poisoned.into_inner())
+            .unwrap_or_else(|poisoned| poisoned.into_inner());
+        failed.map_or(Ok(self.strips), Err)
     }
 
     /// A pass; nothing of one that fails.
