@@ -651,3 +651,56 @@ fn shards_of_a_turn_are_its_pictures() {
         assert!(!folder.path(&format!("part-{other}/{name}")).exists());
     }
 }
+
+#[test]
+fn a_volume_read_in_parts_is_one_picture() {
+    let folder = Folder::new();
+    folder.volume("a.nrrd", [48, 40, 70], "1 1 1.5", |[x, y, z]| {
+        let away = |c: usize, middle: i16| (c as i16 - middle).abs();
+        1500 - 40 * (away(x, 24) + away(y, 20) + away(z, 35))
+    });
+    let scene = "a.nrrd --scene headsq --rays 2 --planes 2 --size 200x160";
+    folder.says(&format!("render {scene} -o whole.png"));
+    let said = folder.run(&format!("render {scene} --memory 1GiB -o parts.png"));
+    let said = String::from_utf8(said.stderr).unwrap();
+    assert!(said.contains("read in 1 part of at most 40 slices"), "{said}");
+    assert_eq!(folder.read("parts.png"), folder.read("whole.png"));
+    for number in 1..=2 {
+        folder.says(&format!(
+            "render {scene} --memory 1GiB --shard {number}/2 -o {number}.shard"
+        ));
+    }
+    folder.says("merge 1.shard 2.shard -o merged.png");
+    assert_eq!(folder.read("merged.png"), folder.read("whole.png"));
+
+    let refuses = |line: &str, words: &str| {
+        let output = folder.run(line);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{line}: {text}");
+        assert!(text.contains(words), "{line}: {text}");
+    };
+    refuses(
+        &format!("render {scene} --memory 9MiB -o x.png"),
+        "expected at least as much",
+    );
+    refuses(
+        &format!("render {scene} --memory 2 -o x.png"),
+        "like 512MiB, 2GiB or 1.5GB",
+    );
+    refuses("render --memory 1GiB -o x.png", "the built-in CT head is in memory");
+    refuses(
+        "render a.nrrd --memory 1GiB --scene mip -o x.png",
+        "the scene `mip` is fitted by a look at all voxels",
+    );
+    refuses(
+        "render a.nrrd --memory 1GiB --scene ct-bone --blend maximum -o x.png",
+        "a projection of a named scene",
+    );
+    refuses(
+        "render a.nrrd --memory 1GiB --scene ct-bone --classification auto -o x.png",
+        "accepted: point, integral or none",
+    );
+    folder.volume("flat.nrrd", [8, 8, 1], "1 1 1", |[x, y, _]| (x * y) as i16);
+    refuses("render flat.nrrd --memory 1GiB -o x.png", "is one slice thick");
+    assert!(!folder.names().iter().any(|name| name.starts_with("x.")));
+}

@@ -14,9 +14,9 @@ use slicecast_volume::on_disk::OnDisk;
 
 use crate::error::RenderError;
 use crate::frame::Prepared;
-use crate::image::Frame;
+use crate::image::{BaseImage, Frame};
 use crate::oriented::{Oriented, Turned};
-use crate::rendering::Progress;
+use crate::rendering::{Framing, Progress};
 use crate::shard::Shard;
 
 /// Slices that a plane may look at: two on each side.
@@ -123,18 +123,48 @@ impl Prepared<'_> {
         most: usize,
         progress: Progress<'_>,
     ) -> Result<(Frame, Reading), RenderError> {
+        let (rendering, reading) = self.fold_in_parts(volume, most, Shard::ALL, progress)?;
+        let frame = Frame {
+            base: rendering.base(),
+            picture: rendering.picture(self),
+        };
+        Ok((frame, reading))
+    }
+
+    /// As [`Prepared::render_in_parts`], one shard of the frame: its base-plane image, of which only [`Shard::rows`] are to
+    /// be read.
+    ///
+    /// # Errors
+    /// As [`Prepared::render_in_parts`].
+    pub fn render_shard_in_parts(
+        &self,
+        volume: &OnDisk,
+        most: usize,
+        shard: Shard,
+        progress: Progress<'_>,
+    ) -> Result<(BaseImage, Reading), RenderError> {
+        let (rendering, reading) = self.fold_in_parts(volume, most, shard, progress)?;
+        Ok((rendering.base(), reading))
+    }
+
+    fn fold_in_parts(
+        &self,
+        volume: &OnDisk,
+        most: usize,
+        shard: Shard,
+        progress: Progress<'_>,
+    ) -> Result<(Box<dyn Framing>, Reading), RenderError> {
         if self.scene.classification == Classification::Auto && self.scene.surfaces.is_empty() {
             return Err(RenderError::Automatic);
         }
         let plan = &self.setup.plan;
         let mut rendering = self.begun()?;
-        let depth = plan.dims()[2] as usize;
         let planes = plan.planes() as usize;
         let mut reading = Reading {
             parts: 0,
             largest: 0,
             slices: 0,
-            depth,
+            depth: plan.dims()[2] as usize,
             voxels: 0,
             all: self.volume.dims.iter().map(|&side| side as u64).product(),
         };
@@ -143,28 +173,23 @@ impl Prepared<'_> {
         let mut folded = 0;
         for part in rendering.parts(most) {
             let (sub, voxels) = volume.read(self.corner(&part), self.sides(&part), wanted.as_ref())?;
-            reading.voxels += voxels;
             let mut turned = Turned::new(&sub, plan.view());
             let slices: Vec<Slice<'_>> = turned.slices()?;
-            let oriented = Oriented::of(&slices);
             let new = part.planes.len();
-            rendering.fold_part(&oriented, &part, Shard::ALL, self.simd, &|tiles, all| {
+            rendering.fold_part(&Oriented::of(&slices), &part, shard, self.simd, &|tiles, all| {
                 progress(folded + new * tiles / all.max(1), planes);
             });
             folded += new;
             reading.parts += 1;
             reading.slices += slices.len();
             reading.largest = reading.largest.max(slices.len());
+            reading.voxels += voxels;
             if rendering.is_finished() {
                 break;
             }
         }
         progress(planes, planes);
-        let frame = Frame {
-            base: rendering.base(),
-            picture: rendering.picture(self),
-        };
-        Ok((frame, reading))
+        Ok((rendering, reading))
     }
 
     /// The axis of the volume along which its slices lie, and whether they come from its far end.

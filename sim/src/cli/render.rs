@@ -4,11 +4,13 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use slicecast_engine::depth::depths;
+use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::shard::Shard;
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_volume::on_disk::OnDisk;
 use slicecast_volume::open::Loaded;
 
 use super::Failure;
@@ -57,7 +59,7 @@ pub struct Args {
     shard: Option<Shard>,
     /// Leave the volume in its file and read it in parts, within so much memory, such as 512MiB or 2GiB: for raw, NRRD,
     /// MetaImage and NIfTI files that are larger than memory. The picture is the same.
-    #[arg(long, value_name = "SIZE", value_parser = memory::bytes, conflicts_with_all = ["stream", "depth_map", "shard"])]
+    #[arg(long, value_name = "SIZE", value_parser = memory::bytes, conflicts_with_all = ["stream", "depth_map"])]
     memory: Option<u64>,
     /// Replace the output if it exists.
     #[arg(long)]
@@ -106,7 +108,7 @@ impl Args {
         }
         let target = match (target, self.shard) {
             (Some(target), _) => target,
-            (None, shard) => return self.write_shard(&prepared, shard.unwrap_or(Shard::ALL)),
+            (None, shard) => return self.write_shard(&prepared, on_disk.as_ref(), shard.unwrap_or(Shard::ALL)),
         };
         let layer = if self.stream {
             Layer::Stream
@@ -114,14 +116,14 @@ impl Args {
             Layer::Tiles(TILE_ROWS)
         };
         let frame = with_bar("rendering", |progress| {
-            on_threads(self.threads.count(), || match (&on_disk, self.memory) {
-                (Some(volume), Some(memory)) => {
-                    prepared.render_in_parts(volume, memory, progress).map(|(frame, read)| {
-                        eprintln!("{read}");
-                        frame
-                    })
+            on_threads(self.threads.count(), || match &on_disk {
+                Some(volume) => {
+                    let most = self.slices(&prepared, volume)?;
+                    let (frame, read) = prepared.render_in_parts(volume, most, progress)?;
+                    eprintln!("{read}");
+                    Ok(frame)
                 }
-                _ => prepared.render(layer, progress),
+                None => prepared.render(layer, progress),
             })
         })??;
         let depth_map = self.depth_map(&prepared)?;
@@ -154,8 +156,13 @@ impl Args {
         check_free([&self.output], self.force)
     }
 
+    /// Slices that --memory leaves room for.
+    fn slices(&self, prepared: &Prepared<'_>, volume: &OnDisk) -> Result<usize, RenderError> {
+        prepared.slices_within(volume, self.memory.unwrap_or(u64::MAX))
+    }
+
     /// Renders a shard into its file.
-    fn write_shard(&self, prepared: &Prepared<'_>, shard: Shard) -> Result<(), Failure> {
+    fn write_shard(&self, prepared: &Prepared<'_>, on_disk: Option<&OnDisk>, shard: Shard) -> Result<(), Failure> {
         let (number, count) = (shard.number(), shard.count());
         let most = Shard::most(&prepared.setup.plan);
         if count > most {
@@ -164,7 +171,15 @@ impl Args {
             )));
         }
         let base = with_bar("rendering", |progress| {
-            on_threads(self.threads.count(), || prepared.render_shard(shard, progress))
+            on_threads(self.threads.count(), || match on_disk {
+                Some(volume) => {
+                    let most = self.slices(prepared, volume)?;
+                    let (base, read) = prepared.render_shard_in_parts(volume, most, shard, progress)?;
+                    eprintln!("{read}");
+                    Ok(base)
+                }
+                None => prepared.render_shard(shard, progress),
+            })
         })??;
         let file = shards::file(prepared, &base, shard).map_err(Failure::machine)?;
         write_file(&self.output, self.force, &file)?;
