@@ -143,8 +143,7 @@ impl Plan {
         Self::with_borders(view, dims, spacing, sampling, Borders::Whole)
     }
 
-    /// [`Plan::new`] with a choice of borders. Exact ones are of samples: segments between samples are not classified by them
-    /// (a stream refuses them).
+    /// [`Plan::new`] with a choice of borders.
     ///
     /// Base plane: the fewest columns and rows that hold all rays that meet the box.
     ///
@@ -266,6 +265,21 @@ impl Plan {
     pub const fn planes(&self) -> u32 {
         let [_, _, depth] = self.dims;
         planes(depth, self.sampling.planes_per_voxel, self.borders)
+    }
+
+    /// Number of planes at which segments between samples end, one more than there are segments along a ray: those of whole
+    /// borders, and of cells [`Plan::ends_before`] more at each end.
+    pub const fn ends(&self) -> u32 {
+        let [_, _, depth] = self.dims;
+        planes(depth, self.sampling.planes_per_voxel, Borders::Whole) + 2 * self.ends_before()
+    }
+
+    /// How many of them lie before the first slice: as many as reach half a voxel before it.
+    pub const fn ends_before(&self) -> u32 {
+        match self.borders {
+            Borders::Cells => self.sampling.planes_per_voxel.div_ceil(2),
+            Borders::Whole | Borders::Nodes => 0,
+        }
     }
 
     /// Number of phases, `rays_per_voxel` squared.

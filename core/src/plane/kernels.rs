@@ -44,7 +44,7 @@ impl<'a, T, P, V> Kernels<'a, T, P, V> {
         Self(slot, precision, WHOLE, PhantomData)
     }
 
-    /// The opacities of this fraction of each step.
+    /// For this fraction of each step or segment.
     pub(super) fn of_fraction(self, fraction: u32) -> Self {
         Self(self.0, self.1, fraction, PhantomData)
     }
@@ -59,15 +59,16 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
 
     #[inline(always)]
     fn opacity_row(&self, slab: Slab<'_>, out: &mut [i32]) {
-        V::enter((OpacityRow, self, slab, &mut *out));
-        if self.2 < WHOLE {
+        V::enter((OpacityRow, self, slab.of_fraction(self.2), &mut *out));
+        // Segments are shorter themselves.
+        if !C::SLABS && self.2 < WHOLE {
             V::enter((FractionRow, PhantomData::<V>, out, self.2));
         }
     }
 
     #[inline(always)]
     fn colour_row(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
-        V::enter((ColourRow, self, slab, out));
+        V::enter((ColourRow, self, slab.of_fraction(self.2), out));
     }
 
     #[inline(always)]
