@@ -150,9 +150,9 @@ impl Side {
 pub fn along_k(plan: &Plan, index: u32) -> Part {
     let halved = plan.borders() == Borders::Cells && plan.sampling().planes_per_voxel & 1 == 1;
     Part {
-        from: if halved && index == 0 { WHOLE / 2 } else { 0 },
+        from: if halved && index == 0 { WHOLE >> 1 } else { 0 },
         to: if halved && index + 2 == plan.ends() {
-            WHOLE / 2
+            WHOLE >> 1
         } else {
             WHOLE
         },

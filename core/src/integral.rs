@@ -26,7 +26,6 @@
 //! cum(X, u) = X_n + ((X_(n+1) - X_n) f + 2^(B-1) >> B)     n = u >> B, f = u mod 2^B; the last node by n = N - 1, f = 2^B
 //! ds = u1 - u0,  k = clz32(ds) - 5,  R = reciprocal(ds << k)
 //! Q  = (R dl) >> 26
-//!      dl: of a fraction of a segment  dl fraction + 2^15 >> 16
 //! y  = min(2^29 - 1, ((cum(T, u1) - cum(T, u0)) Q + 2^(h-1)) >> h)           h = E - F - k + b + 2
 //! a  = absorbed(y)
 //! c  = min(1, (K' R') >> 21)     V, K' = dT, min(dK, dT), both << clz32(dT) >> 5;  R' = reciprocal(V) + 1
@@ -34,7 +33,8 @@
 //!
 //! Why nothing overflows: ds >= 2^B >= 2^12 and < 2^27 + 1, so 0 <= k <= 14; R <= 2^26 and dl < 2^32 give Q < 2^32; dT Q < 2^64,
 //! and 2 <= h <= 45. White is exact: its K equal its T, V (R' of V) >= 2^52, so c = 1 and what is folded conserves light. The
-//! order of the samples does not matter (colours within a segment are mixed, not ordered).
+//! order of the samples does not matter (colours within a segment are mixed, not ordered). Of a fraction of a segment
+//! ([`borders`](crate::borders)) the length is dl_f = (dl f + 2^15) >> 16 in place of dl, at most dl.
 //!
 //! Rounding: each node once, each look-up once, y to nearest, c truncated. Error against f64 on
 //! the same nodes, in ulp of 1.31: opacity at most 50 + (2^-25 + 2.5 / dl) 2^31 / e, colour times opacity at most 81 (`tests`

@@ -36,7 +36,7 @@ impl Extent {
     }
 
     /// The same samples in a window that begins with this column of the volume.
-    pub(super) fn from_column(&mut self, first: usize) {
+    pub(super) fn narrow(&mut self, first: usize) {
         self.x.index = self.x.index.wrapping_sub(first as i32);
         self.voxel = self.voxel.saturating_sub(first);
     }

@@ -249,7 +249,7 @@ impl<'a> Parts<'a> {
         let (first, last) = (voxels().fold(usize::MAX, Ord::min), voxels().fold(0, Ord::max));
         let kept = first.saturating_sub(1)..(last + 3).min(self.columns.voxels as usize);
         for (extent, window) in &mut ends {
-            extent.from_column(kept.start);
+            extent.narrow(kept.start);
             **window = window.columns(kept.clone());
         }
     }

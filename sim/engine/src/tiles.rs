@@ -5,9 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use slicecast::lanes::Lanes;
-use slicecast::locate::{cell, plane};
-use slicecast::plan::Plan;
-use slicecast::plane::{At, Kept, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, near_slice};
+use slicecast::locate::{Plane, cell};
+use slicecast::plan::{Phase, Plan};
+use slicecast::plane::{
+    At, Kept, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, near_slice, plane, planes,
+};
 use slicecast::slice::{Slice, Window};
 use slicecast::tap::Tap;
 
@@ -251,6 +253,9 @@ struct Way<'a, 's> {
     seen: Option<&'a Sight>,
     tile: Tile,
     back_to_front: bool,
+    /// Planes that the pipeline folds, and the one with a number.
+    planes: u32,
+    plane: fn(&Plan, Phase, u32) -> Plane,
     /// Number of the slice that a plane's window begins with.
     near_slice: fn(&Plan, u32) -> i32,
 }
@@ -264,6 +269,8 @@ impl<'a, 's> Way<'a, 's> {
             seen,
             tile,
             back_to_front: L::BACK_TO_FRONT,
+            planes: planes::<L>(plan),
+            plane: plane::<L>,
             near_slice: near_slice::<L>,
         }
     }
@@ -271,11 +278,11 @@ impl<'a, 's> Way<'a, 's> {
     /// Goes through the planes, in a pipeline's order, until its rays are finished.
     fn walk(&self, fold: &mut dyn FoldPlane) -> Result<(), ScratchError> {
         let slice = |z: i32| usize::try_from(z).ok().and_then(|z| self.slices.get(z)).copied();
-        let planes = self.plan.planes();
+        let planes = self.planes;
         let mut ahead = None;
         for step in 0..planes {
             let index = if self.back_to_front { planes - 1 - step } else { step };
-            let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
+            let plane = (self.plane)(self.plan, self.plan.phase(self.tile.phase), index);
             let z = (self.near_slice)(self.plan, index);
             let wanted = if self.back_to_front { z - AHEAD } else { z + AHEAD };
             let mut fresh = None;
