@@ -26,7 +26,7 @@ mod extent;
 mod fold;
 mod kept;
 mod kernels;
-mod parts;
+pub(crate) mod parts;
 mod probe;
 mod project;
 mod scratch;

@@ -8,7 +8,7 @@ use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kept::{Kept, KeptRows};
 use super::kernels::{ClassifierRows, Kernels, ShaderRows};
-use super::parts::{Parts, Patch};
+use super::parts::{Parts, Segments};
 use super::probe::Probes;
 use super::scratch::{self, BATCH, BATCH_WIDTH, BatchRows, Scratch, ScratchError};
 use super::slabs::{SlabProbes, Slabs};
@@ -104,7 +104,7 @@ where
             plane.index,
             (precision.pixel(), self.floor),
         );
-        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fraction(extent.fraction);
+        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fraction(extent.fraction, plan.exact());
         let shader = Kernels::<S, P, V>::of(&self.shader, precision);
         let spacing = plan.spacing();
         // Two constants, before which no code for blocks is compiled.
@@ -278,24 +278,20 @@ where
         }
         let Rows { first, data } = rows;
         // Blocks are counted along whole rows.
-        let at_patch = |patch: &Patch| At {
-            seen: seen.filter(|_| patch.has_whole_rows()),
-            reading: at.reading.filter(|_| patch.has_whole_rows()),
+        let at_rows = |whole: bool| At {
+            seen: seen.filter(|_| whole),
+            reading: at.reading.filter(|_| whole),
             ..*at
         };
+        let mut parts = Parts::of(plan, plane);
         // Behind the first plane there is no segment; a constant, without which no code for them is compiled.
         if C::SLABS {
-            let Some(mut parts) = Parts::of_segments(plan, plane) else {
-                return Ok(());
-            };
             let mut kept = kept.filter(|_| !V::SMALL);
-            while let Some(patch) = parts.next_patch() {
-                let Some([(front, ahead), (back, behind)]) = parts.segments(&patch, window, S::LIT) else {
-                    continue;
-                };
+            while let Some(Segments { ends, inner, .. }) = parts.segments(window, S::LIT) {
+                let [front, back] = &ends;
                 let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
                 let kept = match &mut kept {
-                    Some(kept) if patch.is_inner() => kept.of(plane.index, [&front, &back]),
+                    Some(kept) if inner => kept.of(plane.index, [&front.extent, &back.extent]),
                     _ => Default::default(),
                 };
                 let rows = Rows {
@@ -303,9 +299,9 @@ where
                     data: &mut *data,
                 };
                 self.fold_extent::<V>(
-                    &at_patch(&patch),
-                    (&back, &behind),
-                    Some((&front, &ahead, kept)),
+                    &at_rows(back.whole_rows),
+                    (&back.extent, &back.window),
+                    Some((&front.extent, &front.window, kept)),
                     rows,
                     (memory, &mut *spare),
                     again(&mut tap),
@@ -313,17 +309,15 @@ where
             }
             return Ok(());
         }
-        let mut parts = Parts::of_samples(plan, plane);
-        while let Some(patch) = parts.next_patch() {
-            let (extent, window) = parts.samples(&patch, window);
+        while let Some(samples) = parts.samples(window) {
             let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let rows = Rows {
                 first,
                 data: &mut *data,
             };
             self.fold_extent::<V>(
-                &at_patch(&patch),
-                (&extent, &window),
+                &at_rows(samples.whole_rows),
+                (&samples.extent, &samples.window),
                 None,
                 rows,
                 (memory, &mut *spare),

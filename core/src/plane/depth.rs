@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use super::extent::around;
 use super::kept::Kept;
-use super::parts::{Parts, Way};
+use super::parts::{Parts, Segments, Way};
 use super::scratch::{self, Scratch, ScratchError};
 use super::source::{Sheared, Source};
 use super::{At, ChannelOf, Pipeline, Rows};
@@ -108,28 +108,27 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
             tap.plane(plane);
         }
         let base_width = plan.base()[0] as usize;
-        let (Some(count), Some(mut parts)) = (rows.data.len().checked_div(base_width), Parts::of_segments(plan, plane))
-        else {
+        let Some(count) = rows.data.len().checked_div(base_width) else {
             return Ok(());
         };
+        let mut parts = Parts::of(plan, plane);
         let (spacing, mut kept) = (plan.spacing(), kept.filter(|_| !V::SMALL));
-        while let Some(patch) = parts.next_patch() {
-            let Some([(ahead, window), (extent, behind)]) = parts.segments(&patch, &at.window, false) else {
-                continue;
-            };
+        while let Some(Segments { ends, inner, way }) = parts.segments(&at.window, false) {
+            let [front, back] = &ends;
+            let (ahead, window, extent, behind) = (&front.extent, &front.window, &back.extent, &back.window);
             let [front_rows, back_rows] = match &mut kept {
-                Some(kept) if patch.is_inner() => kept.of(plane.index, [&ahead, &extent]),
+                Some(kept) if inner => kept.of(plane.index, [ahead, extent]),
                 _ => Default::default(),
             };
             let Scratch { source, front, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
-            let mut front = Sheared::<P, V, Unlit>::new(self.precision, &ahead, &window, spacing, front, front_rows);
-            let mut back = Sheared::<P, V, Unlit>::new(self.precision, &extent, &behind, spacing, source, back_rows);
+            let mut front = Sheared::<P, V, Unlit>::new(self.precision, ahead, window, spacing, front, front_rows);
+            let mut back = Sheared::<P, V, Unlit>::new(self.precision, extent, behind, spacing, source, back_rows);
             for row in extent.met(rows.first, count) {
                 let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));
-                let range = around(&behind, extent.voxel_rows(back_row));
+                let range = around(behind, extent.voxel_rows(back_row));
                 if !self
                     .support
-                    .meets(range.union(around(&window, ahead.voxel_rows(front_row))))
+                    .meets(range.union(around(window, ahead.voxel_rows(front_row))))
                 {
                     continue;
                 }
@@ -144,7 +143,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
                 front.make(front_row);
                 back.make(back_row);
                 let slab = Slab::between(front.slab(front_row).back, back.slab(back_row).back);
-                V::enter((Find, PhantomData::<V>, self, patch.way(plane.index), depths, slab));
+                V::enter((Find, PhantomData::<V>, self, way, depths, slab));
             }
         }
         Ok(())

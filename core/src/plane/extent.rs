@@ -22,6 +22,7 @@ pub(super) struct Extent {
 
 impl Extent {
     /// Of some pixels whose samples have these cells.
+    #[inline(always)]
     pub(super) fn of([columns, rows]: [Range<u32>; 2], [x, y, z]: [Cell; 3], height: u32, fraction: u32) -> Self {
         Self {
             x,

@@ -9,26 +9,24 @@ use core::ops::Range;
 
 use super::extent::Extent;
 use super::slabs::window_behind;
-use crate::borders::{Borders, Part, Side, along_k};
+use crate::borders::{Borders, Part, Side, WHOLE, along_k, fraction_row};
 use crate::format::{Position, Weight};
+use crate::lanes::Small;
 use crate::locate::{Cell, Plane, cell, cut, end_plane, inside};
 use crate::plan::Plan;
 use crate::slice::Window;
 
 /// Pixels of a plane, along one side.
-#[derive(Clone)]
 struct Axis {
     /// Those of which something counts.
     touched: Range<u32>,
     /// Those of them whose segments lie in the volume, and all whose samples do; empty where there are none.
     inner: Range<u32>,
-    /// The segments; `None`: whole borders.
-    side: Option<Side>,
+    side: Side,
     voxels: u32,
 }
 
 /// Pixels of the same cells and the same part of their segments: the inner ones, or one of the others.
-#[derive(Clone)]
 struct Band {
     pixels: Range<u32>,
     part: Part,
@@ -37,43 +35,34 @@ struct Band {
 }
 
 impl Axis {
-    fn of(side: Option<Side>, samples: [Position; 2], voxels: u32, pixels: u32) -> Self {
-        let [a, b] = samples.map(|at| inside(cell(at), voxels, pixels));
-        let both = shared(a, b);
-        let Some(side) = side else {
-            let touched = both.clone();
-            return Self {
-                touched,
-                inner: both,
-                side: None,
-                voxels,
-            };
-        };
+    fn of(side: Side, samples: [Position; 2], voxels: u32, pixels: u32) -> Self {
         Self {
             touched: side.touched(pixels),
-            inner: shared(side.whole(pixels), both),
-            side: Some(side),
+            inner: shared(side.whole(pixels), between(samples, voxels, pixels)),
+            side,
             voxels,
         }
     }
 
-    /// The band that begins with a pixel.
+    /// The band that begins with a pixel, or the first one.
     fn band(&self, pixel: u32) -> Option<Band> {
+        let pixel = pixel.max(self.touched.start);
         if pixel >= self.touched.end {
             return None;
         }
         let edge = pixel != self.inner.start || self.inner.is_empty();
-        Some(match self.side {
-            Some(side) if edge => Band {
+        Some(if edge {
+            Band {
                 pixels: pixel..pixel + 1,
-                part: side.part(pixel),
+                part: self.side.part(pixel),
                 edge,
-            },
-            _ => Band {
+            }
+        } else {
+            Band {
                 pixels: self.inner.clone(),
                 part: Part::WHOLE,
                 edge,
-            },
+            }
         })
     }
 
@@ -99,36 +88,28 @@ impl Axis {
 }
 
 /// What two ranges have in common.
+#[inline(always)]
 fn shared(a: Range<u32>, b: Range<u32>) -> Range<u32> {
     let start = a.start.max(b.start);
     start..a.end.min(b.end).max(start)
 }
 
-/// A part of a plane: columns and rows, and what counts of their segments.
-pub(super) struct Patch {
-    columns: Band,
-    rows: Band,
-    part: Part,
+/// Samples of the same cells, and their window.
+pub(super) struct Samples<'w> {
+    pub(super) extent: Extent,
+    pub(super) window: Window<'w>,
+    /// Whether rows are read as a whole: a column at a border has a window of its own.
+    pub(super) whole_rows: bool,
 }
 
-impl Patch {
-    /// Whether its rows are read as a whole: a column at a border has a window of its own.
-    pub(super) fn has_whole_rows(&self) -> bool {
-        !self.columns.edge
-    }
-
-    /// Where its segments lie, which end at the plane with this number.
-    pub(super) fn way(&self, index: u32) -> Way {
-        Way {
-            from: (index.wrapping_sub(1) << 16).wrapping_add(self.part.from),
-            length: self.part.length(),
-        }
-    }
-
-    /// Whether its samples are those of whole segments, at their own places.
-    pub(super) fn is_inner(&self) -> bool {
-        !self.columns.edge && !self.rows.edge && self.part == Part::WHOLE
-    }
+/// Segments whose ends have the same cells.
+pub(super) struct Segments<'w> {
+    /// Their front ends and their back ends.
+    pub(super) ends: [Samples<'w>; 2],
+    /// Whether they are whole, and their ends at their own places.
+    pub(super) inner: bool,
+    /// Where they lie along their rays.
+    pub(super) way: Way,
 }
 
 /// Where segments lie along their rays, in planes, 16.16.
@@ -139,140 +120,231 @@ pub(super) struct Way {
 }
 
 impl Way {
+    /// What counts of segments behind a plane.
+    fn of(index: u32, part: Part) -> Self {
+        Self {
+            from: (index << 16).wrapping_add(part.from),
+            length: part.length(),
+        }
+    }
+
     /// The place of a position in a segment, 0 to 65536.
     pub(super) fn at(self, position: u32) -> u32 {
-        // At most 2^32: of a position of 1 in a whole segment.
         let way = (u64::from(self.length) * u64::from(position)) >> 16;
         self.from.wrapping_add(way as u32)
     }
 }
 
-/// The parts of a plane. Those of which nothing counts are left out.
+/// What exact borders are to the plane layer. A plan holds a reference: a program whose plans have whole borders does not
+/// link it.
+pub(crate) struct Exact {
+    pub(crate) borders: Borders,
+    /// The next part of a plane of samples.
+    samples: for<'w> fn(&mut Parts<'_>, &Window<'w>) -> Option<Samples<'w>>,
+    /// The next part of the segments that end at a plane; lit or not.
+    segments: for<'w> fn(&mut Parts<'_>, &Window<'w>, bool) -> Option<Segments<'w>>,
+    /// Makes opacities those of a fraction, on a small machine.
+    pub(super) reduce: fn(&mut [i32], u32),
+}
+
+impl Exact {
+    const fn of(borders: Borders) -> Self {
+        Self {
+            borders,
+            samples: exact_samples,
+            segments: exact_segments,
+            reduce: fraction_row::<Small>,
+        }
+    }
+}
+
+/// Exact borders of cells.
+pub(crate) static CELLS: Exact = Exact::of(Borders::Cells);
+/// Exact borders of nodes.
+pub(crate) static NODES: Exact = Exact::of(Borders::Nodes);
+
+impl PartialEq for Exact {
+    fn eq(&self, other: &Self) -> bool {
+        self.borders == other.borders
+    }
+}
+
+impl Eq for Exact {}
+
+impl core::fmt::Debug for Exact {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        self.borders.fmt(f)
+    }
+}
+
+/// The way through the parts of a plane. Those of which nothing counts are left out.
 pub(super) struct Parts<'a> {
     plan: &'a Plan,
     plane: &'a Plane,
-    columns: Axis,
-    rows: Axis,
-    along: Part,
-    /// The band of rows whose parts come next, and the first column of the next one.
-    row: Option<Band>,
-    column: u32,
+    /// Column and row that the next part begins with, or an earlier one.
+    next: [u32; 2],
 }
 
 impl<'a> Parts<'a> {
-    /// Of a plane of samples.
-    pub(super) fn of_samples(plan: &'a Plan, plane: &'a Plane) -> Self {
-        let [start_i, start_j] = plan.start(plane.phase);
-        let exact = plan.borders() != Borders::Whole;
-        let sides =
-            [(0, start_i), (1, start_j)].map(|(axis, start)| exact.then(|| Side::of(plan, start, axis, plane.index)));
-        Self::of(plan, plane, sides, [[plane.x; 2], [plane.y; 2]], Part::WHOLE)
-    }
-
-    /// Of the segments that end at a plane; none end at the first.
-    pub(super) fn of_segments(plan: &'a Plan, plane: &'a Plane) -> Option<Self> {
-        let index = plane.index.checked_sub(1)?;
-        let [start_i, start_j] = plan.start(plane.phase);
-        let exact = plan.borders() != Borders::Whole;
-        let sides =
-            [(0, start_i), (1, start_j)].map(|(axis, start)| exact.then(|| Side::behind(plan, start, axis, index)));
-        let front = end_plane(plan, plane.phase, index);
-        let samples = [[front.x, plane.x], [front.y, plane.y]];
-        Some(Self::of(plan, plane, sides, samples, along_k(plan, index)))
-    }
-
-    fn of(
-        plan: &'a Plan,
-        plane: &'a Plane,
-        [side_i, side_j]: [Option<Side>; 2],
-        [x, y]: [[Position; 2]; 2],
-        along: Part,
-    ) -> Self {
-        let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
-        let (columns, rows) = (Axis::of(side_i, x, width, columns), Axis::of(side_j, y, height, rows));
+    pub(super) fn of(plan: &'a Plan, plane: &'a Plane) -> Self {
         Self {
             plan,
             plane,
-            row: rows.band(rows.touched.start),
-            column: columns.touched.start,
-            columns,
-            rows,
-            along,
+            next: [0; 2],
         }
     }
 
-    /// The samples of a part and their window.
-    pub(super) fn samples<'w>(&self, patch: &Patch, window: &Window<'w>) -> (Extent, Window<'w>) {
+    /// The next samples.
+    #[inline(always)]
+    pub(super) fn samples<'w>(&mut self, window: &Window<'w>) -> Option<Samples<'w>> {
+        if let Some(exact) = self.plan.exact() {
+            return (exact.samples)(self, window);
+        }
         let Plane { x, y, z, .. } = *self.plane;
-        let (mut extent, mut window) = (self.extent(patch, [x, y, z]), *window);
-        if patch.columns.edge {
-            self.narrow([(&mut extent, &mut window)]);
+        let pixels = self.whole([[x; 2], [y; 2]])?;
+        Some(Samples {
+            extent: Extent::of(pixels, [x, y, z].map(cell), self.height(), WHOLE),
+            window: *window,
+            whole_rows: true,
+        })
+    }
+
+    /// The next segments that end at the plane, given the window of their front ends; none end at the first.
+    #[inline(always)]
+    pub(super) fn segments<'w>(&mut self, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
+        if let Some(exact) = self.plan.exact() {
+            return (exact.segments)(self, window, lit);
         }
-        (extent, window)
+        let index = self.plane.index.checked_sub(1)?;
+        let front = end_plane(self.plan, self.plane.phase, index);
+        let ends = [&front, self.plane];
+        let pixels = self.whole([ends.map(|end| end.x), ends.map(|end| end.y)])?;
+        let [front, back] = ends.map(|end| {
+            Some(Samples {
+                extent: Extent::of(pixels.clone(), [end.x, end.y, end.z].map(cell), self.height(), WHOLE),
+                window: window_behind(window, cell(end.z).index != cell(front.z).index, lit)?,
+                whole_rows: true,
+            })
+        });
+        Some(Segments {
+            ends: [front?, back?],
+            inner: true,
+            way: Way::of(index, Part::WHOLE),
+        })
     }
 
-    /// The front and the back ends of the segments of a part, and their windows, given that of the plane. `None` where the
-    /// volume has no such slice.
-    pub(super) fn segments<'w>(
-        &self,
-        patch: &Patch,
-        window: &Window<'w>,
-        lit: bool,
-    ) -> Option<[(Extent, Window<'w>); 2]> {
-        let Plane { index, phase, .. } = *self.plane;
-        let index = index.checked_sub(1)?;
-        let near = cell(end_plane(self.plan, phase, index).z).index;
-        let Part { from, to } = patch.part;
-        let end = |part| {
-            let extent = self.extent(patch, cut(self.plan, phase, index, part));
-            let window = window_behind(window, extent.z.index != near, lit)?;
-            Some((extent, window))
-        };
-        let [mut front, mut back] = [end(from)?, end(to)?];
-        if patch.columns.edge {
-            self.narrow([(&mut front.0, &mut front.1), (&mut back.0, &mut back.1)]);
+    /// The pixels, along both sides, of whole borders, whose only part comes first.
+    #[inline(always)]
+    fn whole(&mut self, [x, y]: [[Position; 2]; 2]) -> Option<[Range<u32>; 2]> {
+        let [next, _] = &mut self.next;
+        if core::mem::replace(next, 1) > 0 {
+            return None;
         }
-        Some([front, back])
+        let ([width, height, _], [columns, rows]) = (self.plan.dims(), self.plan.base());
+        Some([between(x, width, columns), between(y, height, rows)])
     }
 
-    /// The extent of a part whose samples lie so for pixel (0, 0).
-    fn extent(&self, patch: &Patch, [x, y, z]: [Position; 3]) -> Extent {
-        let Patch { columns, rows, part } = patch;
-        let cells = [self.columns.cell(columns, x), self.rows.cell(rows, y), cell(z)];
-        let pixels = [columns.pixels.clone(), rows.pixels.clone()];
-        Extent::of(pixels, cells, self.rows.voxels, part.length())
+    /// Rows of a slice.
+    fn height(&self) -> u32 {
+        let [_, height, _] = self.plan.dims();
+        height
     }
 
-    /// Gives the samples of a column windows that hold what gradients look at, and so cost no whole rows.
-    fn narrow<const N: usize>(&self, mut ends: [(&mut Extent, &mut Window<'_>); N]) {
-        let voxels = || ends.iter().map(|(extent, _)| extent.voxel);
-        let (first, last) = (voxels().fold(usize::MAX, Ord::min), voxels().fold(0, Ord::max));
-        let kept = first.saturating_sub(1)..(last + 3).min(self.columns.voxels as usize);
-        for (extent, window) in &mut ends {
-            extent.narrow(kept.start);
-            **window = window.columns(kept.clone());
+    /// The next part of exact borders of which something counts: its bands and its part of the segments.
+    fn next_of(&mut self, [columns, rows]: &[Axis; 2], along: Part) -> Option<([Band; 2], Part)> {
+        loop {
+            let [column, row] = self.next;
+            let row = rows.band(row)?;
+            let Some(column) = columns.band(column) else {
+                self.next = [0, row.pixels.end];
+                continue;
+            };
+            self.next = [column.pixels.end, row.pixels.start];
+            let part = column.part.and(row.part).and(along);
+            if part.length() > 0 {
+                return Some(([column, row], part));
+            }
         }
     }
 }
 
-impl Parts<'_> {
-    /// The next part.
-    pub(super) fn next_patch(&mut self) -> Option<Patch> {
-        loop {
-            let rows = self.row.as_ref()?;
-            let Some(columns) = self.columns.band(self.column) else {
-                self.row = self.rows.band(rows.pixels.end);
-                self.column = self.columns.touched.start;
-                continue;
-            };
-            self.column = columns.pixels.end;
-            let part = columns.part.and(rows.part).and(self.along);
-            if part.length() > 0 {
-                let rows = rows.clone();
-                return Some(Patch { columns, rows, part });
-            }
-        }
+/// The pixels along one side whose samples lie between the outermost voxels, on both of two planes.
+#[inline(always)]
+fn between(samples: [Position; 2], voxels: u32, pixels: u32) -> Range<u32> {
+    let [a, b] = samples.map(|at| inside(cell(at), voxels, pixels));
+    shared(a, b)
+}
+
+/// The extent of a part of exact borders whose samples lie so for pixel (0, 0).
+fn extent([columns, rows]: &[Axis; 2], [column, row]: &[Band; 2], part: Part, [x, y, z]: [Position; 3]) -> Extent {
+    let cells = [columns.cell(column, x), rows.cell(row, y), cell(z)];
+    let pixels = [column.pixels.clone(), row.pixels.clone()];
+    Extent::of(pixels, cells, rows.voxels, part.length())
+}
+
+/// Gives the samples of a column windows that hold what gradients look at, and so cost no whole rows.
+fn narrow(samples: &mut [Samples<'_>], voxels: u32) {
+    let places = || samples.iter().map(|samples| samples.extent.voxel);
+    let (first, last) = (places().fold(usize::MAX, Ord::min), places().fold(0, Ord::max));
+    let kept = first.saturating_sub(1)..(last + 3).min(voxels as usize);
+    for samples in samples {
+        samples.extent.narrow(kept.start);
+        samples.window = samples.window.columns(kept.clone());
+        samples.whole_rows = false;
     }
+}
+
+fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Samples<'w>> {
+    let (plan, Plane { index, phase, x, y, z }) = (parts.plan, *parts.plane);
+    let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
+    let [start_i, start_j] = plan.start(phase);
+    let axes = [
+        Axis::of(Side::of(plan, start_i, 0, index), [x; 2], width, columns),
+        Axis::of(Side::of(plan, start_j, 1, index), [y; 2], height, rows),
+    ];
+    let (bands, part) = parts.next_of(&axes, Part::WHOLE)?;
+    let mut samples = [Samples {
+        extent: extent(&axes, &bands, part, [x, y, z]),
+        window: *window,
+        whole_rows: true,
+    }];
+    let [column, _] = &bands;
+    if column.edge {
+        narrow(&mut samples, width);
+    }
+    let [samples] = samples;
+    Some(samples)
+}
+
+fn exact_segments<'w>(parts: &mut Parts<'_>, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
+    let (plan, back) = (parts.plan, *parts.plane);
+    let (index, phase) = (back.index.checked_sub(1)?, back.phase);
+    let front = end_plane(plan, phase, index);
+    let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
+    let [start_i, start_j] = plan.start(phase);
+    let axes = [
+        Axis::of(Side::behind(plan, start_i, 0, index), [front.x, back.x], width, columns),
+        Axis::of(Side::behind(plan, start_j, 1, index), [front.y, back.y], height, rows),
+    ];
+    let (bands, part) = parts.next_of(&axes, along_k(plan, index))?;
+    let end = |place| {
+        let extent = extent(&axes, &bands, part, cut(plan, phase, index, place));
+        Some(Samples {
+            window: window_behind(window, extent.z.index != cell(front.z).index, lit)?,
+            extent,
+            whole_rows: true,
+        })
+    };
+    let mut ends = [end(part.from)?, end(part.to)?];
+    let [column, row] = &bands;
+    if column.edge {
+        narrow(&mut ends, width);
+    }
+    Some(Segments {
+        ends,
+        inner: !column.edge && !row.edge && part == Part::WHOLE,
+        way: Way::of(index, part),
+    })
 }
 
 #[cfg(test)]
@@ -313,10 +385,10 @@ mod tests {
                 let [start_i, start_j] = plan.start(phase);
                 for index in 0..plan.planes() {
                     let at = plane(&plan, phase, index);
-                    let mut parts = Parts::of_samples(&plan, &at);
+                    let mut parts = Parts::of(&plan, &at);
                     let mut found = BTreeMap::new();
-                    while let Some(patch) = parts.next_patch() {
-                        noted(&mut found, &patch, &parts.samples(&patch, &window))?;
+                    while let Some(samples) = parts.samples(&window) {
+                        noted(&mut found, &samples)?;
                     }
                     let side = |axis, start| Side::of(&plan, start, axis, index);
                     let part = |u, v| side(0, start_i).part(u).and(side(1, start_j).part(v));
@@ -324,16 +396,15 @@ mod tests {
                 }
                 for index in 0..plan.ends() - 1 {
                     let at = end_plane(&plan, phase, index + 1);
-                    let mut parts = Parts::of_segments(&plan, &at).unwrap();
+                    let mut parts = Parts::of(&plan, &at);
                     let mut found = [BTreeMap::new(), BTreeMap::new()];
-                    while let Some(patch) = parts.next_patch() {
-                        let ends = parts.segments(&patch, &window, true).unwrap();
+                    while let Some(Segments { ends, inner, .. }) = parts.segments(&window, true) {
                         for (found, end) in found.iter_mut().zip(&ends) {
-                            noted(found, &patch, end)?;
+                            noted(found, end)?;
                         }
-                        if patch.is_inner() {
+                        if inner {
                             let front = end_plane(&plan, phase, index);
-                            let cells = ends.each_ref().map(|(extent, _)| [extent.x, extent.y, extent.z]);
+                            let cells = ends.each_ref().map(|Samples { extent, .. }| [extent.x, extent.y, extent.z]);
                             prop_assert_eq!(cells, [[front.x, front.y, front.z].map(cell), [at.x, at.y, at.z].map(cell)]);
                         }
                     }
@@ -349,7 +420,14 @@ mod tests {
     /// Fraction, cells, and column of the window, of each pixel that has been found.
     type Found = BTreeMap<[u32; 2], (u32, [i32; 5], Option<usize>)>;
 
-    fn noted(found: &mut Found, patch: &Patch, (extent, window): &(Extent, Window<'_>)) -> Result<(), TestCaseError> {
+    fn noted(
+        found: &mut Found,
+        Samples {
+            extent,
+            window,
+            whole_rows,
+        }: &Samples<'_>,
+    ) -> Result<(), TestCaseError> {
         for (row, column) in extent
             .rows
             .clone()
@@ -358,11 +436,11 @@ mod tests {
             // Columns of a window that is narrower are counted from its first voxel.
             let first = (column - extent.columns.start) + extent.voxel;
             prop_assert_eq!(first as i32, column as i32 + extent.x.index);
-            prop_assert!(patch.has_whole_rows() || extent.columns.len() == 1);
+            prop_assert!(*whole_rows || extent.columns.len() == 1);
             prop_assert!(first < window.near.width());
             let [wx, wy, wz] = [extent.x, extent.y, extent.z].map(|cell| cell.weight.to_bits() as i32);
             let cells = [extent.y.index + row as i32, extent.z.index, wx, wy, wz];
-            let voxel = patch.has_whole_rows().then_some(first);
+            let voxel = whole_rows.then_some(first);
             prop_assert_eq!(
                 found.insert([column as u32, row], (extent.fraction, cells, voxel)),
                 None
