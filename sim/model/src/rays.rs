@@ -356,6 +356,35 @@ mod tests {
         );
     }
 
+    /// Ends lie in every slice, and what the box leaves of a ray's segments is the ray from its entry to its exit.
+    #[test]
+    fn cut_segments_are_the_ray_in_the_box() {
+        for (borders, before) in [(Borders::Cells, [1, 1, 2, 2]), (Borders::Nodes, [0; 4])] {
+            for (planes_per_voxel, before) in (1..).zip(before) {
+                let g = Geometry {
+                    planes_per_voxel,
+                    rays_per_voxel: 2,
+                    ..cube([0.25, -0.4, 1.0]).with_borders(borders)
+                };
+                assert_eq!(g.ends(), 5 * planes_per_voxel + 1 + 2 * before);
+                let lattice = g.natural_lattice();
+                let [width, height] = lattice.size;
+                let mut longest: f64 = 0.0;
+                for (u, v) in (0..width).flat_map(|u| (0..height).map(move |v| (u, v))) {
+                    let pieces = (0..g.ends() - 1).filter_map(|plane| g.cut(lattice, plane, u, v));
+                    let sum: f64 = pieces.map(|[from, to]| to - from).sum();
+                    let first = g.place(lattice, 0.0, u, v);
+                    let [from, to] = g.clipped(&first, [0.0, (g.ends() - 1) as f64]);
+                    assert!((sum - (to - from).max(0.0)).abs() < 1e-9, "{borders:?} {u} {v}: {sum}");
+                    longest = longest.max(sum);
+                }
+                let slices = if borders == Borders::Cells { 6 } else { 5 };
+                assert!((longest - (slices * planes_per_voxel) as f64).abs() < 1e-9, "{longest}");
+                assert_eq!(g.place(lattice, before as f64, 0, 0)[2], 0.0);
+            }
+        }
+    }
+
     #[test]
     fn faces_belong_to_the_volume() {
         let g = cube([0.0, 0.0, 1.0]);
