@@ -3,7 +3,8 @@
 //! Source: LaMar, adaptive border sampling; `docs/contract/borders.md` has the ranges and the proof.
 //!
 //! A sample stands for a segment of its ray. With exact borders it lies in the middle of the segment, is held to the voxels,
-//! and counts by the fraction of the segment that lies in the box of the volume.
+//! and counts by the fraction of the segment that lies in the box of the volume. Where segments between samples are classified,
+//! these lie at both ends of that part.
 //!
 //! | value | format | unit |
 //! |---|---|---|
@@ -53,11 +54,23 @@ impl Part {
     /// Nothing.
     pub const NONE: Self = Self { from: WHOLE, to: 0 };
 
-    /// The fraction that lies in this part and in another: between the faces of both axes.
+    /// What lies in this part and in another: between the faces of both axes.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self {
+            from: if self.from > other.from { self.from } else { other.from },
+            to: if self.to < other.to { self.to } else { other.to },
+        }
+    }
+
+    /// How long it is.
+    pub const fn length(self) -> u32 {
+        self.to.saturating_sub(self.from)
+    }
+
+    /// The fraction that lies in this part and in another.
     pub const fn fraction(self, other: Self) -> u32 {
-        let from = if self.from > other.from { self.from } else { other.from };
-        let to = if self.to < other.to { self.to } else { other.to };
-        to.saturating_sub(from)
+        self.and(other).length()
     }
 }
 
@@ -73,25 +86,36 @@ pub struct Side {
 }
 
 impl Side {
-    /// Along i (axis 0) or j (axis 1), for a phase that starts at `start`, on the plane with this number.
+    /// Along i (axis 0) or j (axis 1), for a phase that starts at `start`: the segments about the samples of the plane with
+    /// this number.
     pub fn of(plan: &Plan, start: Step, axis: usize, index: u32) -> Self {
+        let halves = match plan.borders() {
+            // Cells begin half a voxel before the first slice.
+            Borders::Cells => 2 * i64::from(index) - i64::from(plan.sampling().planes_per_voxel),
+            Borders::Whole | Borders::Nodes => 2 * i64::from(index),
+        };
+        Self::from(plan, start, axis, halves)
+    }
+
+    /// The same, the segments behind the plane with this number at which segments end ([`end_plane`]).
+    ///
+    /// [`end_plane`]: crate::locate::end_plane
+    pub fn behind(plan: &Plan, start: Step, axis: usize, index: u32) -> Self {
+        let halves = 2 * (i64::from(index) - i64::from(plan.ends_before()));
+        Self::from(plan, start, axis, halves)
+    }
+
+    /// Segments that begin so many half steps behind the first slice.
+    fn from(plan: &Plan, start: Step, axis: usize, halves: i64) -> Self {
         let (steps, dims) = (plan.step(), plan.dims());
         let (step, side) = match (steps.get(axis), dims.get(axis)) {
             (Some(step), Some(side)) => (step.to_bits(), i64::from(*side)),
             _ => (0, 0),
         };
+        // And half a voxel before the first voxel.
         let cells = plan.borders() == Borders::Cells;
-        // Cells begin half a voxel before the first slice, and before the first voxel.
-        let (halves, before) = if cells {
-            (
-                2 * i64::from(index) - i64::from(plan.sampling().planes_per_voxel),
-                1 << 32,
-            )
-        } else {
-            (2 * i64::from(index), 0)
-        };
         Self {
-            begin: 2 * start.to_bits() + halves * step + before,
+            begin: 2 * start.to_bits() + halves * step + (i64::from(cells) << 32),
             length: 2 * step,
             side: (side - i64::from(!cells)) << 33,
         }
@@ -118,6 +142,20 @@ impl Side {
             from: share(into, length),
             to: share(out, length),
         }
+    }
+}
+
+/// The part of the segments behind an end plane that lies between the front and the back face of the box: half of the first
+/// and of the last where the faces of cells lie in the middle between two planes.
+pub fn along_k(plan: &Plan, index: u32) -> Part {
+    let halved = plan.borders() == Borders::Cells && plan.sampling().planes_per_voxel & 1 == 1;
+    Part {
+        from: if halved && index == 0 { WHOLE >> 1 } else { 0 },
+        to: if halved && index + 2 == plan.ends() {
+            WHOLE >> 1
+        } else {
+            WHOLE
+        },
     }
 }
 

@@ -28,6 +28,7 @@ pub use self::code::{
     AlphaCode, Colour16, Sqrt8, Sqrt16, colour_of_byte, colour_of_word, colour_of_words, entry, opacity_of_root,
 };
 
+use crate::borders::WHOLE;
 use crate::composite::Recurrence as _;
 use crate::format::Opacity;
 use crate::lanes::{Lanes, Small, Wide as _};
@@ -47,6 +48,8 @@ pub struct Slab<'a, W = i32> {
     pub back: &'a [W],
     /// Which part of the segments is asked for, where they are cut ([`Classifier::parts`]).
     pub part: u32,
+    /// What of the segments lies in the volume, 0.16: their length ([`WHOLE`] is all of it).
+    pub fraction: u32,
     /// What is known of the opacities of the part when colours are asked for: where one is 0, the colour may be anything.
     /// Empty: every colour is wanted.
     pub opacities: &'a [W],
@@ -66,6 +69,7 @@ impl<'a, W> Slab<'a, W> {
             front,
             back,
             part: 0,
+            fraction: WHOLE,
             opacities: &[],
         }
     }
@@ -75,6 +79,12 @@ impl<'a, W> Slab<'a, W> {
     #[must_use]
     pub const fn of_part(self, part: u32) -> Self {
         Self { part, ..self }
+    }
+
+    /// Segments of another length.
+    #[inline(always)]
+    pub(crate) const fn of_fraction(self, fraction: u32) -> Self {
+        Self { fraction, ..self }
     }
 
     /// The same segments with their opacities.
@@ -90,6 +100,7 @@ impl<'a, W> Slab<'a, W> {
             front: part(self.front, span.clone()),
             back: part(self.back, span.clone()),
             part: self.part,
+            fraction: self.fraction,
             opacities: part(self.opacities, span),
         }
     }
@@ -128,9 +139,10 @@ pub trait Classifier<P: Precision>: Sync {
         1
     }
 
-    /// Opacity of a part of a segment, 0 where it has no such part: the definition.
+    /// Opacity of a part of a segment of which a fraction ([`WHOLE`] is 1) lies between these samples, 0 where it has no such
+    /// part: the definition.
     #[inline(always)]
-    fn part_opacity(&self, p: P, ends: [i32; 2], part: u32) -> Opacity {
+    fn part_opacity(&self, p: P, ends: [i32; 2], _fraction: u32, part: u32) -> Opacity {
         if part == 0 {
             self.segment_opacity(p, ends)
         } else {
@@ -140,7 +152,7 @@ pub trait Classifier<P: Precision>: Sync {
 
     /// Colour of a part of a segment that is visible: the definition.
     #[inline(always)]
-    fn part_colour(&self, p: P, ends: [i32; 2], _part: u32) -> [u32; 3] {
+    fn part_colour(&self, p: P, ends: [i32; 2], _fraction: u32, _part: u32) -> [u32; 3] {
         self.segment_colour(p, ends)
     }
 

@@ -19,6 +19,9 @@
 //! a segment of less than a bin:  y = (Y position_w >> 16) - (Y position_v >> 16),  Y that of the whole; its one colour
 //! ```
 //!
+//! Of a segment that the volume's borders cut, the ends are the samples at the cuts, and Q has the length of what lies between
+//! them: all the rest is that of a whole segment.
+//!
 //! The differences add up to the segment's, so that cutting changes the depth by roundings alone.
 //!
 //! Pieces order the colours within a segment, which are mixed otherwise: 2 or 4 pieces of equal difference, where the segment has
@@ -26,6 +29,7 @@
 //!
 //! Rounding and error: as [`Integral`], a part. State: none.
 
+use crate::borders::WHOLE;
 use crate::classify::{Classifier, Slab, Support};
 use crate::composite::Recurrence as _;
 use crate::exp2::absorbed;
@@ -135,7 +139,7 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
 
     /// What a part of a segment is.
     #[inline(always)]
-    fn part<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], part: u32) -> Part<'_> {
+    fn part<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], fraction: u32, part: u32) -> Part<'_> {
         let [front, back] = ends;
         let (surfaces, met) = (self.surfaces(), part >> 1);
         let crossings = Crossings::between(p, surfaces, ends);
@@ -152,7 +156,7 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
         }
         let n = crossings.count();
         if n == 0 {
-            return self.piece::<P, V>(p, ends, met);
+            return self.piece::<P, V>(p, ends, fraction, met);
         }
         if met > n || self.volume.is_none() {
             return Part::None;
@@ -178,7 +182,7 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
 
     /// A piece of a segment without a crossing.
     #[inline(always)]
-    fn piece<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], number: u32) -> Part<'_> {
+    fn piece<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], fraction: u32, number: u32) -> Part<'_> {
         let [front, back] = ends;
         let Some(volume) = &self.volume else { return Part::None };
         let bound = |value, position| Bound { value, position };
@@ -186,7 +190,7 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
         let difference = back.abs_diff(front);
         let cut = self.pieces > 1
             && difference >= volume.bins(p, self.pieces).unsigned_abs()
-            && volume.part_depth::<P, V>(p, ends, whole) > PIECES_FROM;
+            && volume.part_depth::<P, V>(p, ends, fraction, whole) > PIECES_FROM;
         if !cut {
             return if number == 0 { Part::Volume(whole) } else { Part::None };
         }
@@ -203,12 +207,12 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
     }
 
     #[inline(never)]
-    fn part_opacity_by<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], part: u32) -> i32 {
-        match (self.part::<P, V>(p, ends, part), &self.volume) {
+    fn part_opacity_by<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], fraction: u32, part: u32) -> i32 {
+        match (self.part::<P, V>(p, ends, fraction, part), &self.volume) {
             (Part::Crossing { face, .. }, _) => face.opacity.to_bits() as i32,
             (Part::Volume(bounds), Some(volume)) => {
                 let mut out = [0];
-                let y = volume.part_depth::<P, V>(p, ends, bounds);
+                let y = volume.part_depth::<P, V>(p, ends, fraction, bounds);
                 absorbed(V::splat(y as i32)).store(&mut out, 0);
                 let [opacity] = out;
                 opacity
@@ -218,8 +222,8 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
     }
 
     #[inline(never)]
-    fn part_colour_by<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], part: u32) -> [u32; 3] {
-        match (self.part::<P, V>(p, ends, part), &self.volume) {
+    fn part_colour_by<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], fraction: u32, part: u32) -> [u32; 3] {
+        match (self.part::<P, V>(p, ends, fraction, part), &self.volume) {
             (Part::Crossing { face, .. }, _) => {
                 let cut = 31 - p.pixel().colour_bits();
                 three(face.colour, |c| c.wrapping_add(1 << cut >> 1) >> cut)
@@ -232,7 +236,8 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
     /// Turn of a crossing; that of the front sample for what is none.
     #[inline(never)]
     fn turn_by<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], part: u32) -> Turn {
-        match self.part::<P, V>(p, ends, part) {
+        // Crossings do not ask for the length.
+        match self.part::<P, V>(p, ends, WHOLE, part) {
             Part::Crossing { turn, .. } => turn,
             _ => Turn::default(),
         }
@@ -319,13 +324,13 @@ where
     }
 
     #[inline]
-    fn part_opacity(&self, p: P, ends: [i32; 2], part: u32) -> Opacity {
-        Opacity::from_bits(self.part_opacity_by::<P, i32>(p, ends, part) as u32)
+    fn part_opacity(&self, p: P, ends: [i32; 2], fraction: u32, part: u32) -> Opacity {
+        Opacity::from_bits(self.part_opacity_by::<P, i32>(p, ends, fraction, part) as u32)
     }
 
     #[inline]
-    fn part_colour(&self, p: P, ends: [i32; 2], part: u32) -> [u32; 3] {
-        self.part_colour_by::<P, i32>(p, ends, part)
+    fn part_colour(&self, p: P, ends: [i32; 2], fraction: u32, part: u32) -> [u32; 3] {
+        self.part_colour_by::<P, i32>(p, ends, fraction, part)
     }
 
     #[inline]
@@ -415,9 +420,9 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
         self.each_cut::<P, V>(p, slab, out.len(), |n, ends| {
             if let Some(out) = out.get_mut(n) {
                 *out = if V::SMALL {
-                    self.part_opacity_by::<P, Small>(p, ends, slab.part)
+                    self.part_opacity_by::<P, Small>(p, ends, slab.fraction, slab.part)
                 } else {
-                    self.part_opacity_by::<P, i32>(p, ends, slab.part)
+                    self.part_opacity_by::<P, i32>(p, ends, slab.fraction, slab.part)
                 };
             }
         });
@@ -428,9 +433,9 @@ impl<L: AsRef<[u32]>, S: AsRef<[Surface]>> Cut<L, S> {
     fn cut_colours<P: Precision, V: Lanes>(&self, p: P, slab: Slab<'_>, [red, green, blue]: [&mut [i32]; 3]) {
         self.each_cut::<P, V>(p, slab, red.len(), |n, ends| {
             let colour = if V::SMALL {
-                self.part_colour_by::<P, Small>(p, ends, slab.part)
+                self.part_colour_by::<P, Small>(p, ends, slab.fraction, slab.part)
             } else {
-                self.part_colour_by::<P, i32>(p, ends, slab.part)
+                self.part_colour_by::<P, i32>(p, ends, slab.fraction, slab.part)
             };
             if let (Some(r), Some(g), Some(b)) = (red.get_mut(n), green.get_mut(n), blue.get_mut(n)) {
                 [*r, *g, *b] = three(colour, |c| c as i32);

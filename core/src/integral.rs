@@ -33,7 +33,8 @@
 //!
 //! Why nothing overflows: ds >= 2^B >= 2^12 and < 2^27 + 1, so 0 <= k <= 14; R <= 2^26 and dl < 2^32 give Q < 2^32; dT Q < 2^64,
 //! and 2 <= h <= 45. White is exact: its K equal its T, V (R' of V) >= 2^52, so c = 1 and what is folded conserves light. The
-//! order of the samples does not matter (colours within a segment are mixed, not ordered).
+//! order of the samples does not matter (colours within a segment are mixed, not ordered). Of a fraction of a segment
+//! ([`borders`](crate::borders)) the length is dl_f = (dl f + 2^15) >> 16 in place of dl, at most dl.
 //!
 //! Rounding: each node once, each look-up once, y to nearest, c truncated. Error against f64 on
 //! the same nodes, in ulp of 1.31: opacity at most 50 + (2^-25 + 2.5 / dl) 2^31 / e, colour times opacity at most 81 (`tests`
@@ -285,9 +286,15 @@ impl<L: AsRef<[u32]>> Integral<L> {
         p.formats().sample_bits + self.grain
     }
 
-    /// Opacity of a segment by a lane.
+    /// The scaled length of a fraction of a segment, to nearest. This function is the definition.
     #[inline(always)]
-    fn opacity_by<P: Precision, V: Lanes>(&self, p: P, front: i32, back: i32) -> i32 {
+    fn scaled(&self, fraction: u32) -> u32 {
+        ((u64::from(self.length.scaled) * u64::from(fraction) + (1 << 15)) >> 16) as u32
+    }
+
+    /// Opacity of a segment by a lane, of this scaled length.
+    #[inline(always)]
+    fn opacity_by<P: Precision, V: Lanes>(&self, p: P, front: i32, back: i32, scaled: u32) -> i32 {
         let bits = self.bin_bits(p);
         let [low, length] = widened(front, back, p.formats().sample_bits, bits);
         let depth = over::<V>(self.extinction.as_ref(), [low, length], bits);
@@ -295,7 +302,7 @@ impl<L: AsRef<[u32]>> Integral<L> {
             return 0;
         }
         let mut out = [0];
-        absorbed(self.depth(p, depth, V::splat(length))).store(&mut out, 0);
+        absorbed(self.depth(p, depth, V::splat(length), scaled)).store(&mut out, 0);
         let [out] = out;
         out
     }
@@ -351,7 +358,14 @@ impl<L: AsRef<[u32]>> Integral<L> {
 
     /// y of a part of a segment by a lane.
     #[inline(always)]
-    pub(crate) fn part_depth<P: Precision, V: Lanes>(&self, p: P, ends: [i32; 2], part: [Bound; 2]) -> u32 {
+    pub(crate) fn part_depth<P: Precision, V: Lanes>(
+        &self,
+        p: P,
+        ends: [i32; 2],
+        fraction: u32,
+        part: [Bound; 2],
+    ) -> u32 {
+        let scaled = self.scaled(fraction);
         let bits = self.bin_bits(p);
         let [front, back] = ends;
         let [low, length] = widened(front, back, p.formats().sample_bits, bits);
@@ -360,7 +374,7 @@ impl<L: AsRef<[u32]>> Integral<L> {
                 return 0;
             }
             let mut out = [0];
-            self.depth(p, integral, V::splat(length)).store(&mut out, 0);
+            self.depth(p, integral, V::splat(length), scaled).store(&mut out, 0);
             let [y] = out;
             y as u32
         };
@@ -395,12 +409,13 @@ impl<L: AsRef<[u32]>> Integral<L> {
         })
     }
 
-    /// y: the depth in powers of two of a segment whose integral of the extinction this is.
+    /// y: the depth in powers of two of a segment of a scaled length whose integral of the extinction this is, over a
+    /// difference of samples.
     #[inline(always)]
-    fn depth<P: Precision, V: Lanes>(&self, p: P, integral: V, length: V) -> V {
+    fn depth<P: Precision, V: Lanes>(&self, p: P, integral: V, length: V, scaled: u32) -> V {
         let k = length.leading_zeros() - V::splat(5);
         let rate = length.shl_each(k).reciprocal();
-        let rate = rate.product(V::splat(self.length.scaled as i32)).shr_narrow(26);
+        let rate = rate.product(V::splat(scaled as i32)).shr_narrow(26);
         // One bit less, and rounded then.
         let shift = (self.exponent + self.length.bits + 1).wrapping_sub(p.formats().sample_bits);
         let y = integral.product(rate).shr_each(V::splat(shift as i32) - k);
@@ -626,12 +641,20 @@ impl<P: Precision, L: AsRef<[u32]> + Sync> Classifier<P> for Integral<L> {
 
     #[inline]
     fn segment_opacity(&self, p: P, [front, back]: [i32; 2]) -> Opacity {
-        Opacity::from_bits(self.opacity_by::<P, i32>(p, front, back) as u32)
+        Opacity::from_bits(self.opacity_by::<P, i32>(p, front, back, self.length.scaled) as u32)
     }
 
     #[inline]
     fn segment_colour(&self, p: P, [front, back]: [i32; 2]) -> [u32; 3] {
         self.colour_by::<P, i32>(p, front, back)
+    }
+
+    #[inline]
+    fn part_opacity(&self, p: P, [front, back]: [i32; 2], fraction: u32, part: u32) -> Opacity {
+        if part > 0 {
+            return Opacity::ZERO;
+        }
+        Opacity::from_bits(self.opacity_by::<P, i32>(p, front, back, self.scaled(fraction)) as u32)
     }
 
     fn support(&self) -> Support {
@@ -656,7 +679,7 @@ impl<P: Precision, L: AsRef<[u32]> + Sync> Classifier<P> for Integral<L> {
         let mut memory = [[0; TOGETHER]; 3];
         let mut integrals = [0; TOGETHER];
         let [low, high, length] = &mut memory;
-        let bits = self.bin_bits(p);
+        let (bits, scaled) = (self.bin_bits(p), self.scaled(slab.fraction));
         let mut segments = Segments {
             low,
             high,
@@ -681,7 +704,7 @@ impl<P: Precision, L: AsRef<[u32]> + Sync> Classifier<P> for Integral<L> {
             }
             if !is_sparse(visible, len) {
                 for at in places::<V>(len) {
-                    let y = self.depth(p, V::load(out, at), V::load(segments.length, at));
+                    let y = self.depth(p, V::load(out, at), V::load(segments.length, at), scaled);
                     absorbed(y).store(out, at);
                 }
                 continue;
@@ -695,7 +718,7 @@ impl<P: Precision, L: AsRef<[u32]> + Sync> Classifier<P> for Integral<L> {
                 end += integral.count();
             }
             for at in places::<V>(visible) {
-                let y = self.depth(p, V::load(&integrals, at), V::load(segments.length, at));
+                let y = self.depth(p, V::load(&integrals, at), V::load(segments.length, at), scaled);
                 absorbed(y).store(&mut integrals, at);
             }
             for at in (0..len).step_by(V::COUNT).rev() {
@@ -764,8 +787,9 @@ impl<L: AsRef<[u32]>> Integral<L> {
     /// Opacities segment by segment.
     #[inline(never)]
     fn opacity_row_single<P: Precision>(&self, p: P, slab: Slab<'_>, out: &mut [i32]) {
+        let scaled = self.scaled(slab.fraction);
         for ((o, &front), &back) in out.iter_mut().zip(slab.front).zip(slab.back) {
-            *o = self.opacity_by::<P, i32>(p, front, back);
+            *o = self.opacity_by::<P, i32>(p, front, back, scaled);
         }
     }
 

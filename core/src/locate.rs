@@ -85,21 +85,50 @@ pub const fn cell(position: Position) -> Cell {
     }
 }
 
+/// Where segments are cut that begin at the plane with this number at which segments end: pixel (0, 0)'s positions along i, j
+/// and, held to the slices, k; at a part of the segment, 0 to 65536 ([`WHOLE`](crate::borders::WHOLE)), which is the next such
+/// plane. This function is the definition.
+pub fn cut(plan: &Plan, phase: Phase, index: u32, part: u32) -> [Position; 3] {
+    let [start_i, start_j] = plan.start(phase);
+    let [step_i, step_j, step_k] = plan.step();
+    let steps = i64::from(index) - i64::from(plan.ends_before());
+    let at = |start: Step, step: Step| {
+        let way = (i64::from(part) * step.to_bits() + (1 << 15)) >> 16;
+        let exact = start.to_bits() + steps * step.to_bits() + way;
+        settled(plan, Position::from_bits(((exact + (1 << 15)) >> 16) as i32))
+    };
+    [
+        at(start_i, step_i),
+        at(start_j, step_j),
+        slices(plan, at(Step::ZERO, step_k)),
+    ]
+}
+
+/// The plane with this number at which segments end, 0 to [`Plan::ends`] - 1.
+pub fn end_plane(plan: &Plan, phase: Phase, index: u32) -> Plane {
+    let [x, y, z] = cut(plan, phase, index, 0);
+    Plane { index, phase, x, y, z }
+}
+
+/// A position along k held to the slices.
+fn slices(plan: &Plan, z: Position) -> Position {
+    let [_, _, depth] = plan.dims();
+    let last = (depth as i32 - 1) << 16;
+    Position::from_bits(z.to_bits().min(last).max(0))
+}
+
 /// The sample plane with this number.
 pub fn plane(plan: &Plan, phase: Phase, index: u32) -> Plane {
     let [start_i, start_j] = plan.start(phase);
     let [step_i, step_j, step_k] = plan.step();
     let at = |start, step| settled(plan, on_plane(plan, start, step, index));
-    let [_, _, depth] = plan.dims();
-    // Only cells reach beyond the slices.
-    let last = (depth as i32 - 1) << 16;
-    let z = at(Step::ZERO, step_k).to_bits().min(last).max(0);
     Plane {
         index,
         phase,
         x: at(start_i, step_i),
         y: at(start_j, step_j),
-        z: Position::from_bits(z),
+        // Only cells reach beyond the slices.
+        z: slices(plan, at(Step::ZERO, step_k)),
     }
 }
 

@@ -5,6 +5,7 @@
 
 use crate::borders::Borders;
 use crate::format::{Intensity, Step};
+use crate::plane::parts::{CELLS, Exact, NODES};
 use crate::view::{View, ratio};
 
 /// The longest side of a volume, voxels.
@@ -67,7 +68,8 @@ pub struct Plan {
     origin: [i32; 2],
     step: [Step; 3],
     nearest: bool,
-    borders: Borders,
+    /// `None`: whole borders.
+    exact: Option<&'static Exact>,
 }
 
 /// Why a scene has no plan.
@@ -140,11 +142,10 @@ impl Plan {
     /// # Errors
     /// [`PlanError`], with the value that is out of range.
     pub const fn new(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
-        Self::with_borders(view, dims, spacing, sampling, Borders::Whole)
+        Self::of(view, dims, spacing, sampling, None)
     }
 
-    /// [`Plan::new`] with a choice of borders. Exact ones are of samples: segments between samples are not classified by them
-    /// (a stream refuses them).
+    /// [`Plan::new`] with a choice of borders.
     ///
     /// Base plane: the fewest columns and rows that hold all rays that meet the box.
     ///
@@ -157,6 +158,23 @@ impl Plan {
         sampling: Sampling,
         borders: Borders,
     ) -> Result<Self, PlanError> {
+        let exact = match borders {
+            Borders::Whole => None,
+            Borders::Cells => Some(&CELLS),
+            Borders::Nodes => Some(&NODES),
+        };
+        Self::of(view, dims, spacing, sampling, exact)
+    }
+
+    /// A plan of some borders: only who names exact ones refers to what they need.
+    const fn of(
+        view: View,
+        dims: [u32; 3],
+        spacing: Spacing,
+        sampling: Sampling,
+        exact: Option<&'static Exact>,
+    ) -> Result<Self, PlanError> {
+        let borders = borders(exact);
         if let Some(given) = first_bad(dims, SIDE_MAX as u32) {
             return Err(PlanError::Side { given });
         }
@@ -194,7 +212,7 @@ impl Plan {
             origin: [origin_i, origin_j],
             step: [si, sj, Step::from_bits(ratio(1, 1, rate) as i64)],
             nearest: false,
-            borders,
+            exact,
         })
     }
 
@@ -223,8 +241,14 @@ impl Plan {
     }
 
     /// Where the volume ends.
+    #[inline(always)]
     pub const fn borders(&self) -> Borders {
-        self.borders
+        borders(self.exact)
+    }
+
+    /// What exact borders are to the plane layer.
+    pub(crate) const fn exact(&self) -> Option<&'static Exact> {
+        self.exact
     }
 
     /// The view.
@@ -265,7 +289,22 @@ impl Plan {
     /// Number of sample planes.
     pub const fn planes(&self) -> u32 {
         let [_, _, depth] = self.dims;
-        planes(depth, self.sampling.planes_per_voxel, self.borders)
+        planes(depth, self.sampling.planes_per_voxel, self.borders())
+    }
+
+    /// Number of planes at which segments between samples end, one more than there are segments along a ray: those of whole
+    /// borders, and of cells [`Plan::ends_before`] more at each end.
+    pub const fn ends(&self) -> u32 {
+        let [_, _, depth] = self.dims;
+        planes(depth, self.sampling.planes_per_voxel, Borders::Whole) + 2 * self.ends_before()
+    }
+
+    /// How many of them lie before the first slice: as many as reach half a voxel before it.
+    pub const fn ends_before(&self) -> u32 {
+        match self.borders() {
+            Borders::Cells => self.sampling.planes_per_voxel.div_ceil(2),
+            Borders::Whole | Borders::Nodes => 0,
+        }
     }
 
     /// Number of phases, `rays_per_voxel` squared.
@@ -290,6 +329,14 @@ impl Plan {
             Step::from_bits(((oi as i64) << 32) + ratio(phase.u as u64, 1, n) as i64),
             Step::from_bits(((oj as i64) << 32) + ratio(phase.v as u64, 1, n) as i64),
         ]
+    }
+}
+
+/// The borders that a plan's reference stands for.
+const fn borders(exact: Option<&'static Exact>) -> Borders {
+    match exact {
+        None => Borders::Whole,
+        Some(exact) => exact.borders,
     }
 }
 

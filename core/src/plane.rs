@@ -10,7 +10,7 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `extent` | which pixels have a sample in a plane |
+//! | `extent`, `parts` | which pixels have a sample in a plane, or a segment in front of it |
 //! | `source`, `probe` | samples and gradients between the voxels, by rows and by vectors |
 //! | `slabs` | the same of two planes, for segments |
 //! | `kernels` | row kernels of a classifier and a shader |
@@ -26,6 +26,7 @@ mod extent;
 mod fold;
 mod kept;
 mod kernels;
+pub(crate) mod parts;
 mod probe;
 mod project;
 mod scratch;
@@ -42,7 +43,7 @@ pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;
 use crate::composite::{ChannelFormat, Pixel, Recurrence};
 use crate::lanes::Lanes;
-use crate::locate::{Plane, cell, plane};
+use crate::locate::{self, Plane, cell};
 use crate::plan::{Phase, Plan};
 use crate::precision::Precision;
 use crate::seen::Seen;
@@ -164,7 +165,7 @@ pub const fn blocks_scratch_len<L: Pipeline>(width: u32) -> usize {
 pub struct At<'a> {
     /// The plan.
     pub plan: &'a Plan,
-    /// The plane.
+    /// The plane ([`plane`]).
     pub plane: Plane,
     /// The slices from [`near_slice`] on.
     pub window: Window<'a>,
@@ -175,11 +176,25 @@ pub struct At<'a> {
     pub reading: Option<&'a dyn Reading>,
 }
 
+/// Planes of a plan that a pipeline folds: those of its samples, or those at which segments end, of which the first ends none.
+pub const fn planes<L: Pipeline>(plan: &Plan) -> u32 {
+    if L::SLABS { plan.ends() } else { plan.planes() }
+}
+
+/// The one with this number.
+pub fn plane<L: Pipeline>(plan: &Plan, phase: Phase, index: u32) -> Plane {
+    if L::SLABS {
+        locate::end_plane(plan, phase, index)
+    } else {
+        locate::plane(plan, phase, index)
+    }
+}
+
 /// Number of the slice that is nearest in the window of a plane: the one before the plane, or before the one in front of it
 /// where both are folded together.
 pub fn near_slice<L: Pipeline>(plan: &Plan, index: u32) -> i32 {
     let first = if L::SLABS { index.saturating_sub(1) } else { index };
-    cell(plane(plan, Phase::default(), first).z).index
+    cell(plane::<L>(plan, Phase::default(), first).z).index
 }
 
 /// What is told that a fold is about to read a row of voxels: a host then asks for those that will be read some slices later.

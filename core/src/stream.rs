@@ -14,12 +14,10 @@ mod reserved;
 use core::ops::Range;
 
 pub use self::reserved::Reserved;
-use crate::borders::Borders;
 use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::Native;
-use crate::locate::plane;
 use crate::plan::Plan;
-use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, near_slice, scratch_len};
+use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, near_slice, plane, planes, scratch_len};
 use crate::precision::Precision as _;
 use crate::rows::three;
 use crate::slice::{RowRange, Slice, SliceError, Window};
@@ -133,8 +131,6 @@ pub enum StreamError {
         /// Rows of the image.
         rows: u32,
     },
-    /// A plan with exact borders, and a pipeline of segments between samples.
-    Borders,
     /// A slice has the wrong size or a voxel of more than 12 bits; it has not been taken.
     Slice(SliceError),
     /// All slices have been pushed.
@@ -156,7 +152,6 @@ impl core::fmt::Display for StreamError {
             Self::Band { first, end, rows } => {
                 write!(f, "a band from row {first} to {end}; the image has rows 0 to {rows}")
             }
-            Self::Borders => f.write_str("segments between samples take a plan with whole borders"),
             Self::Slice(error) => error.fmt(f),
             Self::Complete => f.write_str("all slices of the volume have been pushed"),
         }
@@ -194,8 +189,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// Begins a frame: checks the memory and clears the image.
     ///
     /// # Errors
-    /// [`StreamError::Memory`] for the first part that is too small, [`StreamError::Borders`] for segments in a plan of exact
-    /// borders.
+    /// [`StreamError::Memory`] for the first part that is too small.
     pub fn new(plan: Plan, pipeline: L, memory: Memory<'m, L::Element>) -> Result<Self, StreamError> {
         let [_, base_height] = plan.base();
         Self::band(plan, pipeline, memory, 0..base_height)
@@ -205,8 +199,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// the memory. The image that the stream keeps is the band's.
     ///
     /// # Errors
-    /// [`StreamError::Band`] if the band is empty or not inside the image, [`StreamError::Borders`] for segments in a plan of
-    /// exact borders, [`StreamError::Memory`] for the first part
+    /// [`StreamError::Band`] if the band is empty or not inside the image, [`StreamError::Memory`] for the first part
     /// that is too small.
     pub fn band(
         plan: Plan,
@@ -219,9 +212,6 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         if first >= end || end > base_height {
             let rows = base_height;
             return Err(StreamError::Band { first, end, rows });
-        }
-        if L::SLABS && plan.borders() != Borders::Whole {
-            return Err(StreamError::Borders);
         }
         let rows = end - first;
         let needs = Needs::of_band::<L>(&plan, rows);
@@ -307,7 +297,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         let [width, height, depth] = self.plan.dims();
         let (slice_len, rows) = (width as usize * height as usize, height as usize);
         let phase_len = rows_len::<L>(&self.plan, self.rows).max(1);
-        let planes = self.plan.planes();
+        let planes = planes::<L>(&self.plan);
         // How far a plane looks beyond its two slices.
         let reach = i64::from(L::SLICES > 2);
         while self.folded < planes {
@@ -352,7 +342,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                 for (number, data) in (0..self.plan.phases()).zip(image.chunks_exact_mut(phase_len)) {
                     let at = At {
                         plan: &self.plan,
-                        plane: plane(&self.plan, self.plan.phase(number), index),
+                        plane: plane::<L>(&self.plan, self.plan.phase(number), index),
                         window,
                         seen: None,
                         reading: None,

@@ -105,10 +105,10 @@ pub struct Recorder {
 
 impl Recorder {
     /// An empty recording of a pipeline's run.
-    pub fn new(plan: &Plan, back_to_front: bool) -> Self {
+    pub fn new(plan: &Plan, segments: bool, back_to_front: bool) -> Self {
         Self {
             back_to_front,
-            planes: plan.planes(),
+            planes: if segments { plan.ends() } else { plan.planes() },
             rays: plan.sampling().rays_per_voxel,
             recording: Recording::default(),
         }
@@ -160,7 +160,7 @@ pub fn recorded(frame: &Frame, layer: Layer) -> (BaseImage, Recording) {
     frame.with_prepared(|prepared, slices| {
         let mut rendering = prepared.begun().expect("a small image of a material that core takes");
         let (plan, back_to_front) = (&prepared.setup.plan, rendering.back_to_front());
-        let recorder = || Recorder::new(plan, back_to_front);
+        let recorder = || Recorder::new(plan, prepared.segments.is_some(), back_to_front);
         let recording = match layer {
             Layer::Tiles(rows) => {
                 let taps = tapped(&mut *rendering, slices, rows, &|_, _| (), |_| recorder());

@@ -242,6 +242,38 @@ fn frames() -> Vec<(&'static str, Frame)> {
             },
         ),
         (
+            "ripples-segments-cells",
+            Frame {
+                segments: Some(Stated::whole(SEGMENT)),
+                borders: Borders::Cells,
+                rays_per_voxel: 2,
+                ..ripples.clone()
+            },
+        ),
+        (
+            "head-segments-nodes",
+            Frame {
+                segments: Some(Stated::whole(SEGMENT)),
+                borders: Borders::Nodes,
+                planes_per_voxel: 2,
+                blend: Blend::BackToFront,
+                direction: [500, 866, -174],
+                ..head.clone()
+            },
+        ),
+        (
+            "head-surfaces-cells",
+            Frame {
+                segments: Some(Stated {
+                    surfaces: SURFACES.to_vec(),
+                    pieces: 2,
+                    ..Stated::whole(SEGMENT)
+                }),
+                borders: Borders::Cells,
+                ..lit([300, 500, 1000])
+            },
+        ),
+        (
             "head-surfaces",
             Frame {
                 segments: Some(Stated {

@@ -6,9 +6,8 @@ use proptest::test_runner::{Config, RngSeed};
 use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, Channel as _, FrontToBack, Order};
 use slicecast::lanes::Small;
-use slicecast::locate::plane;
 use slicecast::plan::Plan;
-use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, near_slice, scratch_len};
+use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, near_slice, plane, planes, scratch_len};
 use slicecast::precision::Precision;
 use slicecast::project::{Maximum, Minimum};
 use slicecast::shade::{Shader, Unlit};
@@ -30,13 +29,13 @@ fn folded<L: Pipeline>(plan: &Plan, slices: &[Slice<'_>], pipeline: &L) -> Bits 
     clear(pipeline, plan, &mut image);
     let mut scratch = vec![0; scratch_len::<L>(plan.dims()[0])];
     for (number, data) in image.chunks_mut(phase_len::<L>(plan)).enumerate() {
-        for step in 0..plan.planes() {
+        for step in 0..planes::<L>(plan) {
             let index = if L::BACK_TO_FRONT {
-                plan.planes() - 1 - step
+                planes::<L>(plan) - 1 - step
             } else {
                 step
             };
-            let plane = plane(plan, plan.phase(number as u32), index);
+            let plane = plane::<L>(plan, plan.phase(number as u32), index);
             let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
             let Some(window) = Window::at(near_slice::<L>(plan, index), slice) else {
                 continue;

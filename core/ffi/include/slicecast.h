@@ -102,7 +102,7 @@
 // The colour of a table of integrals is above `needed`: `given`, 1.31.
 #define SLICECAST_COLOUR -27
 
-// Segments lie between slices, and the volume has fewer than `needed` along the viewing axis: `given`.
+// Segments of whole borders lie between slices, and the volume has fewer than `needed` along the viewing axis: `given`.
 #define SLICECAST_SLICES -28
 
 // Surface `row` of a list has a lower value than the one before it.
@@ -114,8 +114,8 @@
 // A colour or an opacity of surface `row` is above `needed`: `given`, 1.31.
 #define SLICECAST_FACE -31
 
-// The borders are none of 0 (whole), 1 (cells), 2 (nodes), or not 0 where segments are classified, or 2 and a side of the
-// volume is one voxel: `given`; `needed` is the largest accepted.
+// The borders are none of 0 (whole), 1 (cells), 2 (nodes), or 2 and a side of the volume is one voxel: `given`; `needed` is
+// the largest accepted.
 #define SLICECAST_BORDERS -32
 
 // `precision` of the stages: widths and roundings of `paper`.
@@ -217,8 +217,7 @@ typedef struct SlicecastScene {
   // are names and have nothing between them: they take 1.
   uint32_t interpolation;
   // 0: the volume ends at its outermost voxels, and every sample counts as a whole step; 1: it ends half a voxel beyond
-  // them, and a sample counts by the part of its step inside; 2: likewise, but at the outermost voxels. Segments, surfaces
-  // and depths take 0.
+  // them, and a sample counts by the part of its step inside; 2: likewise, but at the outermost voxels.
   uint32_t borders;
   // The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
   // opacity of one step along a ray in the highest (the high bytes of those that have a plane of low bytes).

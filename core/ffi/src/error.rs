@@ -69,7 +69,7 @@ pub const SLICECAST_NODE_EXPONENT: i32 = -25;
 pub const SLICECAST_NODE: i32 = -26;
 /// The colour of a table of integrals is above `needed`: `given`, 1.31.
 pub const SLICECAST_COLOUR: i32 = -27;
-/// Segments lie between slices, and the volume has fewer than `needed` along the viewing axis: `given`.
+/// Segments of whole borders lie between slices, and the volume has fewer than `needed` along the viewing axis: `given`.
 pub const SLICECAST_SLICES: i32 = -28;
 
 /// Surface `row` of a list has a lower value than the one before it.
@@ -78,8 +78,8 @@ pub const SLICECAST_SURFACE_ORDER: i32 = -29;
 pub const SLICECAST_SURFACE_VALUE: i32 = -30;
 /// A colour or an opacity of surface `row` is above `needed`: `given`, 1.31.
 pub const SLICECAST_FACE: i32 = -31;
-/// The borders are none of 0 (whole), 1 (cells), 2 (nodes), or not 0 where segments are classified, or 2 and a side of the
-/// volume is one voxel: `given`; `needed` is the largest accepted.
+/// The borders are none of 0 (whole), 1 (cells), 2 (nodes), or 2 and a side of the volume is one voxel: `given`; `needed` is
+/// the largest accepted.
 pub const SLICECAST_BORDERS: i32 = -32;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
@@ -237,7 +237,6 @@ impl From<StreamError> for SlicecastError {
         match error {
             StreamError::Memory { needed, given, .. } => Self::length(6, needed, given),
             StreamError::Band { end, rows, .. } => Self::numbers(SLICECAST_BAND, rows.into(), end.into()),
-            StreamError::Borders => Self::numbers(SLICECAST_BORDERS, 0, 1),
             StreamError::Complete => Self::numbers(SLICECAST_COMPLETE, 0, 0),
             StreamError::Slice(SliceError::Voxel { row, column, value }) => Self {
                 row: row as u32,

@@ -3,7 +3,6 @@
 
 use core::ffi::c_void;
 
-use slicecast::borders::Borders;
 use slicecast::classify::{Classifier, Colour16, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::FrontToBack;
 use slicecast::cut::Cut;
@@ -18,7 +17,7 @@ use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::surface::Surface;
 use slicecast::warp::in_front_of;
 
-use crate::error::{SLICECAST_BORDERS, SLICECAST_COMPLETE, SLICECAST_INTERPOLATION, SLICECAST_SLICES, SlicecastError};
+use crate::error::{SLICECAST_COMPLETE, SLICECAST_INTERPOLATION, SLICECAST_SLICES, SlicecastError};
 use crate::scene::{SlicecastLighting, SlicecastNeeds, SlicecastScene, SlicecastWarp};
 use crate::{SLICECAST_STATE_BYTES, SlicecastStream, check, read};
 
@@ -354,16 +353,11 @@ impl Table for Colours16 {
 
 /// Refuses plans that have no segments.
 fn has_segments(plan: &Plan) -> Result<(), SlicecastError> {
-    let [_, _, slices] = plan.dims();
     if plan.is_nearest() {
         return Err(SlicecastError::numbers(SLICECAST_INTERPOLATION, 0, 1));
     }
-    match plan.borders() {
-        Borders::Whole => {}
-        Borders::Cells => return Err(SlicecastError::numbers(SLICECAST_BORDERS, 0, 1)),
-        Borders::Nodes => return Err(SlicecastError::numbers(SLICECAST_BORDERS, 0, 2)),
-    }
-    if slices < 2 {
+    if plan.ends() < 2 {
+        let [_, _, slices] = plan.dims();
         return Err(SlicecastError::numbers(SLICECAST_SLICES, 2, slices.into()));
     }
     Ok(())

@@ -39,8 +39,7 @@ pub struct SlicecastScene {
     /// are names and have nothing between them: they take 1.
     pub interpolation: u32,
     /// 0: the volume ends at its outermost voxels, and every sample counts as a whole step; 1: it ends half a voxel beyond
-    /// them, and a sample counts by the part of its step inside; 2: likewise, but at the outermost voxels. Segments, surfaces
-    /// and depths take 0.
+    /// them, and a sample counts by the part of its step inside; 2: likewise, but at the outermost voxels.
     pub borders: u32,
     /// The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
     /// opacity of one step along a ray in the highest (the high bytes of those that have a plane of low bytes).

@@ -1,5 +1,6 @@
 use super::*;
 use crate::format::Direction;
+use crate::locate::cut;
 use crate::plan::{PlanError, Sampling, Spacing};
 use crate::view::View;
 use proptest::prelude::*;
@@ -162,6 +163,59 @@ proptest! {
                     // At most one at each end is not whole.
                     prop_assert!(side.touched(pixels).len() <= whole.len() + 2);
                 }
+            }
+        }
+    }
+
+    /// So do those of segments between samples, which end where the next begins; the whole ray is covered.
+    #[test]
+    fn segments_follow_one_another_and_add_up_to_the_length(
+        shear in [shear(), shear()],
+        dims in prop::array::uniform3(1u32..=9),
+        rates in [1u32..=16, 1u32..=3],
+        borders in borders(),
+    ) {
+        let Ok(plan) = plan_of(shear, dims, rates, borders) else { return Ok(()) };
+        let (segments, [rate, _]) = (plan.ends() - 1, rates);
+        for phase in (0..plan.phases()).map(|number| plan.phase(number)) {
+            let [start_i, start_j] = plan.start(phase);
+            let sides = |index| [Side::behind(&plan, start_i, 0, index), Side::behind(&plan, start_j, 1, index)];
+            for index in 0..segments {
+                // Every slice lies in a plane, so that none is straddled; and cut places lie between the segment's ends.
+                let places = [0, 1, 20_000, 65_535, WHOLE].map(|part| cut(&plan, phase, index, part));
+                prop_assert_eq!(places[4], cut(&plan, phase, index + 1, 0));
+                let [near, far] = [places[0][2], places[4][2]].map(|z| z.to_bits());
+                prop_assert!(far <= ((near >> 16) + 1) << 16);
+                for axis in 0..3 {
+                    let line = places.map(|place| place[axis].to_bits());
+                    prop_assert!(line.is_sorted() || line.iter().rev().is_sorted());
+                }
+                for (side, pixels) in sides(index).into_iter().zip(plan.base()) {
+                    // At most two at each end are not whole, or have an end that is held to the voxels.
+                    let [low, high] = [side.begin.min(side.begin + side.length), side.begin.max(side.begin + side.length)];
+                    let before = i64::from(borders == Borders::Cells) << 32;
+                    let inner = |pixel: &u32| {
+                        let way = i64::from(*pixel) << 33;
+                        low + way >= before && high + way <= side.side - before
+                    };
+                    let touched = side.touched(pixels);
+                    prop_assert!(touched.clone().filter(|pixel| !inner(pixel)).count() <= 4);
+                }
+            }
+            let [columns, rows] = plan.base();
+            // From the first plane, and the box in segments from it.
+            let before = if borders == Borders::Cells { f64::from(rate.div_ceil(2)) - f64::from(rate) / 2.0 } else { 0.0 };
+            for (u, v) in (0..columns).flat_map(|u| (0..rows).map(move |v| (u, v))) {
+                let length = |index: u32| {
+                    let [x, y] = sides(index);
+                    x.part(u).and(y.part(v)).and(along_k(&plan, index)).length()
+                };
+                let sum: u64 = (0..segments).map(|index| u64::from(length(index))).sum();
+                let [x, y] = sides(0);
+                let ([x_in, x_out], [y_in, y_out]) = (crossing(x, u), crossing(y, v));
+                let out = x_out.min(y_out).min(f64::from(segments) - before);
+                let length = (out - x_in.max(y_in).max(before)).max(0.0);
+                prop_assert!((sum as f64 - length * 65536.0).abs() <= 1.0 + 1e-4, "{u} {v}: {sum}, {}", length * 65536.0);
             }
         }
     }

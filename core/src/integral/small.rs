@@ -195,8 +195,8 @@ impl<L: AsRef<[u32]>> Integral<L> {
 
     #[cold]
     #[inline(never)]
-    fn opacity_defined<P: Precision>(&self, p: P, front: i32, back: i32) -> i32 {
-        self.opacity_by::<P, Small>(p, front, back)
+    fn opacity_defined<P: Precision>(&self, p: P, front: i32, back: i32, scaled: u32) -> i32 {
+        self.opacity_by::<P, Small>(p, front, back, scaled)
     }
 
     #[cold]
@@ -210,20 +210,20 @@ impl<L: AsRef<[u32]>> Integral<L> {
     pub(super) fn opacity_row_small<P: Precision>(&self, p: P, slab: Slab<'_>, out: &mut [i32]) {
         let sample_bits = p.formats().sample_bits;
         let rate = Rate {
-            scaled: self.length.scaled,
+            scaled: self.scaled(slab.fraction),
             bits: self.bin_bits(p),
             shift: (self.exponent + self.length.bits + 1).wrapping_sub(sample_bits),
         };
         let rows = out.iter_mut().zip(slab.front).zip(slab.back);
         let Some(list) = List::of(self.extinction.as_ref(), nodes(self.grain) - 1) else {
-            return rows.for_each(|((o, &front), &back)| *o = self.opacity_defined(p, front, back));
+            return rows.for_each(|((o, &front), &back)| *o = self.opacity_defined(p, front, back, rate.scaled));
         };
         for ((o, &front), &back) in rows {
             let segment = Segment::between(front, back, sample_bits, rate.bits);
             *o = match list.over(segment) {
                 Some(0) => 0,
                 Some(integral) => rate.opacity(integral, segment.length),
-                None => self.opacity_defined(p, front, back),
+                None => self.opacity_defined(p, front, back, rate.scaled),
             };
         }
     }

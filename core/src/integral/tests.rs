@@ -1,4 +1,5 @@
 use super::*;
+use crate::borders::WHOLE;
 use crate::format::{Direction, Intensity};
 use crate::lanes::Small;
 use crate::plan::{Plan, Sampling, Spacing};
@@ -205,15 +206,20 @@ fn small_rows_are_the_definition<P: Precision>(
     table: &Integral<&[u32]>,
     front: &[i32],
     back: &[i32],
+    fraction: u32,
 ) -> Result<(), TestCaseError> {
     let [mut a, mut r, mut g, mut b] = [(); 4].map(|()| std::vec![0; front.len()]);
-    let slab = || Slab::between(front, back);
+    let slab = || Slab::between(front, back).of_fraction(fraction);
     table.opacity_row::<Small>(p, slab(), &mut a);
     table.colour_row::<Small>(p, slab(), [&mut r, &mut g, &mut b]);
     for n in 0..front.len() {
         let ends = [front[n], back[n]];
         let [red, green, blue] = table.segment_colour(p, ends).map(|c| c as i32);
-        let expected = [table.segment_opacity(p, ends).to_bits() as i32, red, green, blue];
+        let opacity = table.part_opacity(p, ends, fraction, 0);
+        if fraction == WHOLE {
+            prop_assert_eq!(opacity, table.segment_opacity(p, ends));
+        }
+        let expected = [opacity.to_bits() as i32, red, green, blue];
         prop_assert_eq!([a[n], r[n], g[n], b[n]], expected, "{:?}", ends);
     }
     Ok(())
@@ -228,13 +234,14 @@ proptest! {
         (lists, exponent) in prop_oneof![random(0), random(2)],
         l in prop_oneof![0.0625..2.0f64, 2.0..60.0],
         ends in prop::collection::vec((0.0..4095.0f64, -9.0..12.0f64, any::<bool>()), 200),
+        fraction in prop_oneof![Just(WHOLE), 1..=WHOLE, (0u32..16).prop_map(|bits| 1 << bits)],
     ) {
         let grain = if lists[0].len() == 4097 { 0 } else { 2 };
         let table = table(&lists, exponent, grain, l);
         for (front, distance, up) in ends {
             let back = if up { front + distance.exp2() } else { front - distance.exp2() }.clamp(0.0, 4095.0);
             let ends = [front, back].map(sample);
-            let a = f64::from(table.segment_opacity(Wide, ends).to_bits());
+            let a = f64::from(table.part_opacity(Wide, ends, fraction, 0).to_bits());
             let c = table.segment_colour(Wide, ends);
             let bin = f64::from(1u32 << grain);
             // The ends as real numbers; the middle of a short segment is that of the samples' bits.
@@ -253,13 +260,15 @@ proptest! {
                 };
                 at(high) - at(low)
             };
-            let depth = over(&lists[0]) / f64::from(exponent).exp2() / (high - low) * l;
+            let inside = l * f64::from(fraction) / 65536.0;
+            let depth = over(&lists[0]) / f64::from(exponent).exp2() / (high - low) * inside;
             let exact = -(-depth).exp_m1() * 2_147_483_648.0;
             // A unit of the integral, for its two roundings, where the table is thin.
-            let unit = l / (high - low) * f64::from(31 - exponent as i32).exp2() * (-depth).exp();
+            let unit = inside / (high - low) * f64::from(31 - exponent as i32).exp2() * (-depth).exp();
             // Half a unit of y, and 2^-y itself; relative to y the reciprocal 2^-25, its product with the length a unit of at least
-            // dl / 2, and dl half a unit: y 2^-y is at most 1 / (e ln 2).
-            let rate = (-25f64).exp2() + 2.5 / f64::from(table.length.scaled);
+            // dl / 2, and dl half a unit: y 2^-y is at most 1 / (e ln 2). Of a fraction dl is rounded once more.
+            let scaled = f64::from(table.scaled(fraction));
+            let rate = (-25f64).exp2() + if fraction == WHOLE { 2.5 } else { 3.0 } / scaled;
             let arithmetic = 44.4 + 5.5 + 2_147_483_648.0 / std::f64::consts::E * rate;
             prop_assert!((a - exact).abs() <= arithmetic + 1.1 * unit, "{front} {back} {l}: {a} {exact} {arithmetic} {unit}");
             for channel in 0..3 {
@@ -271,7 +280,8 @@ proptest! {
                     prop_assert!((light - a * mean).abs() <= 81.0 + 2.2 * a / over(&lists[0]), "{front} {back}: {light} {}", a * mean);
                 }
             }
-            let small = [table.opacity_by::<_, Small>(Wide, ends[0], ends[1]), table.opacity_by::<_, i32>(Wide, ends[0], ends[1])];
+            let scaled = table.scaled(fraction);
+            let small = [table.opacity_by::<_, Small>(Wide, ends[0], ends[1], scaled), table.opacity_by::<_, i32>(Wide, ends[0], ends[1], scaled)];
             prop_assert_eq!(small[0], small[1]);
             prop_assert_eq!(table.colour_by::<_, Small>(Wide, ends[0], ends[1]), c);
             let [low, high] = [front.min(back).floor() as u16, front.max(back).ceil() as u16];
@@ -287,6 +297,7 @@ proptest! {
         (lists, exponent) in prop_oneof![random(0), random(2), random(4)],
         l in prop_oneof![0.0625..2.0f64, 2.0..3000.0],
         one in any::<bool>(),
+        fraction in prop_oneof![Just(WHOLE), 1..=WHOLE],
         mut ends in prop::collection::vec((0i32..=4095 << 15, -18.0..27.0f64, any::<bool>()), 300),
     ) {
         let grain = (4096usize / (lists[0].len() - 1)).ilog2();
@@ -306,9 +317,9 @@ proptest! {
                 (if *up { front + away } else { front - away }).clamp(0, top)
             })
             .collect();
-        small_rows_are_the_definition(Wide, &table, &front, &back)?;
+        small_rows_are_the_definition(Wide, &table, &front, &back, fraction)?;
         let [front, back] = [front, back].map(|row| row.iter().map(|s| s >> 3).collect::<Vec<_>>());
-        small_rows_are_the_definition(Compact, &table, &front, &back)?;
+        small_rows_are_the_definition(Compact, &table, &front, &back, fraction)?;
     }
 
     /// Equal samples: 1 - e^-x of the linear look-up of the bins' means; and no jump where segments begin to be wider.

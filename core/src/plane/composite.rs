@@ -4,19 +4,19 @@ use core::marker::PhantomData;
 
 use super::blocks::Blocks;
 use super::canvas::{AllFinished, Canvas, Image};
-use super::extent::{Extent, Parts};
+use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kept::{Kept, KeptRows};
 use super::kernels::{ClassifierRows, Kernels, ShaderRows};
+use super::parts::{Parts, Segments};
 use super::probe::Probes;
 use super::scratch::{self, BATCH, BATCH_WIDTH, BatchRows, Scratch, ScratchError};
-use super::slabs::{SlabProbes, Slabs, window_behind};
+use super::slabs::{SlabProbes, Slabs};
 use super::source::{Sheared, Source, SourceAt};
 use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::{Classifier, Support};
 use crate::composite::{Channel, Order, Pixel, Recurrence};
 use crate::lanes::Lanes;
-use crate::locate;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
@@ -70,7 +70,7 @@ where
         &self,
         at: &At<'_>,
         (extent, behind): (&Extent, &Window<'_>),
-        before: Option<(&Extent, [KeptRows<'_>; 2])>,
+        before: Option<(&Extent, &Window<'_>, [KeptRows<'_>; 2])>,
         rows: Rows<'_, ChannelOf<P>>,
         (scratch, spare): (Scratch<'_, i32>, &mut [i32]),
         tap: Option<&mut dyn Tap>,
@@ -78,9 +78,9 @@ where
         let At {
             plan,
             plane,
-            window,
             seen,
             reading,
+            ..
         } = at;
         let Scratch {
             mut source,
@@ -104,7 +104,7 @@ where
             plane.index,
             (precision.pixel(), self.floor),
         );
-        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fraction(extent.fraction);
+        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fraction(extent.fraction, plan.exact());
         let shader = Kernels::<S, P, V>::of(&self.shader, precision);
         let spacing = plan.spacing();
         // Two constants, before which no code for blocks is compiled.
@@ -130,11 +130,11 @@ where
             ];
             let slabs;
             let probes: &dyn SourceAt<i32> = match &before {
-                Some((before, _)) if C::SLABS => {
+                Some((before, ahead, _)) if C::SLABS => {
                     slabs = SlabProbes {
                         front: Probes {
                             extent: before,
-                            window,
+                            window: ahead,
                             ..probes
                         },
                         back: probes,
@@ -158,13 +158,13 @@ where
         let (support, met) = (self.classifier.support(), extent.met(first, count));
         let around = (extent, behind);
         if C::SLABS {
-            let Some((before, [front_kept, kept])) = before else {
+            let Some((before, ahead, [front_kept, kept])) = before else {
                 return;
             };
             let sheared = Sheared::<P, V, S>::new(precision, extent, behind, spacing, source, kept);
-            let ahead = Sheared::<P, V, S>::new(precision, before, window, spacing, front, front_kept);
-            let mut slabs = Slabs::new([ahead, sheared], [before, extent], front_gradients);
-            let before = Some((before, window));
+            let front = Sheared::<P, V, S>::new(precision, before, ahead, spacing, front, front_kept);
+            let mut slabs = Slabs::new([front, sheared], [before, extent], front_gradients);
+            let before = Some((before, ahead));
             if V::SMALL {
                 let mut rows = WholeRows::new(plane, around, before, support, &mut slabs, met, None);
                 fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
@@ -184,6 +184,14 @@ where
             let mut rows = WholeRows::new(plane, around, None, support, source, met, *reading);
             fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
         }
+    }
+}
+
+/// A tap for one fold of several.
+fn again<'t>(tap: &'t mut Option<&mut dyn Tap>) -> Option<&'t mut dyn Tap> {
+    match tap {
+        Some(tap) => Some(&mut **tap),
+        None => None,
     }
 }
 
@@ -268,47 +276,53 @@ where
         if let Some(tap) = &mut tap {
             tap.plane(plane);
         }
-        let at = &At { seen, ..*at };
         let Rows { first, data } = rows;
-        // Behind the first plane there is no slab; a constant, without which no code for slabs is compiled.
+        // Blocks are counted along whole rows.
+        let at_rows = |whole: bool| At {
+            seen: seen.filter(|_| whole),
+            reading: at.reading.filter(|_| whole),
+            ..*at
+        };
+        let mut parts = Parts::of(plan, plane);
+        // Behind the first plane there is no segment; a constant, without which no code for them is compiled.
         if C::SLABS {
-            let Some(index) = plane.index.checked_sub(1) else {
-                return Ok(());
-            };
-            let plane_in_front = locate::plane(plan, plane.phase, index);
-            let [front, back] = Extent::of_slab(plan, [&plane_in_front, plane]);
-            let Some(behind) = window_behind(window, [&front, &back], S::LIT) else {
-                return Ok(());
-            };
-            let memory = (Scratch::cut(scratch, Self::SCRATCH, width, !V::SMALL)?, spare);
-            let kept = match kept {
-                Some(kept) if !V::SMALL => kept.of(plane.index, [&front, &back]),
-                _ => Default::default(),
-            };
-            let (slab, rows) = (Some((&front, kept)), Rows { first, data });
-            self.fold_extent::<V>(at, (&back, &behind), slab, rows, memory, tap);
+            let mut kept = kept.filter(|_| !V::SMALL);
+            while let Some(Segments { ends, inner, .. }) = parts.segments(window, S::LIT) {
+                let [front, back] = &ends;
+                let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
+                let kept = match &mut kept {
+                    Some(kept) if inner => kept.of(plane.index, [&front.extent, &back.extent]),
+                    _ => Default::default(),
+                };
+                let rows = Rows {
+                    first,
+                    data: &mut *data,
+                };
+                self.fold_extent::<V>(
+                    &at_rows(back.whole_rows),
+                    (&back.extent, &back.window),
+                    Some((&front.extent, &front.window, kept)),
+                    rows,
+                    (memory, &mut *spare),
+                    again(&mut tap),
+                );
+            }
             return Ok(());
         }
-        for (extent, window, whole_rows) in Parts::of(plan, plane, window) {
-            let memory = (
-                Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?,
-                &mut *spare,
-            );
-            // Blocks are counted along whole rows.
-            let at = &At {
-                seen: seen.filter(|_| whole_rows),
-                reading: at.reading.filter(|_| whole_rows),
-                ..*at
-            };
-            let tap: Option<&mut dyn Tap> = match &mut tap {
-                Some(tap) => Some(*tap),
-                None => None,
-            };
+        while let Some(samples) = parts.samples(window) {
+            let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let rows = Rows {
                 first,
                 data: &mut *data,
             };
-            self.fold_extent::<V>(at, (&extent, &window), None, rows, memory, tap);
+            self.fold_extent::<V>(
+                &at_rows(samples.whole_rows),
+                (&samples.extent, &samples.window),
+                None,
+                rows,
+                (memory, &mut *spare),
+                again(&mut tap),
+            );
         }
         Ok(())
     }

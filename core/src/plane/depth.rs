@@ -2,10 +2,10 @@
 
 use core::marker::PhantomData;
 
-use super::extent::{Extent, around};
+use super::extent::around;
 use super::kept::Kept;
+use super::parts::{Parts, Segments, Way};
 use super::scratch::{self, Scratch, ScratchError};
-use super::slabs::window_behind;
 use super::source::{Sheared, Source};
 use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::{Slab, Support};
@@ -13,7 +13,6 @@ use crate::composite::{Channel, Pixel, Recurrence};
 use crate::cut::crossed;
 use crate::format::Opacity;
 use crate::lanes::{Kernel, Lanes, Small, places};
-use crate::locate;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::part_mut;
@@ -25,7 +24,7 @@ use crate::tap::Tap;
 pub const NO_DEPTH: u32 = u32::MAX;
 
 /// The depth of the first surface that each ray meets, in planes from the first, 16.16: the number of the plane in front of the
-/// crossing, and the crossing's position. [`NO_DEPTH`] where there is none. A face of opacity 0 is not met.
+/// crossing, and the crossing's position. Planes are those at which segments end ([`Plan::ends`]). [`NO_DEPTH`] where there is none. A face of opacity 0 is not met.
 #[derive(Clone, Debug)]
 pub struct Depth<P, S> {
     precision: P,
@@ -45,7 +44,7 @@ impl<P: Precision, S: AsRef<[Surface]>> Depth<P, S> {
             precision,
             support: crossed(surfaces.as_ref()),
             surfaces,
-            planes: plan.planes(),
+            planes: plan.ends(),
         })
     }
 
@@ -104,50 +103,48 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
     ) -> Result<(), ScratchError> {
         let (plan, plane) = (at.plan, &at.plane);
         let [width, _, _] = plan.dims();
-        let Scratch { source, front, .. } = Scratch::cut(scratch, Self::SCRATCH, width, !V::SMALL)?;
+        let (scratch, _) = scratch::with_spare(scratch, Self::SCRATCH, width, false)?;
         if let Some(tap) = &mut tap {
             tap.plane(plane);
         }
-        let Some(index) = plane.index.checked_sub(1) else {
-            return Ok(());
-        };
-        let before = locate::plane(plan, plane.phase, index);
-        let [ahead, extent] = Extent::of_slab(plan, [&before, plane]);
-        let Some(behind) = window_behind(&at.window, [&ahead, &extent], false) else {
-            return Ok(());
-        };
         let base_width = plan.base()[0] as usize;
         let Some(count) = rows.data.len().checked_div(base_width) else {
             return Ok(());
         };
-        if extent.columns.is_empty() {
-            return Ok(());
-        }
-        let spacing = plan.spacing();
-        let [front_rows, back_rows] = match kept {
-            Some(kept) if !V::SMALL => kept.of(plane.index, [&ahead, &extent]),
-            _ => Default::default(),
-        };
-        let mut front = Sheared::<P, V, Unlit>::new(self.precision, &ahead, &at.window, spacing, front, front_rows);
-        let mut back = Sheared::<P, V, Unlit>::new(self.precision, &extent, &behind, spacing, source, back_rows);
-        for row in extent.met(rows.first, count) {
-            let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));
-            let range = around(&behind, extent.voxel_rows(back_row));
-            if !self
-                .support
-                .meets(range.union(around(&at.window, ahead.voxel_rows(front_row))))
-            {
-                continue;
+        let mut parts = Parts::of(plan, plane);
+        let (spacing, mut kept) = (plan.spacing(), kept.filter(|_| !V::SMALL));
+        while let Some(Segments { ends, inner, way }) = parts.segments(&at.window, false) {
+            let [front, back] = &ends;
+            let (ahead, window, extent, behind) = (&front.extent, &front.window, &back.extent, &back.window);
+            let [front_rows, back_rows] = match &mut kept {
+                Some(kept) if inner => kept.of(plane.index, [ahead, extent]),
+                _ => Default::default(),
+            };
+            let Scratch { source, front, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
+            let mut front = Sheared::<P, V, Unlit>::new(self.precision, ahead, window, spacing, front, front_rows);
+            let mut back = Sheared::<P, V, Unlit>::new(self.precision, extent, behind, spacing, source, back_rows);
+            for row in extent.met(rows.first, count) {
+                let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));
+                let range = around(behind, extent.voxel_rows(back_row));
+                if !self
+                    .support
+                    .meets(range.union(around(window, ahead.voxel_rows(front_row))))
+                {
+                    continue;
+                }
+                let start = (row - rows.first) as usize * base_width;
+                let depths = part_mut(
+                    &mut *rows.data,
+                    start + extent.columns.start..start + extent.columns.end,
+                );
+                if depths.iter().all(|depth| *depth != NO_DEPTH) {
+                    continue;
+                }
+                front.make(front_row);
+                back.make(back_row);
+                let slab = Slab::between(front.slab(front_row).back, back.slab(back_row).back);
+                V::enter((Find, PhantomData::<V>, self, way, depths, slab));
             }
-            let start = (row - rows.first) as usize * base_width;
-            let depths = part_mut(rows.data, start + extent.columns.start..start + extent.columns.end);
-            if depths.iter().all(|depth| *depth != NO_DEPTH) {
-                continue;
-            }
-            front.make(front_row);
-            back.make(back_row);
-            let slab = Slab::between(front.slab(front_row).back, back.slab(back_row).back);
-            V::enter((Find, PhantomData::<V>, self, index, depths, slab));
         }
         Ok(())
     }
@@ -175,13 +172,13 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
 struct Find;
 
 impl<P: Precision, S: AsRef<[Surface]>, V: Lanes> Kernel
-    for (Find, PhantomData<V>, &Depth<P, S>, u32, &mut [u32], Slab<'_>)
+    for (Find, PhantomData<V>, &Depth<P, S>, Way, &mut [u32], Slab<'_>)
 {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let (_, _, pipeline, index, depths, slab) = self;
+        let (_, _, pipeline, way, depths, slab) = self;
         let (p, surfaces) = (pipeline.precision, pipeline.surfaces.as_ref());
         for at in places::<V>(depths.len()) {
             let front = ranks(p, surfaces, V::load(slab.front, at));
@@ -200,7 +197,7 @@ impl<P: Precision, S: AsRef<[Surface]>, V: Lanes> Kernel
                     pipeline.first_by::<i32>([front, back])
                 };
                 if let Some(first) = first {
-                    *depth = (index << 16).wrapping_add(first);
+                    *depth = way.at(first);
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 
+use super::parts::Exact;
 use crate::borders::{WHOLE, fraction_row};
 use crate::classify::{Classifier, Slab};
 use crate::composite::Colours;
@@ -37,16 +38,16 @@ pub(super) trait ShaderRows<W> {
 }
 
 /// A classifier or shader in a precision, compiled for lanes.
-pub(super) struct Kernels<'a, T, P, V>(&'a T, P, u32, PhantomData<V>);
+pub(super) struct Kernels<'a, T, P, V>(&'a T, P, (u32, Option<&'static Exact>), PhantomData<V>);
 
 impl<'a, T, P, V> Kernels<'a, T, P, V> {
     pub(super) const fn of(slot: &'a T, precision: P) -> Self {
-        Self(slot, precision, WHOLE, PhantomData)
+        Self(slot, precision, (WHOLE, None), PhantomData)
     }
 
-    /// The opacities of this fraction of each step.
-    pub(super) fn of_fraction(self, fraction: u32) -> Self {
-        Self(self.0, self.1, fraction, PhantomData)
+    /// For this fraction of each step or segment.
+    pub(super) fn of_fraction(self, fraction: u32, exact: Option<&'static Exact>) -> Self {
+        Self(self.0, self.1, (fraction, exact), PhantomData)
     }
 }
 
@@ -59,15 +60,21 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
 
     #[inline(always)]
     fn opacity_row(&self, slab: Slab<'_>, out: &mut [i32]) {
-        V::enter((OpacityRow, self, slab, &mut *out));
-        if self.2 < WHOLE {
-            V::enter((FractionRow, PhantomData::<V>, out, self.2));
+        let (fraction, exact) = self.2;
+        V::enter((OpacityRow, self, slab.of_fraction(fraction), &mut *out));
+        // Segments are shorter themselves.
+        if let Some(exact) = exact.filter(|_| !C::SLABS && fraction < WHOLE) {
+            if V::SMALL {
+                (exact.reduce)(out, fraction);
+            } else {
+                V::enter((FractionRow, PhantomData::<V>, out, fraction));
+            }
         }
     }
 
     #[inline(always)]
     fn colour_row(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
-        V::enter((ColourRow, self, slab, out));
+        V::enter((ColourRow, self, slab.of_fraction(self.2.0), out));
     }
 
     #[inline(always)]

@@ -2,8 +2,8 @@
 
 use core::marker::PhantomData;
 
-use super::extent::Parts;
 use super::kept::{Kept, KeptRows};
+use super::parts::{Parts, Samples};
 use super::scratch::{self, Scratch, ScratchError};
 use super::source::{Sheared, Source};
 use super::{At, ChannelOf, Pipeline, Rows};
@@ -72,7 +72,8 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             return Ok(());
         };
         // A sample counts as one, however little of its segment lies in the volume.
-        for (extent, window, _) in Parts::of(plan, plane, &at.window) {
+        let mut parts = Parts::of(plan, plane);
+        while let Some(Samples { extent, window, .. }) = parts.samples(&at.window) {
             let Scratch { source, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let mut source = Sheared::<P, V, Unlit>::new(
                 self.precision,

@@ -17,11 +17,11 @@ use crate::shade::Shader;
 use crate::slice::Window;
 use crate::surface::turned;
 
-/// The window of a plane, given that of the plane in front of it: the same, or one slice further. `None` where the volume
+/// The window of an end of segments, given that of their front ends: the same, or one slice further. `None` where the volume
 /// has no such slice. In the second of its slices only gradients read the one behind it; others must not look at it, because
 /// a ring has it no longer, or not yet, and the same rows are to be left out everywhere.
-pub(super) fn window_behind<'w>(window: &Window<'w>, [front, back]: [&Extent; 2], lit: bool) -> Option<Window<'w>> {
-    if back.z.index == front.z.index {
+pub(super) fn window_behind<'w>(window: &Window<'w>, further: bool, lit: bool) -> Option<Window<'w>> {
+    if !further {
         return Some(*window);
     }
     Some(Window {

@@ -216,8 +216,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             code,
             lookup,
             early_termination,
-            // Exact borders are of samples.
-            segments: segments.filter(|_| borders == Borders::Whole),
+            segments,
         }
     })
 }

@@ -9,13 +9,13 @@ pub mod statistics;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use slicecast::format::Position;
+use slicecast::borders::Borders;
 use slicecast::locate::plane;
 use slicecast::plan::{Phase, Plan};
 use slicecast::slice::Slice;
 
 use image::{ImageFigures, base_figures, picture_figures};
-use lockstep::Lockstep;
+use lockstep::{Lockstep, position, segment_ends};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::Frame;
@@ -72,8 +72,7 @@ pub struct Split {
 /// how many are done.
 ///
 /// # Errors
-/// [`RenderError`] if the scene is a projection, which integrates nothing, or has exact borders: the integral is of what lies
-/// between the outermost voxels.
+/// [`RenderError`] if the scene is a projection, which integrates nothing.
 pub fn split(
     prepared: &Prepared<'_>,
     comparison: &Comparison,
@@ -82,7 +81,6 @@ pub fn split(
     if !matches!(prepared.scene.blend, Blend::FrontToBack | Blend::BackToFront) {
         return Err(RenderError::Projection);
     }
-    prepared.check_whole()?;
     let exact = model(prepared, ModelPositions::Exact);
     let size = exact.lattice().size;
     let begun = AtomicUsize::new(0);
@@ -134,8 +132,10 @@ pub fn model<'a>(prepared: &Prepared<'a>, positions: ModelPositions) -> Model<'a
         origin: plan.origin().map(i64::from),
         size: plan.base().map(|side| side as usize * n),
     };
+    let cut = prepared.segments.is_some() && plan.borders() != Borders::Whole;
     let positions = match positions {
         ModelPositions::Exact => Positions::Exact,
+        ModelPositions::Pipeline if cut => Positions::GivenEnds(Box::new(pipeline_ends(plan))),
         ModelPositions::Pipeline => Positions::Given(Box::new(pipeline_positions(plan))),
     };
     let segments = match &prepared.segments {
@@ -145,17 +145,30 @@ pub fn model<'a>(prepared: &Prepared<'a>, positions: ModelPositions) -> Model<'a
     Model::new(prepared.scene, prepared.volume, lattice, positions).with_segments(segments)
 }
 
+/// Phase of a full-resolution pixel, and its column and row there.
+fn pixel(plan: &Plan, u: usize, v: usize) -> (Phase, [u32; 2]) {
+    let n = plan.sampling().rays_per_voxel as usize;
+    let phase = Phase {
+        u: (u % n) as u32,
+        v: (v % n) as u32,
+    };
+    (phase, [(u / n) as u32, (v / n) as u32])
+}
+
 /// The pipeline's positions as a function of plane and full-resolution pixel.
 fn pipeline_positions(plan: Plan) -> impl Fn(usize, usize, usize) -> [f64; 3] + Send + Sync {
-    let n = plan.sampling().rays_per_voxel as usize;
     move |index, u, v| {
-        let phase = Phase {
-            u: (u % n) as u32,
-            v: (v % n) as u32,
-        };
+        let (phase, pixel) = pixel(&plan, u, v);
         let at = plane(&plan, phase, index as u32);
-        let value = |p: Position, pixel: usize| f64::from(p.to_bits()) / 65536.0 + pixel as f64;
-        [value(at.x, u / n), value(at.y, v / n), value(at.z, 0)]
+        position([at.x, at.y, at.z], pixel)
+    }
+}
+
+/// Both ends of its segments, alike.
+fn pipeline_ends(plan: Plan) -> impl Fn(usize, usize, usize) -> [[f64; 3]; 2] + Send + Sync {
+    move |index, u, v| {
+        let (phase, pixel) = pixel(&plan, u, v);
+        segment_ends(&plan, phase, index as u32, pixel)
     }
 }
 

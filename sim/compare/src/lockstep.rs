@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use slicecast::borders::{Side, along_k};
 use slicecast::composite::{Channel, Recurrence};
-use slicecast::format::{Coefficient, Opacity, Vector};
-use slicecast::locate::{self, Plane};
-use slicecast::plan::Plan;
+use slicecast::format::{Coefficient, Opacity, Position, Vector};
+use slicecast::locate::{Plane, cut};
+use slicecast::plan::{Phase, Plan};
 use slicecast::precision::{NormalForm, Precision};
 use slicecast::shade::{formed, formed_nearest, keep, keep_vector};
 use slicecast::tap::{Beam, Bits, Tap};
@@ -328,8 +329,7 @@ impl<'a> Lockstep<'a> {
                 }
             };
             let fraction = place.fraction;
-            let parts = self.model.parts(front, value).into_iter();
-            let parts: Vec<Part> = parts.map(|part| part.of_fraction(fraction)).collect();
+            let parts = self.model.parts(front, value, fraction);
             let parts = if self.blend == Blend::BackToFront {
                 parts.iter().rev().map(&mut known).collect()
             } else {
@@ -378,7 +378,7 @@ impl Tap for Lockstep<'_> {
     fn plane(&mut self, plane: &Plane) {
         let (u, v) = self.full(plane, 0, 0);
         let geometry = self.model.geometry();
-        let mut exact = geometry.position(self.model.lattice(), plane.index as usize, u, v);
+        let mut exact = self.model.location(plane.index as usize, u, v);
         // The pixel's own place is held to the voxels when it is sampled, the plane's already.
         exact[2] = geometry.held(exact)[2];
         for (fixed, exact) in [plane.x, plane.y, plane.z].into_iter().zip(exact) {
@@ -413,32 +413,41 @@ impl Tap for Lockstep<'_> {
 impl Lockstep<'_> {
     /// The model's part of the row's own samples, if it has one of that number.
     fn part(&self, offset: usize, number: u32) -> Option<Part> {
-        let parts = self.model.parts(self.fronts.get(offset).copied(), self.values[offset]);
-        let part = parts.into_iter().find(|part| part.number == number)?;
-        Some(
-            match (&self.samples[self.row + offset], self.model.geometry().borders) {
-                (Some(sample), _) => part.of_fraction(sample.fraction),
-                (None, Borders::Whole) => part,
-                // The model's ray misses the box.
-                (None, _) => part.of_fraction(0.0),
-            },
-        )
+        let fraction = match (&self.samples[self.row + offset], self.model.geometry().borders) {
+            (Some(sample), _) => sample.fraction,
+            (None, Borders::Whole) => 1.0,
+            // The model's ray misses the box.
+            (None, _) => 0.0,
+        };
+        let parts = self
+            .model
+            .parts(self.fronts.get(offset).copied(), self.values[offset], fraction);
+        parts.into_iter().find(|part| part.number == number)
     }
 
-    /// The pipeline's own position of a sample, held to the voxels.
-    fn held_position(&self, at: Beam<'_>, offset: usize) -> [f64; 3] {
-        let position = fixed_position(at, offset);
-        match self.model.geometry().borders {
-            Borders::Whole => position,
-            _ => self.model.geometry().held(position),
+    /// The pipeline's own positions of a sample and of the one in front, where segments are classified; held to the voxels.
+    fn positions(&self, at: Beam<'_>, offset: usize) -> ([f64; 3], Option<[f64; 3]>) {
+        let Plane { index, phase, x, y, z } = *at.plane;
+        let pixel = [at.column + offset as u32, at.row];
+        let geometry = self.model.geometry();
+        match (
+            geometry.borders,
+            index.checked_sub(1).filter(|_| !self.fronts.is_empty()),
+        ) {
+            (borders, None) => {
+                let position = position([x, y, z], pixel);
+                let exact = borders != Borders::Whole;
+                (if exact { geometry.held(position) } else { position }, None)
+            }
+            (Borders::Whole, Some(index)) => {
+                let front = position(cut(&self.plan, phase, index, 0), pixel);
+                (position([x, y, z], pixel), Some(front))
+            }
+            (_, Some(_)) => {
+                let [front, back] = segment_ends(&self.plan, phase, index, pixel).map(|end| geometry.held(end));
+                (back, Some(front))
+            }
         }
-    }
-
-    /// The pipeline's own position of a sample on the plane in front, where segments are classified.
-    fn front_position(&self, at: Beam<'_>, offset: usize) -> Option<[f64; 3]> {
-        let index = at.plane.index.checked_sub(1).filter(|_| !self.fronts.is_empty())?;
-        let plane = locate::plane(&self.plan, at.plane.phase, index);
-        Some(fixed_position(Beam { plane: &plane, ..at }, offset))
     }
 
     fn samples(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
@@ -452,7 +461,7 @@ impl Lockstep<'_> {
         for (offset, [bits]) in values(rows) {
             let fixed = f64::from(bits) / self.scales.sample_one;
             self.values.push(fixed);
-            let local = fixed - self.model.value_at(self.held_position(at, offset));
+            let local = fixed - self.model.value_at(self.positions(at, offset).0);
             let carried = self.samples[self.row + offset].as_ref().map(|s| fixed - s.value);
             self.add(Stage::Interpolation, local, carried);
         }
@@ -495,8 +504,9 @@ impl Lockstep<'_> {
         for (offset, gradient) in values::<3>(rows) {
             let fixed = gradient.map(|g| f64::from(g) / self.scales.sample_one);
             self.gradients.push(fixed);
-            let mut difference = self.model.difference_at(self.held_position(at, offset));
-            if let Some(front) = self.front_position(at, offset) {
+            let (position, front) = self.positions(at, offset);
+            let mut difference = self.model.difference_at(position);
+            if let Some(front) = front {
                 let part = self.part(self.index(at) + offset - self.row, at.part);
                 let crossing = part.and_then(|part| part.crossing);
                 difference = between(self.model.difference_at(front), difference, crossing);
@@ -537,12 +547,20 @@ pub fn values<'a, const N: usize>(rows: &'a [&dyn Bits]) -> impl Iterator<Item =
     (0..len).map(move |at| (at, std::array::from_fn(|row| rows[row].bits(at) as i32)))
 }
 
-/// The pipeline's own position of a sample, voxels.
-fn fixed_position(at: Beam<'_>, offset: usize) -> [f64; 3] {
-    let position = |bits: i32, pixel: u32| f64::from(bits) / 65536.0 + f64::from(pixel);
-    [
-        position(at.plane.x.to_bits(), at.column + offset as u32),
-        position(at.plane.y.to_bits(), at.row),
-        position(at.plane.z.to_bits(), 0),
-    ]
+/// The position of a pixel, given where pixel (0, 0) of its phase lies; voxels.
+pub fn position([x, y, z]: [Position; 3], [column, row]: [u32; 2]) -> [f64; 3] {
+    let position = |at: Position, pixel: u32| f64::from(at.to_bits()) / 65536.0 + f64::from(pixel);
+    [position(x, column), position(y, row), position(z, 0)]
+}
+
+/// Where the pipeline has the ends of what exact borders leave of a pixel's segment that ends at a plane; voxels.
+pub fn segment_ends(plan: &Plan, phase: Phase, plane: u32, pixel: [u32; 2]) -> [[f64; 3]; 2] {
+    let index = plane.saturating_sub(1);
+    let [start_i, start_j] = plan.start(phase);
+    let [column, row] = pixel;
+    let part = Side::behind(plan, start_i, 0, index)
+        .part(column)
+        .and(Side::behind(plan, start_j, 1, index).part(row))
+        .and(along_k(plan, index));
+    [part.from, part.to].map(|place| position(cut(plan, phase, index, place), pixel))
 }

@@ -27,7 +27,9 @@ pub enum RenderError {
         limit: u64,
     },
     /// Between the slices along the view there is nothing to integrate.
-    #[error("the volume is one slice deep along the view, and segments lie between slices; use --classification point")]
+    #[error(
+        "the volume is one slice deep along the view, and segments lie between slices; use --classification point, or --borders cells"
+    )]
     Segments,
     /// Segments where single samples are needed: the f64 model, exported scenes and vectors know no others.
     #[error(
@@ -38,7 +40,7 @@ pub enum RenderError {
         /// The scene's setting, as a scene file has it.
         asked: &'static str,
     },
-    /// Exact borders, where whole ones are needed: the converged integral and exported vectors know no others.
+    /// Exact borders, where whole ones are needed: exported vectors know no others.
     #[error(
         "this command knows whole borders, and the scene asks for others (sampling.borders = {asked}); use --borders whole"
     )]

@@ -4,7 +4,7 @@
 //! between them: point classification then shows wood grain, or nothing. The measure is the peak's width at half its height
 //! against the median difference of neighbouring voxels that have some of it, but not only of it, between them, divided by the planes per voxel.
 
-use slicecast_scene::{Blend, Borders, Interpolation, Scene};
+use slicecast_scene::{Blend, Interpolation, Scene};
 use slicecast_volume::Volume;
 
 /// Codes.
@@ -43,7 +43,7 @@ impl Finest {
 /// The finest peak of a scene's transfer function on a volume; `None` where there is none, or nothing is integrated.
 pub fn of(scene: &Scene, volume: &Volume) -> Option<Finest> {
     let composited = matches!(scene.blend, Blend::FrontToBack | Blend::BackToFront);
-    if !composited || scene.interpolation == Interpolation::Nearest || scene.borders != Borders::Whole {
+    if !composited || scene.interpolation == Interpolation::Nearest {
         return None;
     }
     let depths: Vec<f64> = (0..CODES)

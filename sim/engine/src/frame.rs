@@ -59,8 +59,7 @@ impl<'a> Prepared<'a> {
             Classification::Integral | Classification::None => true,
             Classification::Auto => !scene.surfaces.is_empty() || finest.is_some_and(|finest| finest.is_missed()),
         };
-        let [_, _, slices] = setup.plan.dims();
-        if segments && slices < 2 {
+        if segments && setup.plan.ends() < 2 {
             return Err(RenderError::Segments);
         }
         Ok(Self {

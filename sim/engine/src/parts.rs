@@ -159,7 +159,8 @@ impl Prepared<'_> {
         }
         let plan = &self.setup.plan;
         let mut rendering = self.begun()?;
-        let planes = plan.planes() as usize;
+        let parts = rendering.parts(most);
+        let planes = parts.iter().map(|part| part.planes.len()).sum();
         let mut reading = Reading {
             parts: 0,
             largest: 0,
@@ -171,7 +172,7 @@ impl Prepared<'_> {
         let support = rendering.support();
         let wanted = support.map(|support| volume.wanted(|[low, high]| support.meets(RowRange { low, high })));
         let mut folded = 0;
-        for part in rendering.parts(most) {
+        for part in parts {
             let (sub, voxels) = volume.read(self.corner(&part), self.sides(&part), wanted.as_ref())?;
             let mut turned = Turned::new(&sub, plan.view());
             let slices: Vec<Slice<'_>> = turned.slices()?;

@@ -9,7 +9,7 @@
 mod grid;
 
 use rayon::prelude::*;
-use slicecast::borders::{Borders, Side, WHOLE, fraction_of};
+use slicecast::borders::{Borders, Part, Side, WHOLE, along_k, fraction_of};
 use slicecast::classify::Classifier;
 use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
 use slicecast::format::{Opacity, Position, Step, Weight};
@@ -123,6 +123,22 @@ type Cells = [Cell; 3];
 /// The voxels around a sample: `[z][y][x]`.
 type Corners = [[[i16; 2]; 2]; 2];
 
+/// A sample, or a segment that ends at it.
+struct Located {
+    cells: Cells,
+    /// The sample in front, of a segment.
+    front: Option<Cells>,
+    visit: Visit,
+    /// What of the segment lies in the volume, 0.16.
+    fraction: u32,
+}
+
+/// What counts of a segment: its ends, and which part of it that is.
+struct Segment {
+    ends: [Cells; 2],
+    part: Part,
+}
+
 /// A ray of the base plane.
 struct Ray {
     /// Where its phase starts.
@@ -192,13 +208,13 @@ impl<'a, P: Precision> Rays<'a, P> {
             .filter(|_| !surfaces.is_empty())?;
         let depth = |pixel| {
             let ray = &self.ray(pixel);
-            let met = |step: u32| {
-                let back = self.cells(ray, self.positions(ray, step))?;
-                let front = self.cells(ray, self.positions(ray, step.checked_sub(1)?))?;
-                let position = pipeline.first([front, back].map(|cells| self.sample::<false>(cells)))?;
-                Some(((step - 1) << 16) + position)
+            let met = |index: u32| {
+                let Segment { ends, part } = self.segment(ray, index)?;
+                let position = pipeline.first(ends.map(|cells| self.sample::<false>(cells)))?;
+                let way = (u64::from(part.length()) * u64::from(position)) >> 16;
+                Some((index << 16) + part.from + way as u32)
             };
-            (0..self.plan.planes()).find_map(met).unwrap_or(NO_DEPTH)
+            (0..self.plan.ends() - 1).find_map(met).unwrap_or(NO_DEPTH)
         };
         let [width, height] = self.size();
         let pixels = (0..height).flat_map(|v| (0..width).map(move |u| [u, v]));
@@ -232,11 +248,15 @@ impl<'a, P: Precision> Rays<'a, P> {
         }
     }
 
-    /// Cells of a ray's sample on a plane and the fraction of its segment in the volume, or `None` outside.
+    /// Cells of a ray's sample on a plane, those of the sample in front of it where segments are classified, and the fraction
+    /// of its segment in the volume, or `None` outside.
     #[inline(always)]
-    fn locate<W: Witness>(&self, ray: &Ray, step: u32, witness: &mut W) -> Option<(Cells, Visit, u32)> {
+    fn locate<W: Witness>(&self, ray: &Ray, step: u32, witness: &mut W) -> Option<Located> {
         let index = self.index(step);
-        let positions = self.positions(ray, index);
+        let positions = match self.segments {
+            None => self.positions(ray, index),
+            Some(_) => self.cut(ray, index, 0),
+        };
         let visit = Visit {
             step,
             phase: ray.phase,
@@ -245,12 +265,79 @@ impl<'a, P: Precision> Rays<'a, P> {
             part: 0,
         };
         witness.location(step, visit.phase, positions.map(Position::to_bits));
+        if self.segments.is_some() {
+            // No segment ends at the first plane.
+            let Segment {
+                ends: [front, cells],
+                part,
+            } = self.segment(ray, index.checked_sub(1)?)?;
+            return Some(Located {
+                cells,
+                front: Some(front),
+                visit,
+                fraction: part.length(),
+            });
+        }
         if self.plan.borders() == Borders::Whole {
-            return Some((self.cells(ray, positions)?, visit, WHOLE));
+            let cells = self.cells(ray, positions)?;
+            return Some(Located {
+                cells,
+                front: None,
+                visit,
+                fraction: WHOLE,
+            });
         }
         let part = |axis: usize, pixel| Side::of(self.plan, ray.start[axis], axis, index).part(pixel);
         let fraction = part(0, ray.column).fraction(part(1, ray.row));
-        (fraction > 0).then(|| (self.held(ray, positions), visit, fraction))
+        (fraction > 0).then(|| Located {
+            cells: self.held(ray, positions),
+            front: None,
+            visit,
+            fraction,
+        })
+    }
+
+    /// What counts of a ray's segment behind a plane at which segments end: what lies in the volume, from sample to sample.
+    #[inline(always)]
+    fn segment(&self, ray: &Ray, index: u32) -> Option<Segment> {
+        if self.plan.borders() == Borders::Whole {
+            let ends = [index, index + 1].map(|index| self.cells(ray, self.cut(ray, index, 0)));
+            let [Some(front), Some(back)] = ends else { return None };
+            return Some(Segment {
+                ends: [front, back],
+                part: Part::WHOLE,
+            });
+        }
+        let along = |axis: usize, pixel| Side::behind(self.plan, ray.start[axis], axis, index).part(pixel);
+        let part = along(0, ray.column)
+            .and(along(1, ray.row))
+            .and(along_k(self.plan, index));
+        let ends = [part.from, part.to].map(|place| self.held(ray, self.cut(ray, index, place)));
+        (part.length() > 0).then_some(Segment { ends, part })
+    }
+
+    /// Where the first pixel of a ray's phase lies at a place of the segment behind a plane at which segments end.
+    #[inline(always)]
+    fn cut(&self, ray: &Ray, index: u32, place: u32) -> [Position; 3] {
+        let [si, sj, sk] = self.plan.step();
+        let [start_i, start_j] = ray.start;
+        let before = match self.plan.borders() {
+            Borders::Cells => self.plan.sampling().planes_per_voxel.div_ceil(2),
+            Borders::Whole | Borders::Nodes => 0,
+        };
+        let [x, y, z] = [(start_i, si), (start_j, sj), (Step::ZERO, sk)].map(|(start, step)| {
+            // The place to the nearest 2^-32 voxel, halves up; then the sum to the nearest 2^-16.
+            let part = (i64::from(place) * step.to_bits() + 0x8000) >> 16;
+            let steps = i64::from(index) - i64::from(before);
+            let exact = start.to_bits() + steps * step.to_bits() + part;
+            settled(self.plan, Position::from_bits(((exact + 0x8000) >> 16) as i32))
+        });
+        [x, y, self.in_slices(z)]
+    }
+
+    /// A position along k held to the slices.
+    fn in_slices(&self, z: Position) -> Position {
+        Position::from_bits(z.to_bits().clamp(0, self.grid.last[2] << 16))
     }
 
     /// Where the first pixel of a ray's phase lies on a plane.
@@ -268,8 +355,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             };
             settled(self.plan, at)
         });
-        let last = self.grid.last[2] << 16;
-        [x, y, Position::from_bits(z.to_bits().clamp(0, last))]
+        [x, y, self.in_slices(z)]
     }
 
     /// The cells of a ray's sample, held to the voxels.
@@ -297,15 +383,17 @@ impl<'a, P: Precision> Rays<'a, P> {
         Some(cells)
     }
 
-    /// Cells of a ray's sample on the plane in front of a step's; `None` if it has none inside the volume.
-    fn in_front(&self, ray: &Ray, step: u32) -> Option<Cells> {
-        let index = self.index(step).checked_sub(1)?;
-        self.cells(ray, self.positions(ray, index))
+    /// Planes of samples, or those at which segments end.
+    fn planes(&self) -> u32 {
+        match self.segments {
+            None => self.plan.planes(),
+            Some(_) => self.plan.ends(),
+        }
     }
 
     fn index(&self, step: u32) -> u32 {
         if self.blend == Blend::BackToFront {
-            self.plan.planes() - 1 - step
+            self.planes() - 1 - step
         } else {
             step
         }
@@ -315,23 +403,21 @@ impl<'a, P: Precision> Rays<'a, P> {
     fn composited<W: Witness, const BACK_TO_FRONT: bool>(&self, ray: &Ray, witness: &mut W) -> Pixel<ChannelOf<P>> {
         let (p, recurrence) = (self.precision, self.precision.pixel());
         let mut pixel = recurrence.clear();
-        for step in 0..self.plan.planes() {
-            let Some((cells, at, fraction)) = self.locate(ray, step, witness) else {
+        for step in 0..self.planes() {
+            let Some(located) = self.locate(ray, step, witness) else {
                 continue;
             };
+            let Located {
+                cells,
+                front,
+                visit: at,
+                fraction,
+            } = located;
             let inner = self.grid.is_inner(cells);
             let sample = if inner {
                 self.sample::<true>(cells)
             } else {
                 self.sample::<false>(cells)
-            };
-            let front = match self.segments {
-                None => None,
-                Some(_) => match self.in_front(ray, step) {
-                    // The ray's first sample ends no segment.
-                    None => continue,
-                    front => front,
-                },
             };
             let front_sample = front.map(|cells| self.sample::<false>(cells));
             witness.sample(at, sample, front_sample);
@@ -343,7 +429,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             for turn in 0..parts {
                 let part = if BACK_TO_FRONT { parts - 1 - turn } else { turn };
                 let opacity = match segment {
-                    Some((segments, ends)) => segments.part_opacity(p, ends, part),
+                    Some((segments, ends)) => segments.part_opacity(p, ends, fraction, part),
                     None => fraction_of(self.table.opacity(p, sample), fraction),
                 };
                 if !W::EVERYTHING && opacity.to_bits() == 0 {
@@ -351,7 +437,7 @@ impl<'a, P: Precision> Rays<'a, P> {
                 }
                 let before = pixel;
                 let colour = match segment {
-                    Some((segments, ends)) => segments.part_colour(p, ends, part),
+                    Some((segments, ends)) => segments.part_colour(p, ends, fraction, part),
                     None => self.table.colour(p, sample),
                 };
                 let lit = self.phong.as_ref().map(|phong| {
@@ -399,7 +485,7 @@ impl<'a, P: Precision> Rays<'a, P> {
     fn projected<X: Extreme, W: Witness>(&self, ray: &Ray, witness: &mut W) -> Pixel<ChannelOf<P>> {
         let mut kept = X::EMPTY;
         for step in 0..self.plan.planes() {
-            if let Some((cells, at, _)) = self.locate(ray, step, witness) {
+            if let Some(Located { cells, visit: at, .. }) = self.locate(ray, step, witness) {
                 let sample = self.sample::<false>(cells);
                 kept = X::keep(kept, sample);
                 witness.sample(at, sample, None);

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use slicecast::classify::Support;
 use slicecast::plan::Plan;
-use slicecast::plane::{Pictured, Pipeline, near_slice};
+use slicecast::plane::{Pictured, Pipeline, near_slice, planes};
 use slicecast::slice::Slice;
 use slicecast::stream::{Needs, StreamError};
 use slicecast::tap::Tap;
@@ -135,7 +135,7 @@ impl<L: Pipeline + Send> Rendering for Under<L> {
     fn parts(&self, most: usize) -> Vec<Part> {
         let [_, _, depth] = self.plan.dims();
         let near = |plane| near_slice::<L>(&self.plan, plane);
-        parts([self.plan.planes(), depth], near, L::BACK_TO_FRONT, most)
+        parts([planes::<L>(&self.plan), depth], near, L::BACK_TO_FRONT, most)
     }
 
     fn is_finished(&self) -> bool {

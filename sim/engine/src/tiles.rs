@@ -6,9 +6,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use slicecast::lanes::Lanes;
-use slicecast::locate::{cell, plane};
-use slicecast::plan::Plan;
-use slicecast::plane::{At, Kept, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, near_slice};
+use slicecast::locate::{Plane, cell};
+use slicecast::plan::{Phase, Plan};
+use slicecast::plane::{
+    At, Kept, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, near_slice, plane, planes,
+};
 use slicecast::slice::{Slice, Window};
 use slicecast::tap::Tap;
 
@@ -265,6 +267,8 @@ struct Way<'a, 's> {
     /// Number of the first of the slices.
     first_slice: i32,
     back_to_front: bool,
+    /// The plane with a number.
+    plane: fn(&Plan, Phase, u32) -> Plane,
     /// Number of the slice that a plane's window begins with.
     near_slice: fn(&Plan, u32) -> i32,
 }
@@ -279,13 +283,14 @@ impl<'a, 's> Way<'a, 's> {
         part: Option<&Part>,
     ) -> Self {
         Self {
-            planes: part.map_or(0..plan.planes(), |part| part.planes.clone()),
+            planes: part.map_or(0..planes::<L>(plan), |part| part.planes.clone()),
             first_slice: part.map_or(0, |part| part.slices.start as i32),
             plan,
             slices,
             seen,
             tile,
             back_to_front: L::BACK_TO_FRONT,
+            plane: plane::<L>,
             near_slice: near_slice::<L>,
         }
     }
@@ -302,7 +307,7 @@ impl<'a, 's> Way<'a, 's> {
             } else {
                 start + step
             };
-            let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
+            let plane = (self.plane)(self.plan, self.plan.phase(self.tile.phase), index);
             let z = (self.near_slice)(self.plan, index);
             let wanted = if self.back_to_front { z - AHEAD } else { z + AHEAD };
             let mut fresh = None;

@@ -18,8 +18,9 @@
 //! A surface is met where the value along the ray, in a cell a cubic, passes its own; there the ray is cut. Its normal is that of
 //! the trilinear gradient at that place.
 //!
-//! The integral ends at the centres of the outermost voxels. The discrete model has planes there, each as thick as a
-//! step: half a step on either side counts as error of the algorithm.
+//! The integral ends at the centres of the outermost voxels, or half a voxel beyond them where the scene's borders are cells; places
+//! are held to the voxels. With whole borders the discrete model has planes at the centres, each as thick as a step: half a step on
+//! either side counts as error of the algorithm.
 
 use super::composite::Pixel;
 use super::gradient::normalise;
@@ -72,7 +73,7 @@ impl Model<'_> {
         };
         let mut pixel = Pixel::TRANSPARENT;
         let mut inside = None;
-        for [from, to] in cells(start, geometry.shear, geometry.dims) {
+        for [from, to] in cells(start, geometry.shear, geometry.dims, geometry.beyond()) {
             let mut reached = from;
             for (z, surface) in ray.surfaces(from, to, &mut inside) {
                 pixel = behind(pixel, ray.volume(reached, z, pixel.transparency));
@@ -101,18 +102,20 @@ fn behind(front: Pixel, part: Pixel) -> Pixel {
     }
 }
 
-/// The parts of a ray between the faces of voxel cells, from its entry to its exit.
-fn cells(start: [f64; 2], shear: [f64; 2], dims: [usize; 3]) -> Vec<[f64; 2]> {
-    let mut range = [0.0, (dims[2] - 1) as f64];
+/// The parts of a ray between the faces of voxel cells, from its entry to its exit, of a box that reaches so far beyond the
+/// outermost voxels.
+fn cells(start: [f64; 2], shear: [f64; 2], dims: [usize; 3], beyond: f64) -> Vec<[f64; 2]> {
+    let faces = |axis: usize| [-beyond, (dims[axis] - 1) as f64 + beyond];
+    let mut range = faces(2);
     for axis in 0..2 {
-        let last = (dims[axis] - 1) as f64;
+        let [low, high] = faces(axis);
         if shear[axis] == 0.0 {
-            if !(0.0..=last).contains(&start[axis]) {
+            if !(low..=high).contains(&start[axis]) {
                 return Vec::new();
             }
             continue;
         }
-        let [a, b] = [0.0, last].map(|face| (face - start[axis]) / shear[axis]);
+        let [a, b] = [low, high].map(|face| (face - start[axis]) / shear[axis]);
         range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
     }
     let [entry, exit] = range;
@@ -201,7 +204,7 @@ impl Ray<'_> {
         met.into_iter().map(drawn).collect()
     }
 
-    /// A place of the ray; cuts lie on faces up to rounding.
+    /// A place of the ray, held to the voxels: cuts lie on faces up to rounding, and a box may reach beyond.
     fn inside(&self, z: f64) -> [f64; 3] {
         let (at, dims) = ((self.position)(z), self.model.geometry().dims);
         [0, 1, 2].map(|a| at[a].clamp(0.0, (dims[a] - 1) as f64))
@@ -223,9 +226,9 @@ impl Ray<'_> {
     fn cell(&self, from: f64, to: f64, before: f64) -> Pixel {
         // A whisker inside, so that the ends are of this cell's own gradient.
         let inset = (to - from) * 1e-9;
-        let middle = (self.position)((from + to) / 2.0);
+        let middle = self.inside((from + to) / 2.0);
         let grid = self.model.grid();
-        let corners = Cell::at(middle.map(|c| c.max(0.0)), grid.dims()).corners(|c| grid.voxel(c));
+        let corners = Cell::at(middle, grid.dims()).corners(|c| grid.voxel(c));
         let low = corners.iter().copied().fold(f64::INFINITY, f64::min);
         let high = corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if self.model.classifier().is_clear(low, high) {
@@ -395,7 +398,7 @@ mod tests {
             let (u, v) = (width / 2, height / 2);
             let geometry = model.geometry();
             let start = [0, 1].map(|a| model.lattice().origin[a] as f64 + [u, v][a] as f64);
-            let parts = cells(start, geometry.shear, geometry.dims);
+            let parts = cells(start, geometry.shear, geometry.dims, geometry.beyond());
             let length: f64 = parts.iter().map(|[a, b]| b - a).sum::<f64>() * geometry.step_length();
             let exact = 0.7_f64.powf(length);
             let pixel = model.integral(u, v);

@@ -79,16 +79,6 @@ pub struct Part {
     pub crossing: Option<Crossing>,
 }
 
-impl Part {
-    /// The part of a segment of which only a fraction lies in the volume.
-    pub fn of_fraction(self, fraction: f64) -> Self {
-        Self {
-            classified: self.classified.of_fraction(fraction),
-            ..self
-        }
-    }
-}
-
 /// The parts of a segment between crossings, and these. `volume` gives what lies between two places of the segment.
 pub fn cut(crossings: &[Crossing], volume: &dyn Fn([f64; 2]) -> Classified) -> Vec<Part> {
     let mut parts = Vec::with_capacity(2 * crossings.len() + 1);

@@ -115,8 +115,19 @@ impl Geometry {
         }
     }
 
+    /// Planes before the first slice at which segments between samples end: as many as reach the box's front face.
+    fn ends_before(&self) -> usize {
+        (self.beyond() * self.planes_per_voxel as f64).ceil() as usize
+    }
+
+    /// Planes at which segments between samples end: those in slices, those between, and as many beyond both faces as reach
+    /// the box's.
+    pub fn ends(&self) -> usize {
+        (self.dims[2] - 1) * self.planes_per_voxel + 1 + 2 * self.ends_before()
+    }
+
     /// How far the box reaches beyond the outermost voxels, voxels.
-    fn beyond(&self) -> f64 {
+    pub(super) fn beyond(&self) -> f64 {
         if self.borders == Borders::Cells { 0.5 } else { 0.0 }
     }
 
@@ -172,26 +183,49 @@ impl Geometry {
         [along(0, u), along(1, v), z]
     }
 
+    /// Where the ray of pixel (u, v) lies at a place among the planes at which segments end: their number, or between two.
+    pub fn place(&self, lattice: Lattice, place: f64, u: usize, v: usize) -> [f64; 3] {
+        let z = (place - self.ends_before() as f64) / self.planes_per_voxel as f64;
+        let along = |axis: usize, pixel: usize| {
+            lattice.origin[axis] as f64 + pixel as f64 / self.rays_per_voxel as f64 + z * self.shear[axis]
+        };
+        [along(0, u), along(1, v), z]
+    }
+
     /// What of a ray's segment lies in the box, 0 to 1, from where its middle lies: between the entries into its pairs of
-    /// faces and the exits from them. With [`Borders::Whole`] everything is inside.
+    /// faces and the exits from them; the front and the back face cut none. With [`Borders::Whole`] everything is inside.
     pub fn fraction(&self, middle: [f64; 3]) -> f64 {
         if self.borders == Borders::Whole {
             return 1.0;
         }
-        let (mut from, mut to) = (-0.5f64, 0.5f64);
-        for ((at, shear), side) in middle.into_iter().zip(self.shear).zip(self.dims) {
+        let [from, to] = self.clipped(&middle[..2], [-0.5, 0.5]);
+        (to - from).max(0.0)
+    }
+
+    /// From where to where the segment behind a plane at which segments end lies in the box, 0 to 1, front and back face
+    /// included; `None` if nothing of it does.
+    pub fn cut(&self, lattice: Lattice, plane: usize, u: usize, v: usize) -> Option<[f64; 2]> {
+        let front = self.place(lattice, plane as f64, u, v);
+        let [from, to] = self.clipped(&front, [0.0, 1.0]);
+        (from < to).then_some([from, to])
+    }
+
+    /// What of a stretch of a ray, in segments from some place of it, lies between the pairs of faces of the first axes.
+    fn clipped(&self, place: &[f64], [mut from, mut to]: [f64; 2]) -> [f64; 2] {
+        let [si, sj] = self.shear;
+        for ((at, shear), side) in place.iter().zip([si, sj, 1.0]).zip(self.dims) {
             let (low, high) = (-self.beyond(), (side - 1) as f64 + self.beyond());
             let step = shear / self.planes_per_voxel as f64;
             if step == 0.0 {
-                if !(low..=high).contains(&at) {
-                    return 0.0;
+                if !(low..=high).contains(at) {
+                    return [0.0; 2];
                 }
                 continue;
             }
             let [a, b] = [low, high].map(|face| (face - at) / step);
             (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
         }
-        (to - from).max(0.0)
+        [from, to]
     }
 
     /// A position held to the voxels.
@@ -320,6 +354,35 @@ mod tests {
             g.position(lattice, 6, 5, 3),
             [-3.0 + 2.5 + 0.375, 2.0 + 1.5 - 0.75, 1.5]
         );
+    }
+
+    /// Ends lie in every slice, and what the box leaves of a ray's segments is the ray from its entry to its exit.
+    #[test]
+    fn cut_segments_are_the_ray_in_the_box() {
+        for (borders, before) in [(Borders::Cells, [1, 1, 2, 2]), (Borders::Nodes, [0; 4])] {
+            for (planes_per_voxel, before) in (1..).zip(before) {
+                let g = Geometry {
+                    planes_per_voxel,
+                    rays_per_voxel: 2,
+                    ..cube([0.25, -0.4, 1.0]).with_borders(borders)
+                };
+                assert_eq!(g.ends(), 5 * planes_per_voxel + 1 + 2 * before);
+                let lattice = g.natural_lattice();
+                let [width, height] = lattice.size;
+                let mut longest: f64 = 0.0;
+                for (u, v) in (0..width).flat_map(|u| (0..height).map(move |v| (u, v))) {
+                    let pieces = (0..g.ends() - 1).filter_map(|plane| g.cut(lattice, plane, u, v));
+                    let sum: f64 = pieces.map(|[from, to]| to - from).sum();
+                    let first = g.place(lattice, 0.0, u, v);
+                    let [from, to] = g.clipped(&first, [0.0, (g.ends() - 1) as f64]);
+                    assert!((sum - (to - from).max(0.0)).abs() < 1e-9, "{borders:?} {u} {v}: {sum}");
+                    longest = longest.max(sum);
+                }
+                let slices = if borders == Borders::Cells { 6 } else { 5 };
+                assert!((longest - (slices * planes_per_voxel) as f64).abs() < 1e-9, "{longest}");
+                assert_eq!(g.place(lattice, before as f64, 0, 0)[2], 0.0);
+            }
+        }
     }
 
     #[test]

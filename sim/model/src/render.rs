@@ -23,6 +23,8 @@ pub enum Positions<'a> {
     /// At given positions, for instance a pipeline's 16.16 numbers: a function of (plane, u, v), voxels in the frame
     /// (i, j, k). A sample exists if its position lies in the volume, faces included, without tolerance.
     Given(Box<dyn Fn(usize, usize, usize) -> [f64; 3] + Send + Sync + 'a>),
+    /// Of segments with exact borders: where the two ends lie of what the box leaves of the one that ends at a plane.
+    GivenEnds(Box<dyn Fn(usize, usize, usize) -> [[f64; 3]; 2] + Send + Sync + 'a>),
 }
 
 /// The f64 model of one scene on one volume.
@@ -193,6 +195,7 @@ impl<'a> Model<'a> {
             let at = match &self.positions {
                 Positions::Exact => exact,
                 Positions::Given(position) => position(plane, u, v),
+                Positions::GivenEnds(ends) => ends(plane, u, v)[1],
             };
             return (self.geometry.fraction(exact) > 0.0).then(|| self.geometry.held(settled(at)));
         }
@@ -202,12 +205,27 @@ impl<'a> Model<'a> {
                     .inside_tolerant(settled(self.geometry.position(self.lattice, plane, u, v)))
             }
             Positions::Given(position) => self.geometry.inside(settled(position(plane, u, v))),
+            Positions::GivenEnds(ends) => self.geometry.inside(settled(ends(plane, u, v)[1])),
         }
     }
 
     /// What is classified on a plane for pixel (u, v); `None` outside the volume, and on a ray's first plane if segments are
     /// classified.
     pub fn place(&self, plane: usize, u: usize, v: usize) -> Option<Place> {
+        if self.cuts_segments() {
+            let index = plane.checked_sub(1)?;
+            let [from, to] = self.geometry.cut(self.lattice, index, u, v)?;
+            let ends = match &self.positions {
+                Positions::GivenEnds(ends) => ends(plane, u, v),
+                _ => [from, to].map(|part| self.geometry.place(self.lattice, index as f64 + part, u, v)),
+            };
+            let [front, position] = ends.map(|end| self.geometry.held(end));
+            return Some(Place {
+                position,
+                front: Some(front),
+                fraction: to - from,
+            });
+        }
         let position = self.position(plane, u, v)?;
         let front = match self.segments {
             Segmented::Not => None,
@@ -221,6 +239,29 @@ impl<'a> Model<'a> {
             front,
             fraction,
         })
+    }
+
+    /// Whether segments are classified that the borders cut.
+    fn cuts_segments(&self) -> bool {
+        !matches!(self.segments, Segmented::Not) && self.geometry.borders != Borders::Whole
+    }
+
+    /// Planes of samples, or those at which segments end.
+    pub fn planes(&self) -> usize {
+        if self.cuts_segments() {
+            self.geometry.ends()
+        } else {
+            self.geometry.planes()
+        }
+    }
+
+    /// Where the ray of pixel (u, v) meets one of them, unrounded and whether inside the volume or not.
+    pub fn location(&self, plane: usize, u: usize, v: usize) -> [f64; 3] {
+        if self.cuts_segments() {
+            self.geometry.place(self.lattice, plane as f64, u, v)
+        } else {
+            self.geometry.position(self.lattice, plane, u, v)
+        }
     }
 
     /// The value at a position inside the volume, code units.
@@ -260,35 +301,38 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// What is composited of a sample, or of the segment between it and the one in front of it: its parts in the order along
-    /// the ray.
-    pub fn parts(&self, front: Option<f64>, code: f64) -> Vec<Part> {
+    /// What is composited of a sample, or of the segment between it and the one in front of it, of which a fraction lies in the
+    /// volume: its parts in the order along the ray. A surface is met whole or not at all.
+    pub fn parts(&self, front: Option<f64>, code: f64, fraction: f64) -> Vec<Part> {
         let whole = |classified| Part {
             number: 0,
             classified,
             crossing: None,
         };
         let front = match (&self.segments, front) {
-            (Segmented::Not, _) | (_, None) => return vec![whole(self.classify(code))],
+            (Segmented::Not, _) | (_, None) => return vec![whole(self.classify(code).of_fraction(fraction))],
             (_, Some(front)) => front,
         };
         let ends = [front, code];
         let value = |t: f64| front + (code - front) * t;
-        let volume = |[from, to]: [f64; 2]| match &self.segments {
-            _ if !self.with_volume => Classified::CLEAR,
-            Segmented::Not => Classified::CLEAR,
-            Segmented::Binned(bins) => bins.part(ends, [from, to]),
-            Segmented::Exact(reference) => {
-                let part = self.classifier.segment([value(from), value(to)], *reference);
-                part.shared(to - from)
-            }
+        let volume = |[from, to]: [f64; 2]| {
+            let part = match &self.segments {
+                _ if !self.with_volume => Classified::CLEAR,
+                Segmented::Not => Classified::CLEAR,
+                Segmented::Binned(bins) => bins.part(ends, [from, to]),
+                Segmented::Exact(reference) => {
+                    let part = self.classifier.segment([value(from), value(to)], *reference);
+                    part.shared(to - from)
+                }
+            };
+            part.of_fraction(fraction)
         };
         let crossings = crossings(&self.surfaces, ends);
         if !crossings.is_empty() {
             return cut(&crossings, &volume);
         }
         let all = if self.with_volume {
-            self.classify_behind(Some(front), code)
+            self.classify_behind(Some(front), code).of_fraction(fraction)
         } else {
             Classified::CLEAR
         };
@@ -383,9 +427,9 @@ impl<'a> Model<'a> {
             return Vec::new();
         };
         let front = place.front.map(|at| self.value_at(at));
-        let parts = self.parts(front, self.value_at(place.position)).into_iter();
+        let parts = self.parts(front, self.value_at(place.position), place.fraction);
         parts
-            .map(|part| part.of_fraction(place.fraction))
+            .into_iter()
             .filter(|part| part.classified.opacity > 0.0)
             .map(|part| {
                 let Classified { colour, opacity } = part.classified;
@@ -400,7 +444,7 @@ impl<'a> Model<'a> {
 
     fn front_to_back(&self, u: usize, v: usize) -> Pixel {
         let mut pixel = Pixel::TRANSPARENT;
-        for plane in 0..self.geometry.planes() {
+        for plane in 0..self.planes() {
             // Behind an exactly opaque pixel every weight is exactly zero.
             if pixel.transparency == 0.0 {
                 break;
@@ -413,7 +457,7 @@ impl<'a> Model<'a> {
     }
 
     fn back_to_front(&self, u: usize, v: usize) -> Pixel {
-        (0..self.geometry.planes())
+        (0..self.planes())
             .rev()
             .flat_map(|plane| self.visible(plane, u, v).into_iter().rev())
             .fold(Pixel::TRANSPARENT, |pixel, (colour, opacity)| {

@@ -4,9 +4,7 @@ use std::ops::RangeInclusive;
 
 use thiserror::Error;
 
-use super::{
-    Blend, Borders, Classification, Image, Interpolation, Light, Lighting, Sampling, Scene, TransferFunction, View,
-};
+use super::{Blend, Classification, Image, Interpolation, Light, Lighting, Sampling, Scene, TransferFunction, View};
 
 /// Angles about an axis, degrees.
 pub const TURN: RangeInclusive<f64> = -360.0..=360.0;
@@ -107,9 +105,6 @@ impl Scene {
         }
         if self.interpolation == Interpolation::Nearest {
             return refused("with nearest interpolation: between labels lie values that no voxel has");
-        }
-        if self.borders != Borders::Whole {
-            return refused("with exact borders (`sampling.borders` \"cells\" or \"nodes\"), which are of samples");
         }
         Ok(())
     }

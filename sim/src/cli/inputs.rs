@@ -368,7 +368,7 @@ pub struct SceneArgs {
     interpolation: Option<InterpolationArg>,
     /// Where the volume ends: at its outermost voxels, where each sample counts as a whole step (whole), or exactly, where
     /// it counts by the part of its step inside: half a voxel beyond them (cells) or at them (nodes); without it, the
-    /// scene's. Exact borders are of classified samples.
+    /// scene's.
     #[arg(long)]
     borders: Option<BordersArg>,
     /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum) of a named scene gets a grey

@@ -205,9 +205,9 @@ impl Args {
             ));
         };
         let picture = &prepared.setup.picture;
-        let levels = found.warped(picture).levels(plan.planes());
+        let levels = found.warped(picture).levels(plan.ends());
         let png = png(&Raster::grey16(picture.size, &levels)).map_err(Failure::machine)?;
-        let deep = f64::from(plan.planes() - 1) * prepared.setup.step_length;
+        let deep = f64::from(plan.ends() - 1) * prepared.setup.step_length;
         let said = format!(
             "depths of the first surface, 1 to 65535 for {} along a ray, 0 where there is none",
             visibility::rounded(deep, 6)

@@ -9,7 +9,7 @@ use slicecast_laboratory::hard::{self, Size};
 use slicecast_laboratory::report::{Contents, page::page};
 use slicecast_laboratory::rows::Row;
 use slicecast_laboratory::{catalogue, choose, shards, sweep};
-use slicecast_scene::{Blend, Borders, Interpolation, PrecisionName, Scene};
+use slicecast_scene::{Blend, Interpolation, PrecisionName, Scene};
 
 use super::Failure;
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
@@ -92,11 +92,8 @@ impl Args {
             .iter()
             .position(|p| *p == scene.precision)
             .unwrap_or(0);
-        // The integral is of values between voxels, and between the outermost of them.
-        let split = if self.without.no_converged
-            || scene.interpolation == Interpolation::Nearest
-            || scene.borders != Borders::Whole
-        {
+        // The integral is of values between voxels.
+        let split = if self.without.no_converged || scene.interpolation == Interpolation::Nearest {
             None
         } else {
             let name = PrecisionName::ALL[shown].name();

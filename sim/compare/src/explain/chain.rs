@@ -3,7 +3,7 @@
 use super::Share;
 use super::record::{Recorded, Step};
 use slicecast_model::gradient::normalise;
-use slicecast_model::{Model, Pixel};
+use slicecast_model::{Model, Pixel, Place};
 
 /// The stages whose results are handed over one after the other.
 const CHAIN: [&str; 7] = [
@@ -22,14 +22,14 @@ fn hybrid(steps: &[Step], exact: &Model<'_>, rounded: &Model<'_>, [u, v]: [usize
     let mut left = 1.0;
     for (index, step) in steps.iter().enumerate() {
         let model = if fixed >= 1 { rounded } else { exact };
-        let Some(position) = model.position(index, u, v) else {
+        let Some(Place { position, fraction, .. }) = model.place(index, u, v) else {
             continue;
         };
         let value = match step.value {
             Some(value) if fixed >= 2 => value,
             _ => model.value_at(position),
         };
-        let classified = model.classify(value);
+        let classified = model.classify(value).of_fraction(fraction);
         let (mut opacity, mut colour) = (classified.opacity, classified.colour);
         if fixed >= 3 {
             // A row that was skipped while light was left was found empty.

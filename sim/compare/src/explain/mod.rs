@@ -226,7 +226,7 @@ fn stages(step: &Step, sample: &ModelSample, so_far: Pixel, scales: &Scales, lit
 mod tests {
     use super::*;
     use crate::compare;
-    use slicecast_scene::PrecisionName;
+    use slicecast_scene::{Borders, PrecisionName};
     use slicecast_volume::mapping::Window;
     use slicecast_volume::open::load;
 
@@ -234,8 +234,9 @@ mod tests {
     fn shares_add_up_and_the_ray_is_the_frames_own() {
         let volume = load(None, Window::Auto).unwrap().volume;
         let mut scene = slicecast_scene::file::built_in(slicecast_scene::file::DEFAULT).unwrap();
-        for precision in PrecisionName::ALL {
-            scene.precision = precision;
+        let all = [Borders::Whole, Borders::Cells, Borders::Nodes];
+        for (precision, borders) in PrecisionName::ALL.into_iter().zip(all) {
+            (scene.precision, scene.borders) = (precision, borders);
             let prepared = Prepared::new(&scene, &volume).unwrap();
             let comparison = compare(&prepared, ModelPositions::Exact, &|_, _| ()).unwrap();
             let base = &comparison.frame.base;

@@ -1,11 +1,12 @@
 //! What the pipeline had on every plane of one ray, by a tap.
 
+use slicecast::borders::Borders;
 use slicecast::locate::plane;
 use slicecast::slice::Slice;
 use slicecast::stage::Stage;
 use slicecast::tap::{Beam, Bits, Tap};
 
-use crate::lockstep::Scales;
+use crate::lockstep::{Scales, position};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::tiles::Tile;
@@ -89,12 +90,12 @@ pub(super) fn record(prepared: &Prepared<'_>, slices: &[Slice<'_>], ray: [usize;
     };
     let step = |index| {
         let at = plane(plan, plan.phase(tile.phase), index);
-        let value = |bits: i32, pixel: usize| f64::from(bits) / 65536.0 + pixel as f64;
-        let position = [
-            value(at.x.to_bits(), column),
-            value(at.y.to_bits(), row),
-            value(at.z.to_bits(), 0),
-        ];
+        let mut place = position([at.x, at.y, at.z], [column as u32, row as u32]);
+        if plan.borders() != Borders::Whole {
+            let held = |axis: usize| place[axis].clamp(0.0, f64::from(plan.dims()[axis] - 1));
+            place = [0, 1, 2].map(held);
+        }
+        let position = place;
         Step {
             position,
             ..Step::default()

@@ -4,7 +4,7 @@ use slicecast_compare::{ModelPositions, model};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_model::Model;
-use slicecast_scene::{Borders, PrecisionName, Sampling, Scene, View};
+use slicecast_scene::{Borders, Classification, Face, PrecisionName, Sampling, Scene, Surface, View};
 use slicecast_volume::Volume;
 
 use super::scenes::{scene, volume};
@@ -58,15 +58,17 @@ impl Ray {
         (self.to - self.from) * rate as f64
     }
 
+    /// The value at a place along k, held to the voxels.
+    fn value(&self, model: &Model<'_>, z: f64) -> f64 {
+        let [x, y] = [0, 1].map(|a| self.start[a] + z * self.shear[a]);
+        model.value_at(model.geometry().held([x, y, z]))
+    }
+
     /// The depth of its part in the box, of extinctions a step at places held to the voxels: a Riemann sum of midpoints.
     fn depth(&self, model: &Model<'_>, extinction: impl Fn(f64) -> f64) -> f64 {
         const PARTS: usize = 600;
         let part = (self.to - self.from) / PARTS as f64;
-        let value = |n: usize| {
-            let z = self.from + (n as f64 + 0.5) * part;
-            let [x, y] = [0, 1].map(|a| self.start[a] + z * self.shear[a]);
-            model.value_at(model.geometry().held([x, y, z]))
-        };
+        let value = |n: usize| self.value(model, self.from + (n as f64 + 0.5) * part);
         (0..PARTS).map(|n| extinction(value(n)) * part).sum()
     }
 }
@@ -142,12 +144,17 @@ fn cube(size: Size) -> Result<Case, RenderError> {
         "what is left is exp(-tau times the ray's length in the box)",
     );
     let cube = volume([8; 3], [1.0; 3], |_| 1000.0);
-    let scene = scene(&[(0.0, 0.1)]);
-    for (name, borders) in ALL {
+    let points = scene(&[(0.0, 0.1)]);
+    let segments = Scene {
+        classification: Classification::Integral,
+        ..points.clone()
+    };
+    let kinds = [("samples", &points), ("segments", &segments)];
+    for ((kind, scene), (name, borders)) in kinds.into_iter().flat_map(|kind| ALL.map(|borders| (kind, borders))) {
         let mut worst: f64 = 0.0;
         for (n, view) in views(count).enumerate() {
             let rate = [1, 2, 3, 5][n % 4];
-            let scene = seen(&scene, view, rate, borders);
+            let scene = seen(scene, view, rate, borders);
             let errors = rays(&scene, &cube, |model, ray, left| {
                 // A step is as long as the geometry says, in voxels, which are the unit of the opacity.
                 let tau = -(-0.1f64).ln_1p() * model.geometry().step_length();
@@ -156,7 +163,7 @@ fn cube(size: Size) -> Result<Case, RenderError> {
             worst = errors.into_iter().fold(worst, f64::max);
         }
         let allowed = (borders != Borders::Whole).then_some(0.01);
-        case.outcome(format!("wide, {name}"), worst, allowed);
+        case.outcome(format!("wide, {kind}, {name}"), worst, allowed);
     }
     case.study = Some("whole: up to one step; exact borders: 0.0009 of 255 in integers, opacities apart".into());
     case.note = Some(
@@ -193,6 +200,66 @@ fn against_integral(
             let allowed = allowed.filter(|_| borders != Borders::Whole);
             case.outcome(format!("wide, {name}, {rate} planes"), worst, allowed);
         }
+    }
+    Ok(case)
+}
+
+/// A surface of a field that is linear from voxel to voxel and constant beyond them: a ray crosses it once, if its ends in the
+/// box lie on both sides of the value.
+fn surface(size: Size) -> Result<Case, RenderError> {
+    const HALF: f64 = 0.5;
+    let count = match size {
+        Size::Full => 40,
+        Size::Reduced => 9,
+    };
+    let mut case = Case::new(
+        "borders",
+        format!("surface of opacity 0.5 in a linear field, {count} views, every ray"),
+        "rays with a crossing too many or too few",
+        0.0,
+        "one crossing where the values at the ray's entry and exit lie on both sides, none elsewhere",
+    );
+    for (name, borders) in ALL {
+        if borders == Borders::Whole {
+            continue;
+        }
+        let (mut wrong, mut crossed, mut rays_seen) = (0, 0, 0);
+        for (n, view) in views(count).enumerate() {
+            let axis = n % 3;
+            let ramp = volume([7, 6, 8], [1.0; 3], |at| 1000.0 + 300.0 * at[axis] as f64);
+            // In voxels, at a voxel, and between the last two.
+            let value = [1450.0, 1300.0, 2377.7][n / 3 % 3];
+            let face = Face {
+                colour: [1.0; 3],
+                opacity: HALF,
+            };
+            let scene = Scene {
+                classification: Classification::None,
+                surfaces: vec![Surface {
+                    value,
+                    front: face,
+                    back: face,
+                }],
+                ..seen(&scene(&[(0.0, 0.1)]), view, [1, 2, 3, 4][n % 4], borders)
+            };
+            let seen = rays(&scene, &ramp, |model, ray, left| {
+                let [from, to] = [ray.from, ray.to].map(|z| ray.value(model, z));
+                let near = |end: f64| (end - value).abs() < 0.1;
+                // Within the rounding of a position anything may be.
+                let known = ray.to > ray.from && !near(from) && !near(to);
+                let crosses = (from < value) != (to < value);
+                let expected = if crosses { HALF } else { 1.0 };
+                (known && (left - expected).abs() > 1e-4, known && crosses)
+            })?;
+            rays_seen += seen.len();
+            wrong += seen.iter().filter(|(wrong, _)| *wrong).count();
+            crossed += seen.iter().filter(|(_, crosses)| *crosses).count();
+        }
+        case.outcome(
+            format!("wide, {name}: {crossed} of {rays_seen} rays cross"),
+            wrong as f64,
+            Some(0.0),
+        );
     }
     Ok(case)
 }
@@ -235,5 +302,5 @@ pub fn cases(size: Size) -> Result<Vec<Case>, RenderError> {
     )?;
     drum.study = Some("nodes, samples held: 0.15; whole: 5.7".into());
     drum.note = Some("limit: the study's figure".into());
-    Ok(vec![cube(size)?, board, drum])
+    Ok(vec![cube(size)?, board, drum, surface(size)?])
 }

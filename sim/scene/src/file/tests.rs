@@ -440,10 +440,6 @@ fn surfaces_are_read_with_their_defaults() {
             "no [[surface]], and \"point\" with nearest interpolation",
         ),
         (
-            "[[surface]]\nvalue = 1\n[sampling]\nborders = \"cells\"",
-            "no [[surface]], and \"point\" with exact borders",
-        ),
-        (
             "[[surface]]\nvalue = 1\n[render]\nblend = \"maximum\"",
             "under a projection",
         ),

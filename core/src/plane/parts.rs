@@ -1,0 +1,477 @@
+//! The parts of a plane: which pixels have a sample in it, or a segment in front of it, of the same cells.
+//!
+//! Of whole borders there is one. A plane of exact borders has more: the pixels whose segments lie in the volume as a whole, and
+//! at each end rows and columns of those whose segments are cut by a face, or whose samples are held to the voxels; of samples
+//! at most one at each end, of segments two. All pixels of a part share cells and the part of the segment, so each is folded like
+//! a plane of its own. Crop boxes change this file.
+
+use core::ops::Range;
+
+use super::extent::Extent;
+use super::slabs::window_behind;
+use crate::borders::{Borders, Part, Side, WHOLE, along_k, fraction_row};
+use crate::format::{Position, Weight};
+use crate::lanes::Small;
+use crate::locate::{Cell, Plane, cell, cut, end_plane, inside};
+use crate::plan::Plan;
+use crate::slice::Window;
+
+/// Pixels of a plane, along one side.
+struct Axis {
+    /// Those of which something counts.
+    touched: Range<u32>,
+    /// Those of them whose segments lie in the volume, and all whose samples do; empty where there are none.
+    inner: Range<u32>,
+    side: Side,
+    voxels: u32,
+}
+
+/// Pixels of the same cells and the same part of their segments: the inner ones, or one of the others.
+struct Band {
+    pixels: Range<u32>,
+    part: Part,
+    /// Whether it is not that of the inner pixels.
+    edge: bool,
+}
+
+impl Axis {
+    fn of(side: Side, samples: [Position; 2], voxels: u32, pixels: u32) -> Self {
+        Self {
+            touched: side.touched(pixels),
+            inner: shared(side.whole(pixels), between(samples, voxels, pixels)),
+            side,
+            voxels,
+        }
+    }
+
+    /// The band that begins with a pixel, or the first one.
+    fn band(&self, pixel: u32) -> Option<Band> {
+        let pixel = pixel.max(self.touched.start);
+        if pixel >= self.touched.end {
+            return None;
+        }
+        let edge = pixel != self.inner.start || self.inner.is_empty();
+        Some(if edge {
+            Band {
+                pixels: pixel..pixel + 1,
+                part: self.side.part(pixel),
+                edge,
+            }
+        } else {
+            Band {
+                pixels: self.inner.clone(),
+                part: Part::WHOLE,
+                edge,
+            }
+        })
+    }
+
+    /// The cell of a band's samples, held to the voxels, given where that of pixel 0 lies.
+    fn cell(&self, band: &Band, at: Position) -> Cell {
+        let at = cell(at);
+        if !band.edge {
+            return at;
+        }
+        let (first, last) = (band.pixels.start as i32, self.voxels as i32 - 1);
+        let voxel = at.index.wrapping_add(first);
+        let held = voxel.min(last).max(0);
+        let weight = if held == voxel && held < last {
+            at.weight
+        } else {
+            Weight::ZERO
+        };
+        Cell {
+            index: held.wrapping_sub(first),
+            weight,
+        }
+    }
+}
+
+/// What two ranges have in common.
+#[inline(always)]
+fn shared(a: Range<u32>, b: Range<u32>) -> Range<u32> {
+    let start = a.start.max(b.start);
+    start..a.end.min(b.end).max(start)
+}
+
+/// Samples of the same cells, and their window.
+pub(super) struct Samples<'w> {
+    pub(super) extent: Extent,
+    pub(super) window: Window<'w>,
+    /// Whether rows are read as a whole: a column at a border has a window of its own.
+    pub(super) whole_rows: bool,
+}
+
+/// Segments whose ends have the same cells.
+pub(super) struct Segments<'w> {
+    /// Their front ends and their back ends.
+    pub(super) ends: [Samples<'w>; 2],
+    /// Whether they are whole, and their ends at their own places.
+    pub(super) inner: bool,
+    /// Where they lie along their rays.
+    pub(super) way: Way,
+}
+
+/// Where segments lie along their rays, in planes, 16.16.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    from: u32,
+    length: u32,
+}
+
+impl Way {
+    /// What counts of segments behind a plane.
+    fn of(index: u32, part: Part) -> Self {
+        Self {
+            from: (index << 16).wrapping_add(part.from),
+            length: part.length(),
+        }
+    }
+
+    /// The place of a position in a segment, 0 to 65536.
+    pub(super) fn at(self, position: u32) -> u32 {
+        let way = (u64::from(self.length) * u64::from(position)) >> 16;
+        self.from.wrapping_add(way as u32)
+    }
+}
+
+/// What exact borders are to the plane layer. A plan holds a reference: a program whose plans have whole borders does not
+/// link it.
+pub(crate) struct Exact {
+    pub(crate) borders: Borders,
+    /// The next part of a plane of samples.
+    samples: for<'w> fn(&mut Parts<'_>, &Window<'w>) -> Option<Samples<'w>>,
+    /// The next part of the segments that end at a plane; lit or not.
+    segments: for<'w> fn(&mut Parts<'_>, &Window<'w>, bool) -> Option<Segments<'w>>,
+    /// Makes opacities those of a fraction, on a small machine.
+    pub(super) reduce: fn(&mut [i32], u32),
+}
+
+impl Exact {
+    const fn of(borders: Borders) -> Self {
+        Self {
+            borders,
+            samples: exact_samples,
+            segments: exact_segments,
+            reduce: fraction_row::<Small>,
+        }
+    }
+}
+
+/// Exact borders of cells.
+pub(crate) static CELLS: Exact = Exact::of(Borders::Cells);
+/// Exact borders of nodes.
+pub(crate) static NODES: Exact = Exact::of(Borders::Nodes);
+
+impl PartialEq for Exact {
+    fn eq(&self, other: &Self) -> bool {
+        self.borders == other.borders
+    }
+}
+
+impl Eq for Exact {}
+
+impl core::fmt::Debug for Exact {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        self.borders.fmt(f)
+    }
+}
+
+/// The way through the parts of a plane. Those of which nothing counts are left out.
+pub(super) struct Parts<'a> {
+    plan: &'a Plan,
+    plane: &'a Plane,
+    /// Column and row that the next part begins with, or an earlier one.
+    next: [u32; 2],
+}
+
+impl<'a> Parts<'a> {
+    pub(super) fn of(plan: &'a Plan, plane: &'a Plane) -> Self {
+        Self {
+            plan,
+            plane,
+            next: [0; 2],
+        }
+    }
+
+    /// The next samples.
+    #[inline(always)]
+    pub(super) fn samples<'w>(&mut self, window: &Window<'w>) -> Option<Samples<'w>> {
+        if let Some(exact) = self.plan.exact() {
+            return (exact.samples)(self, window);
+        }
+        let Plane { x, y, z, .. } = *self.plane;
+        let pixels = self.whole([[x; 2], [y; 2]])?;
+        Some(Samples {
+            extent: Extent::of(pixels, [x, y, z].map(cell), self.height(), WHOLE),
+            window: *window,
+            whole_rows: true,
+        })
+    }
+
+    /// The next segments that end at the plane, given the window of their front ends; none end at the first.
+    #[inline(always)]
+    pub(super) fn segments<'w>(&mut self, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
+        if let Some(exact) = self.plan.exact() {
+            return (exact.segments)(self, window, lit);
+        }
+        let index = self.plane.index.checked_sub(1)?;
+        let front = end_plane(self.plan, self.plane.phase, index);
+        let ends = [&front, self.plane];
+        let pixels = self.whole([ends.map(|end| end.x), ends.map(|end| end.y)])?;
+        let [front, back] = ends.map(|end| {
+            Some(Samples {
+                extent: Extent::of(pixels.clone(), [end.x, end.y, end.z].map(cell), self.height(), WHOLE),
+                window: window_behind(window, cell(end.z).index != cell(front.z).index, lit)?,
+                whole_rows: true,
+            })
+        });
+        Some(Segments {
+            ends: [front?, back?],
+            inner: true,
+            way: Way::of(index, Part::WHOLE),
+        })
+    }
+
+    /// The pixels, along both sides, of whole borders, whose only part comes first.
+    #[inline(always)]
+    fn whole(&mut self, [x, y]: [[Position; 2]; 2]) -> Option<[Range<u32>; 2]> {
+        let [next, _] = &mut self.next;
+        if core::mem::replace(next, 1) > 0 {
+            return None;
+        }
+        let ([width, height, _], [columns, rows]) = (self.plan.dims(), self.plan.base());
+        Some([between(x, width, columns), between(y, height, rows)])
+    }
+
+    /// Rows of a slice.
+    fn height(&self) -> u32 {
+        let [_, height, _] = self.plan.dims();
+        height
+    }
+
+    /// The next part of exact borders of which something counts: its bands and its part of the segments.
+    fn next_of(&mut self, [columns, rows]: &[Axis; 2], along: Part) -> Option<([Band; 2], Part)> {
+        loop {
+            let [column, row] = self.next;
+            let row = rows.band(row)?;
+            let Some(column) = columns.band(column) else {
+                self.next = [0, row.pixels.end];
+                continue;
+            };
+            self.next = [column.pixels.end, row.pixels.start];
+            let part = column.part.and(row.part).and(along);
+            if part.length() > 0 {
+                return Some(([column, row], part));
+            }
+        }
+    }
+}
+
+/// The pixels along one side whose samples lie between the outermost voxels, on both of two planes.
+#[inline(always)]
+fn between(samples: [Position; 2], voxels: u32, pixels: u32) -> Range<u32> {
+    let [a, b] = samples.map(|at| inside(cell(at), voxels, pixels));
+    shared(a, b)
+}
+
+/// The extent of a part of exact borders whose samples lie so for pixel (0, 0).
+fn extent([columns, rows]: &[Axis; 2], [column, row]: &[Band; 2], part: Part, [x, y, z]: [Position; 3]) -> Extent {
+    let cells = [columns.cell(column, x), rows.cell(row, y), cell(z)];
+    let pixels = [column.pixels.clone(), row.pixels.clone()];
+    Extent::of(pixels, cells, rows.voxels, part.length())
+}
+
+/// Gives the samples of a column windows that hold what gradients look at, and so cost no whole rows.
+fn narrow(samples: &mut [Samples<'_>], voxels: u32) {
+    let places = || samples.iter().map(|samples| samples.extent.voxel);
+    let (first, last) = (places().fold(usize::MAX, Ord::min), places().fold(0, Ord::max));
+    let kept = first.saturating_sub(1)..(last + 3).min(voxels as usize);
+    for samples in samples {
+        samples.extent.narrow(kept.start);
+        samples.window = samples.window.columns(kept.clone());
+        samples.whole_rows = false;
+    }
+}
+
+fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Samples<'w>> {
+    let (plan, Plane { index, phase, x, y, z }) = (parts.plan, *parts.plane);
+    let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
+    let [start_i, start_j] = plan.start(phase);
+    let axes = [
+        Axis::of(Side::of(plan, start_i, 0, index), [x; 2], width, columns),
+        Axis::of(Side::of(plan, start_j, 1, index), [y; 2], height, rows),
+    ];
+    let (bands, part) = parts.next_of(&axes, Part::WHOLE)?;
+    let mut samples = [Samples {
+        extent: extent(&axes, &bands, part, [x, y, z]),
+        window: *window,
+        whole_rows: true,
+    }];
+    let [column, _] = &bands;
+    if column.edge {
+        narrow(&mut samples, width);
+    }
+    let [samples] = samples;
+    Some(samples)
+}
+
+fn exact_segments<'w>(parts: &mut Parts<'_>, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
+    let (plan, back) = (parts.plan, *parts.plane);
+    let (index, phase) = (back.index.checked_sub(1)?, back.phase);
+    let front = end_plane(plan, phase, index);
+    let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
+    let [start_i, start_j] = plan.start(phase);
+    let axes = [
+        Axis::of(Side::behind(plan, start_i, 0, index), [front.x, back.x], width, columns),
+        Axis::of(Side::behind(plan, start_j, 1, index), [front.y, back.y], height, rows),
+    ];
+    let (bands, part) = parts.next_of(&axes, along_k(plan, index))?;
+    let end = |place| {
+        let extent = extent(&axes, &bands, part, cut(plan, phase, index, place));
+        Some(Samples {
+            window: window_behind(window, extent.z.index != cell(front.z).index, lit)?,
+            extent,
+            whole_rows: true,
+        })
+    };
+    let mut ends = [end(part.from)?, end(part.to)?];
+    let [column, row] = &bands;
+    if column.edge {
+        narrow(&mut ends, width);
+    }
+    Some(Segments {
+        ends,
+        inner: !column.edge && !row.edge && part == Part::WHOLE,
+        way: Way::of(index, part),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::Direction;
+    use crate::locate::plane;
+    use crate::plan::{Sampling, Spacing};
+    use crate::slice::{RowRange, Slice};
+    use crate::view::View;
+    use proptest::prelude::*;
+    use proptest::test_runner::TestCaseError;
+    use std::collections::BTreeMap;
+    use std::vec;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 400, rng_seed: proptest::test_runner::RngSeed::Fixed(4), ..ProptestConfig::default() })]
+
+        /// Every pixel with a fraction lies in one part, at its own position held to the voxels, and no other pixel does: of
+        /// samples, and of both ends of segments.
+        #[test]
+        fn parts_are_the_pixels_with_a_fraction(
+            i in prop_oneof![Just(0i64), Just(1 << 58), Just(-1 << 58), -(1i64 << 58)..=1 << 58],
+            j in -(1i64 << 58)..=1 << 58,
+            dims in prop::array::uniform3(1u32..=6), rate in 1u32..=4, rays in 1u32..=3, cells in any::<bool>(), nearest in any::<bool>(),
+        ) {
+            let view = View::new([i, j, 1 << 58].map(Direction::from_bits)).unwrap();
+            let sampling = Sampling { planes_per_voxel: rate, rays_per_voxel: rays };
+            let borders = if cells { Borders::Cells } else { Borders::Nodes };
+            let Ok(plan) = Plan::with_borders(view, dims, Spacing::CUBIC, sampling, borders) else { return Ok(()) };
+            let plan = if nearest { plan.with_nearest() } else { plan };
+            let [width, height, _] = plan.dims();
+            let voxels = vec![0; (width * height) as usize];
+            let mut ranges = vec![RowRange::EMPTY; height as usize];
+            let near = Slice::measure(&voxels, width as usize, height as usize, width as usize, &mut ranges).unwrap();
+            let window = Window { before: None, near, far: Some(near), after: None };
+            for phase in (0..plan.phases()).map(|number| plan.phase(number)) {
+                let [start_i, start_j] = plan.start(phase);
+                for index in 0..plan.planes() {
+                    let at = plane(&plan, phase, index);
+                    let mut parts = Parts::of(&plan, &at);
+                    let mut found = BTreeMap::new();
+                    while let Some(samples) = parts.samples(&window) {
+                        noted(&mut found, &samples)?;
+                    }
+                    let side = |axis, start| Side::of(&plan, start, axis, index);
+                    let part = |u, v| side(0, start_i).part(u).and(side(1, start_j).part(v));
+                    held(&plan, &found, part, |_| [at.x, at.y, at.z])?;
+                }
+                for index in 0..plan.ends() - 1 {
+                    let at = end_plane(&plan, phase, index + 1);
+                    let mut parts = Parts::of(&plan, &at);
+                    let mut found = [BTreeMap::new(), BTreeMap::new()];
+                    while let Some(Segments { ends, inner, .. }) = parts.segments(&window, true) {
+                        for (found, end) in found.iter_mut().zip(&ends) {
+                            noted(found, end)?;
+                        }
+                        if inner {
+                            let front = end_plane(&plan, phase, index);
+                            let cells = ends.each_ref().map(|Samples { extent, .. }| [extent.x, extent.y, extent.z]);
+                            prop_assert_eq!(cells, [[front.x, front.y, front.z].map(cell), [at.x, at.y, at.z].map(cell)]);
+                        }
+                    }
+                    let side = |axis, start| Side::behind(&plan, start, axis, index);
+                    let part = |u, v| side(0, start_i).part(u).and(side(1, start_j).part(v)).and(along_k(&plan, index));
+                    held(&plan, &found[0], part, |part| cut(&plan, phase, index, part.from))?;
+                    held(&plan, &found[1], part, |part| cut(&plan, phase, index, part.to))?;
+                }
+            }
+        }
+    }
+
+    /// Fraction, cells, and column of the window, of each pixel that has been found.
+    type Found = BTreeMap<[u32; 2], (u32, [i32; 5], Option<usize>)>;
+
+    fn noted(
+        found: &mut Found,
+        Samples {
+            extent,
+            window,
+            whole_rows,
+        }: &Samples<'_>,
+    ) -> Result<(), TestCaseError> {
+        for (row, column) in extent
+            .rows
+            .clone()
+            .flat_map(|v| extent.columns.clone().map(move |u| (v, u)))
+        {
+            // Columns of a window that is narrower are counted from its first voxel.
+            let first = (column - extent.columns.start) + extent.voxel;
+            prop_assert_eq!(first as i32, column as i32 + extent.x.index);
+            prop_assert!(*whole_rows || extent.columns.len() == 1);
+            prop_assert!(first < window.near.width());
+            let [wx, wy, wz] = [extent.x, extent.y, extent.z].map(|cell| cell.weight.to_bits() as i32);
+            let cells = [extent.y.index + row as i32, extent.z.index, wx, wy, wz];
+            let voxel = whole_rows.then_some(first);
+            prop_assert_eq!(
+                found.insert([column as u32, row], (extent.fraction, cells, voxel)),
+                None
+            );
+        }
+        Ok(())
+    }
+
+    /// Holds what was found against every pixel's own part and position.
+    fn held(
+        plan: &Plan,
+        found: &Found,
+        part: impl Fn(u32, u32) -> Part,
+        at: impl Fn(Part) -> [Position; 3],
+    ) -> Result<(), TestCaseError> {
+        let ([width, height, depth], [columns, rows]) = (plan.dims(), plan.base());
+        for (u, v) in (0..columns).flat_map(|u| (0..rows).map(move |v| (u, v))) {
+            let part = part(u, v);
+            let Some((fraction, cells, voxel)) = found.get(&[u, v]) else {
+                prop_assert_eq!(part.length(), 0, "pixel {} {} is in no part", u, v);
+                continue;
+            };
+            prop_assert_eq!(*fraction, part.length());
+            let held = |at: Position, pixel: u32, side: u32| {
+                (at.to_bits() + ((pixel as i32) << 16)).clamp(0, (side as i32 - 1) << 16)
+            };
+            let [x, y, z] = at(part);
+            let [x, y, z] = [held(x, u, width), held(y, v, height), held(z, 0, depth)];
+            prop_assert_eq!(*cells, [y >> 16, z >> 16, x & 0xffff, y & 0xffff, z & 0xffff]);
+            prop_assert!(voxel.is_none_or(|voxel| voxel as i32 == x >> 16));
+        }
+        Ok(())
+    }
+}
