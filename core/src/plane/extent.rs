@@ -10,7 +10,7 @@ use crate::borders::{Borders, Part, Side, WHOLE};
 use crate::format::{Step, Weight};
 use crate::locate::{Cell, Plane, cell, inside};
 use crate::plan::Plan;
-use crate::slice::{RowRange, Slice, Window};
+use crate::slice::{Code12, RowRange, Slice, Voxel, Window};
 
 /// The cells of a plane, and the pixels whose samples lie inside the volume.
 pub(super) struct Extent {
@@ -90,9 +90,9 @@ impl Extent {
 }
 
 /// The range of the voxels around the samples between voxel rows.
-pub(super) fn around(window: &Window<'_>, (row, next): (usize, usize)) -> RowRange {
+pub(super) fn around<X: Voxel>(window: &Window<'_, X>, (row, next): (usize, usize)) -> RowRange {
     let far = window.far_or_near();
-    let range = |s: &Slice<'_>| s.range(row).union(s.range(next));
+    let range = |s: &Slice<'_, X>| s.range(row).union(s.range(next));
     range(&window.near).union(range(&far))
 }
 
@@ -154,18 +154,18 @@ fn bands(plan: &Plan, index: u32, (axis, start): (usize, Step), at: Cell, (voxel
 }
 
 /// The parts of a plane, each with its own extent and window. Of whole borders there is one.
-pub(super) struct Parts<'w> {
+pub(super) struct Parts<'w, X = Code12> {
     columns: [Band; 3],
     rows: [Band; 3],
     z: Cell,
     dims: [u32; 2],
-    window: Window<'w>,
+    window: Window<'w, X>,
     /// Numbers of the next part's bands.
     next: [usize; 2],
 }
 
-impl<'w> Parts<'w> {
-    pub(super) fn of(plan: &Plan, plane: &Plane, window: &Window<'w>) -> Self {
+impl<'w, X: Voxel> Parts<'w, X> {
+    pub(super) fn of(plan: &Plan, plane: &Plane, window: &Window<'w, X>) -> Self {
         let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
         let [start_i, start_j] = plan.start(plane.phase);
         let index = plane.index;
@@ -180,7 +180,7 @@ impl<'w> Parts<'w> {
     }
 
     /// The part of two bands. The window of a column holds what its gradients look at, and so costs no whole rows.
-    fn part(&self, columns: &Band, rows: &Band, column: bool) -> (Extent, Window<'w>) {
+    fn part(&self, columns: &Band, rows: &Band, column: bool) -> (Extent, Window<'w, X>) {
         let [width, height] = self.dims.map(|side| side as usize);
         let (mut x, mut window) = (columns.cell, self.window);
         let pixels = columns.pixels.start as usize..columns.pixels.end as usize;
@@ -204,9 +204,9 @@ impl<'w> Parts<'w> {
     }
 }
 
-impl<'w> Iterator for Parts<'w> {
+impl<'w, X: Voxel> Iterator for Parts<'w, X> {
     /// A part and its window, and whether that is the plane's, of whole rows.
-    type Item = (Extent, Window<'w>, bool);
+    type Item = (Extent, Window<'w, X>, bool);
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
