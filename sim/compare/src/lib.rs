@@ -1,5 +1,6 @@
 //! The pipeline against the f64 model, stage by stage and picture by picture.
 
+pub mod colours;
 pub mod exchange;
 pub mod explain;
 pub mod image;
@@ -146,7 +147,7 @@ pub fn model<'a>(prepared: &Prepared<'a>, positions: ModelPositions) -> Model<'a
 }
 
 /// The pipeline's positions as a function of plane and full-resolution pixel.
-fn pipeline_positions(plan: Plan) -> impl Fn(usize, usize, usize) -> [f64; 3] + Send + Sync {
+pub(crate) fn pipeline_positions(plan: Plan) -> impl Fn(usize, usize, usize) -> [f64; 3] + Send + Sync {
     let n = plan.sampling().rays_per_voxel as usize;
     move |index, u, v| {
         let phase = Phase {
