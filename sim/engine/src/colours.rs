@@ -271,6 +271,6 @@ mod tests {
                 assert!(absorption.shift == 35 || absorption.scale >> 30 == 1, "{depth}");
             }
         }
-        assert_eq!(medium(f64::MAX, 1e300).is_err(), true);
+        assert!(medium(f64::MAX, 1e300).is_err());
     }
 }

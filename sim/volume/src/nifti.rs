@@ -1,12 +1,14 @@
 //! NIfTI-1 and NIfTI-2 volumes (`.nii`, `.nii.gz`, and `.hdr` with an `.img` beside it).
 //!
 //! Source: nifti1.h and nifti2.h of the NIfTI data format working group. Read: integers of 8 to 64 bits, single and double
-//! precision, either byte order, `scl_slope` and `scl_inter`, exactly one volume; what follows it is left out with a note.
+//! precision, either byte order, `scl_slope` and `scl_inter`, and colours (RGB24, RGBA32, of 8 bits); exactly one volume; what
+//! follows it is left out with a note.
 //! Orientation comes from the sform, else from the qform, else is unknown; both speak RAS and are brought to LPS.
 
 mod header;
 mod orientation;
 
+use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
@@ -14,12 +16,14 @@ use flate2::bufread::MultiGzDecoder;
 
 use self::header::{Header, NAME};
 use self::orientation::orientation;
+use super::axes::Turn;
 use super::choice::Choice;
+use super::colours::Colours;
 use super::companion;
 use super::error::{Problem, ReadError};
 use super::open::open_regular;
 use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
-use super::values::Decoded;
+use super::values::{Decoded, Orientation};
 
 /// Reads a NIfTI file, packed by gzip or not, or a header and the `.img` file beside it, whichever of the two is named.
 ///
@@ -30,27 +34,51 @@ pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
         let note = format!("the header is in {}", header.display());
         return read(&header, choice).map(|decoded| decoded.with_notes(vec![note]));
     }
-    let fail = |problem| ReadError::new(path, problem);
-    let (mut source, len) = open_regular(path)?;
-    let packed = is_gzip(&mut source).map_err(fail)?;
-    let header = header_of(&mut source, packed).map_err(fail)?;
-    let name = path.display().to_string();
-    if header.attached {
-        // The unpacker is started anew, so that the payload reader counts from the file's first byte.
-        let (mut source, _) = open_regular(path)?;
-        return finish(&header, &mut source, len, packed, name, choice).map_err(fail);
-    }
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let stem = stem.strip_suffix(".hdr").unwrap_or(&stem).to_owned();
-    let mut data_path = companion::data_file(path, &format!("{stem}.img"))?;
-    if !data_path.exists() {
-        let packed_path = companion::data_file(path, &format!("{stem}.img.gz"))?;
-        data_path = if packed_path.exists() { packed_path } else { data_path };
-    }
+    let (header, data_path) = located(path)?;
     let (mut source, len) = open_regular(&data_path)?;
     let at_data = |problem| ReadError::new(&data_path, problem);
     let packed = is_gzip(&mut source).map_err(at_data)?;
-    finish(&header, &mut source, len, packed, name, choice).map_err(at_data)
+    finish(&header, &mut source, len, packed, path.display().to_string(), choice).map_err(at_data)
+}
+
+/// Reads a NIfTI file of colours (RGB24, RGBA32); `None` of one with a value a voxel.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
+    let beside = header_beside(path);
+    let path = beside.as_deref().unwrap_or(path);
+    let (header, data_path) = located(path)?;
+    if header.components == 1 {
+        return Ok(None);
+    }
+    let at_data = |problem| ReadError::new(&data_path, problem);
+    let (mut source, len) = open_regular(&data_path)?;
+    let packed = is_gzip(&mut source).map_err(at_data)?;
+    let name = path.display().to_string();
+    coloured(&header, &mut source, len, packed, name)
+        .map(Some)
+        .map_err(at_data)
+}
+
+/// The header of a file, and the file that has the data.
+fn located(path: &Path) -> Result<(Header, PathBuf), ReadError> {
+    let fail = |problem| ReadError::new(path, problem);
+    let (mut source, _) = open_regular(path)?;
+    let packed = is_gzip(&mut source).map_err(fail)?;
+    let header = header_of(&mut source, packed).map_err(fail)?;
+    if header.attached {
+        // Opened anew, so that the payload reader counts from the file's first byte.
+        return Ok((header, path.to_owned()));
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = stem.strip_suffix(".hdr").unwrap_or(&stem).to_owned();
+    let data_path = companion::data_file(path, &format!("{stem}.img"))?;
+    if data_path.exists() {
+        return Ok((header, data_path));
+    }
+    let packed_path = companion::data_file(path, &format!("{stem}.img.gz"))?;
+    Ok((header, if packed_path.exists() { packed_path } else { data_path }))
 }
 
 /// Reads a NIfTI file that is already in memory; `name` stands for its path in messages.
@@ -120,17 +148,15 @@ fn finish(
     name: String,
     choice: &Choice,
 ) -> Result<Decoded, Problem> {
+    if header.components != 1 {
+        return Err(Problem::Unsupported {
+            format: NAME,
+            found: format!("a volume of {} colours a voxel", header.components),
+            expected: "one value a voxel; `render`, `compare` and `pyramid` take colours",
+        });
+    }
     let orientation = orientation(header)?;
-    let layout = Layout {
-        dims: header.dims,
-        components: 1,
-        value_type: header.value_type,
-        endian: header.endian,
-        encoding: if packed { Encoding::Gzip } else { Encoding::Raw },
-        line_skip: 0,
-        byte_skip: ByteSkip::Bytes(header.data_offset),
-        tail: Tail::LeftOut,
-    };
+    let layout = layout(header, packed);
     let mut notes = header.notes.clone();
     let values = read_values(&layout, source, source_len, &mut notes)?;
     let dims = header.dims.map(|d| d as usize);
@@ -146,6 +172,44 @@ fn finish(
     match orientation.directions {
         Some(directions) => decoded.in_patient(directions),
         None => Ok(decoded),
+    }
+}
+
+/// How the data lie in their file.
+fn layout(header: &Header, packed: bool) -> Layout {
+    Layout {
+        dims: header.dims,
+        components: header.components,
+        value_type: header.value_type,
+        endian: header.endian,
+        encoding: if packed { Encoding::Gzip } else { Encoding::Raw },
+        line_skip: 0,
+        byte_skip: ByteSkip::Bytes(header.data_offset),
+        tail: Tail::LeftOut,
+    }
+}
+
+/// Reads colours and joins them with the header, whose slope does not concern them.
+fn coloured(
+    header: &Header,
+    source: &mut impl BufRead,
+    source_len: u64,
+    packed: bool,
+    name: String,
+) -> Result<Colours, Problem> {
+    let orientation = orientation(header)?;
+    let mut notes = header.notes.clone();
+    let values = read_values(&layout(header, packed), source, source_len, &mut notes)?;
+    notes.extend(orientation.notes);
+    let dims = header.dims.map(|d| d as usize);
+    let components = header.components as usize;
+    let colours = Colours::new(name, dims, orientation.spacing, components, values)?.with(HashMap::new(), notes);
+    match orientation.directions {
+        Some(directions) => {
+            let turn = Turn::upright(directions)?;
+            colours.turned(turn, Orientation::patient(&turn), "the patient's axes")
+        }
+        None => Ok(colours),
     }
 }
 
