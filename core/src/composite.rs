@@ -22,6 +22,7 @@ mod telescoping;
 #[cfg(test)]
 mod tests;
 mod truncating;
+mod weighted;
 
 use core::fmt::Debug;
 
@@ -30,6 +31,8 @@ pub(crate) use self::rows::fold_at;
 pub use self::rows::{Colours, PixelRow, fold_row, fold_visible_row};
 pub use self::telescoping::Telescoping31;
 pub use self::truncating::Truncating15;
+pub use self::weighted::Weighted;
+pub(crate) use self::weighted::fold_weighted_row;
 use crate::format::Opacity;
 use crate::lanes::Lanes;
 use crate::rows::three;

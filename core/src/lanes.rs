@@ -13,7 +13,7 @@ mod small;
 use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 pub use self::small::Small;
-use crate::table::{Coding, Neighboured};
+use crate::table::Coding;
 
 /// The lane that is fastest on this machine without vectors: what a stream folds with.
 #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
@@ -109,7 +109,9 @@ pub trait Lanes:
     }
     /// The table's values at the codes of the samples `at ..` of a row, and the next ones; samples of 0 behind its end. From
     /// the row in memory, because taking a vector apart costs a host more than loading its parts.
-    fn look_up(values: &Neighboured, samples: &[i32], at: usize, coding: Coding) -> [Self; 2];
+    /// Of a table of another length than [`Neighboured`] so many low bits of a code count as it takes; `N` is one more than a power
+    /// of two.
+    fn look_up<const N: usize>(values: &[u32; N], samples: &[i32], at: usize, coding: Coding) -> [Self; 2];
 
     /// Lanes 1 .. of this and the first of `next`: each lane's right neighbour.
     fn followed_by(self, next: Self) -> Self;

@@ -83,6 +83,7 @@ pub mod cut;
 pub mod display;
 mod error;
 pub mod exp2;
+pub mod extinction;
 pub mod format;
 pub mod gradient;
 pub mod integral;

@@ -2,7 +2,8 @@
 //!
 //! It keeps nothing between calls and reads the voxels by reference. A host runs it on a volume in memory, tile by tile, on
 //! all its cores; the stream layer runs it on its ring. A pipeline is a type: precision, classifier, shader and order of
-//! compositing ([`Composite`]), an extreme of the samples ([`Project`]), or the first surface ([`Depth`]). Only the combinations you name are compiled.
+//! compositing ([`Composite`]), an extreme of the samples ([`Project`]), the first surface ([`Depth`]), or alpha compositing of
+//! colours and extinctions ([`Rgba`]). Only the combinations you name are compiled.
 //!
 //! Work that cannot change the image is skipped, and skipping never changes a bit. A row is skipped when all its voxels are
 //! transparent or all its rays have terminated; colours, gradients and shading are made for spans of visible samples. A
@@ -29,6 +30,7 @@ mod kernels;
 pub(crate) mod parts;
 mod probe;
 mod project;
+mod rgba;
 mod scratch;
 mod slabs;
 mod source;
@@ -39,6 +41,7 @@ pub use self::composite::Composite;
 pub use self::depth::{Depth, NO_DEPTH};
 pub use self::kept::Kept;
 pub use self::project::Project;
+pub use self::rgba::Rgba;
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;
 use crate::composite::{ChannelFormat, Pixel, Recurrence};
@@ -47,7 +50,7 @@ use crate::locate::{self, Plane, cell};
 use crate::plan::{Phase, Plan};
 use crate::precision::Precision;
 use crate::seen::Seen;
-use crate::slice::Window;
+use crate::slice::{Code12, Voxel, Window};
 use crate::tap::Tap;
 
 /// The channel format of a precision.
@@ -57,6 +60,8 @@ pub type ChannelOf<P> = <<P as Precision>::Pixel as Recurrence>::Channel;
 pub trait Pipeline: Sync {
     /// Its number formats.
     type Precision: Precision;
+    /// What its slices are made of.
+    type Voxel: Voxel;
     /// What a base-plane image is made of. A row of the image is `CHANNELS` runs of `width` elements.
     type Element: Copy + Debug + Default + Send + Sync + 'static;
     /// Runs in a row of the image.
@@ -86,7 +91,7 @@ pub trait Pipeline: Sync {
     /// named; no row is changed then.
     fn fold<V: Lanes>(
         &self,
-        at: &At<'_>,
+        at: &At<'_, Self::Voxel>,
         rows: Rows<'_, Self::Element>,
         scratch: &mut [i32],
         kept: Option<&mut Kept<'_>>,
@@ -109,6 +114,7 @@ impl<L: Pipeline<Precision: Precision<Pixel: Recurrence<Channel: ChannelFormat>>
 
 impl<L: Pipeline> Pipeline for &L {
     type Precision = L::Precision;
+    type Voxel = L::Voxel;
     type Element = L::Element;
     const CHANNELS: usize = L::CHANNELS;
     const SLICES: usize = L::SLICES;
@@ -131,7 +137,7 @@ impl<L: Pipeline> Pipeline for &L {
     #[inline(always)]
     fn fold<V: Lanes>(
         &self,
-        at: &At<'_>,
+        at: &At<'_, Self::Voxel>,
         rows: Rows<'_, Self::Element>,
         scratch: &mut [i32],
         kept: Option<&mut Kept<'_>>,
@@ -162,13 +168,13 @@ pub const fn blocks_scratch_len<L: Pipeline>(width: u32) -> usize {
 
 /// A sample plane and what is around it.
 #[derive(Clone, Copy, Debug)]
-pub struct At<'a> {
+pub struct At<'a, X = Code12> {
     /// The plan.
     pub plan: &'a Plan,
     /// The plane ([`plane`]).
     pub plane: Plane,
     /// The slices from [`near_slice`] on.
-    pub window: Window<'a>,
+    pub window: Window<'a, X>,
     /// The blocks that can be seen; `None`: rows are made as a whole. The same bits, if they are all that the pipeline's
     /// [`support`](Pipeline::support) meets; slower where they are many. A tap sees whole rows.
     pub seen: Option<Seen<'a>>,

@@ -4,10 +4,67 @@
 //! `width` voxels, every voxel is at most 4095, and every row's range is known (rows that classify to nothing are
 //! never read again).
 
+use core::fmt::Debug;
+use core::marker::PhantomData;
 use core::ops::Range;
 
 use crate::format::VOXEL_MAX;
 use crate::lanes::{Lanes, Native};
+
+/// What a slice is made of.
+pub trait Voxel: Copy + Debug + Send + Sync + 'static {
+    /// Words of 16 bits that a voxel has.
+    const WORDS: usize;
+    /// A slice as a stream is given it, row after row.
+    type Given<'g>: Copy;
+
+    /// A slice given as the words that a ring keeps.
+    fn given(words: &[u16]) -> Self::Given<'_>;
+
+    /// Checks a slice of some width and height, and keeps its words and the range of each row.
+    ///
+    /// # Errors
+    /// [`SliceError`]; what is kept may then be anything.
+    fn keep(
+        given: Self::Given<'_>,
+        size: [usize; 2],
+        words: &mut [u16],
+        ranges: &mut [RowRange],
+    ) -> Result<(), SliceError>;
+}
+
+/// A value of 12 bits, which a transfer function classifies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Code12;
+
+impl Voxel for Code12 {
+    const WORDS: usize = 1;
+    type Given<'g> = &'g [u16];
+
+    #[inline(always)]
+    fn given(words: &[u16]) -> &[u16] {
+        words
+    }
+
+    #[inline(always)]
+    fn keep(
+        given: &[u16],
+        [width, height]: [usize; 2],
+        words: &mut [u16],
+        ranges: &mut [RowRange],
+    ) -> Result<(), SliceError> {
+        let needed = width * height;
+        if given.len() != needed {
+            let given = given.len();
+            return Err(SliceError::Voxels { needed, given });
+        }
+        Slice::measure(given, width, height, width, ranges)?;
+        if words.len() == needed {
+            words.copy_from_slice(given);
+        }
+        Ok(())
+    }
+}
 
 /// Smallest and largest voxel of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,13 +107,14 @@ impl RowRange {
     }
 }
 
-/// A slice of voxels, 12.0.
+/// A slice of voxels: 12.0, or another kind of them.
 #[derive(Clone, Copy, Debug)]
-pub struct Slice<'a> {
+pub struct Slice<'a, X = Code12> {
     voxels: &'a [u16],
     ranges: &'a [RowRange],
     width: usize,
     row_stride: usize,
+    voxel: PhantomData<X>,
 }
 
 /// Why memory is not a slice.
@@ -93,6 +151,15 @@ pub enum SliceError {
         /// Its value.
         value: u16,
     },
+    /// A voxel of colour and extinction has a code of more than 15 bits, or a colour above its extinction.
+    Colour {
+        /// Row of the first such voxel.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// Its extinction, and red, green and blue times extinction.
+        codes: [u16; 4],
+    },
 }
 
 impl core::fmt::Display for SliceError {
@@ -105,6 +172,14 @@ impl core::fmt::Display for SliceError {
             Self::Ranges { needed, given } => write!(f, "the slice needs {needed} row ranges, {given} given"),
             Self::Voxel { row, column, value } => {
                 write!(f, "voxel {value} at row {row}, column {column} is above {VOXEL_MAX}")
+            }
+            Self::Colour { row, column, codes } => {
+                let [extinction, colours @ ..] = codes;
+                write!(
+                    f,
+                    "voxel at row {row}, column {column} has the extinction {extinction} and colours {colours:?}; accepted: \
+                     an extinction of at most 32767, and colours of at most the extinction"
+                )
             }
         }
     }
@@ -164,17 +239,41 @@ impl<'a> Slice<'a> {
             ranges,
             width,
             row_stride,
+            voxel: PhantomData,
         })
     }
+}
 
+impl<'a, X: Voxel> Slice<'a, X> {
     /// A slice that has been measured before and copied, whole, to memory of its own.
     pub(crate) fn measured(voxels: &'a [u16], ranges: &'a [RowRange], width: usize) -> Self {
         Self {
             voxels,
             ranges,
             width,
-            row_stride: width,
+            row_stride: X::WORDS * width,
+            voxel: PhantomData,
         }
+    }
+
+    /// One of the runs that a whole row consists of, as a slice of single words; they need not be of 12 bits.
+    pub(crate) fn run(self, number: usize) -> Slice<'a> {
+        // No division: the words of a voxel are a power of two.
+        let start = number * (self.row_stride >> X::WORDS.ilog2());
+        Slice {
+            voxels: self.voxels.get(start..).unwrap_or(&[]),
+            ranges: self.ranges,
+            width: self.width,
+            row_stride: self.row_stride,
+            voxel: PhantomData,
+        }
+    }
+
+    /// The words of a whole row.
+    #[inline]
+    pub fn words(&self, row: usize) -> &'a [u16] {
+        let start = row * self.row_stride;
+        self.voxels.get(start..start + X::WORDS * self.width).unwrap_or(&[])
     }
 
     /// Some of its columns: few, whose ranges are found when they are asked for.
@@ -197,7 +296,7 @@ impl<'a> Slice<'a> {
         self.ranges.len()
     }
 
-    /// A row of voxels; empty where there is none.
+    /// A row of voxels, or the first word of each; empty where there is none.
     #[inline]
     pub fn row(&self, row: usize) -> &'a [u16] {
         let start = row * self.row_stride;
@@ -221,20 +320,20 @@ impl<'a> Slice<'a> {
 /// The slices around a sample plane. `near` and `far` enclose it; `before` and `after` are their outer neighbours,
 /// which only gradients read. At a face of the volume the neighbour is absent; `far` is absent behind the last slice.
 #[derive(Clone, Copy, Debug)]
-pub struct Window<'a> {
+pub struct Window<'a, X = Code12> {
     /// Slice z - 1.
-    pub before: Option<Slice<'a>>,
+    pub before: Option<Slice<'a, X>>,
     /// Slice z.
-    pub near: Slice<'a>,
+    pub near: Slice<'a, X>,
     /// Slice z + 1.
-    pub far: Option<Slice<'a>>,
+    pub far: Option<Slice<'a, X>>,
     /// Slice z + 2.
-    pub after: Option<Slice<'a>>,
+    pub after: Option<Slice<'a, X>>,
 }
 
-impl<'a> Window<'a> {
+impl<'a, X: Voxel> Window<'a, X> {
     /// The window at slice `z` of slices that can be had by number.
-    pub fn at(z: i32, slice: impl Fn(i32) -> Option<Slice<'a>>) -> Option<Self> {
+    pub fn at(z: i32, slice: impl Fn(i32) -> Option<Slice<'a, X>>) -> Option<Self> {
         Some(Self {
             before: slice(z - 1),
             near: slice(z)?,
@@ -245,8 +344,19 @@ impl<'a> Window<'a> {
 
     /// Some columns of all slices.
     pub(crate) fn columns(self, columns: Range<usize>) -> Self {
-        let of = |slice: Slice<'a>| slice.columns(columns.clone());
+        let of = |slice: Slice<'a, X>| slice.columns(columns.clone());
         Self {
+            before: self.before.map(of),
+            near: of(self.near),
+            far: self.far.map(of),
+            after: self.after.map(of),
+        }
+    }
+
+    /// One of the runs of all slices' rows ([`Slice::run`]).
+    pub(crate) fn run(self, number: usize) -> Window<'a> {
+        let of = |slice: Slice<'a, X>| slice.run(number);
+        Window {
             before: self.before.map(of),
             near: of(self.near),
             far: self.far.map(of),
@@ -256,7 +366,7 @@ impl<'a> Window<'a> {
 
     /// The slice behind the plane, or the one before it where there is none (its weight is then zero).
     #[inline]
-    pub fn far_or_near(&self) -> Slice<'a> {
+    pub fn far_or_near(&self) -> Slice<'a, X> {
         self.far.unwrap_or(self.near)
     }
 }

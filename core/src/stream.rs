@@ -20,14 +20,14 @@ use crate::plan::Plan;
 use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, near_slice, plane, planes, scratch_len};
 use crate::precision::Precision as _;
 use crate::rows::three;
-use crate::slice::{RowRange, Slice, SliceError, Window};
+use crate::slice::{RowRange, Slice, SliceError, Voxel, Window};
 use crate::tap::Tap;
 
 /// Memory that a stream needs, in elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Needs {
-    /// Voxels of the ring, 2 bytes each.
+    /// Words of the ring, 2 bytes each: one a voxel, or more ([`Voxel::WORDS`]).
     pub slices: usize,
     /// Row ranges of the ring, 4 bytes each.
     pub ranges: usize,
@@ -51,7 +51,7 @@ impl Needs {
     pub const fn of_band<L: Pipeline>(plan: &Plan, rows: u32) -> Self {
         let [width, height, _] = plan.dims();
         Self {
-            slices: L::SLICES * width as usize * height as usize,
+            slices: L::SLICES * L::Voxel::WORDS * width as usize * height as usize,
             ranges: L::SLICES * height as usize,
             scratch: scratch_len::<L>(width),
             image: rows_len::<L>(plan, rows).saturating_mul(plan.phases() as usize),
@@ -69,6 +69,9 @@ impl Needs {
         ]
     }
 }
+
+/// A slice as a pipeline's stream is given it.
+pub type Given<'g, L> = <<L as Pipeline>::Voxel as Voxel>::Given<'g>;
 
 /// Elements of one phase of the base-plane image.
 pub const fn phase_len<L: Pipeline>(plan: &Plan) -> usize {
@@ -131,7 +134,7 @@ pub enum StreamError {
         /// Rows of the image.
         rows: u32,
     },
-    /// A slice has the wrong size or a voxel of more than 12 bits; it has not been taken.
+    /// A slice has the wrong size or a voxel that is none; it has not been taken.
     Slice(SliceError),
     /// All slices have been pushed.
     Complete,
@@ -254,39 +257,33 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// # Errors
     /// [`StreamError::Slice`] if the slice is not of the plan's size or holds a voxel above 4095: the slice is then not
     /// taken, and the stream can go on with a good one. [`StreamError::Complete`] after the last slice.
-    pub fn push(&mut self, voxels: &[u16]) -> Result<(), StreamError> {
-        self.take(voxels, None)
+    pub fn push(&mut self, slice: Given<'_, L>) -> Result<(), StreamError> {
+        self.take(slice, None)
     }
 
     /// [`Stream::push`] under an observer.
     ///
     /// # Errors
     /// As [`Stream::push`].
-    pub fn push_tapped(&mut self, voxels: &[u16], tap: &mut dyn Tap) -> Result<(), StreamError> {
-        self.take(voxels, Some(tap))
+    pub fn push_tapped(&mut self, slice: Given<'_, L>, tap: &mut dyn Tap) -> Result<(), StreamError> {
+        self.take(slice, Some(tap))
     }
 
     #[inline(always)]
-    fn take(&mut self, voxels: &[u16], tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
+    fn take(&mut self, slice: Given<'_, L>, tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
         let number = self.wanted().ok_or(StreamError::Complete)?;
         let [width, height, _] = three(self.plan.dims(), |side| side as usize);
-        let len = width * height;
-        if voxels.len() != len {
-            return Err(StreamError::Slice(SliceError::Voxels {
-                needed: len,
-                given: voxels.len(),
-            }));
-        }
+        let len = L::Voxel::WORDS * width * height;
         let slot = (number as usize).checked_rem(L::SLICES).unwrap_or(0);
         let ranges = self.memory.ranges.get_mut(slot * height..(slot + 1) * height);
-        // Where a slice is refused its slot is left with wrong ranges, but the next good one overwrites them.
-        Slice::measure(voxels, width, height, width, ranges.unwrap_or(&mut []))?;
         let kept = self.memory.slices.get_mut(slot * len..(slot + 1) * len);
-        if let Some(kept) = kept
-            && kept.len() == len
-        {
-            kept.copy_from_slice(voxels);
-        }
+        // Where a slice is refused its slot is left with wrong ranges, but the next good one overwrites them.
+        L::Voxel::keep(
+            slice,
+            [width, height],
+            kept.unwrap_or(&mut []),
+            ranges.unwrap_or(&mut []),
+        )?;
         self.pushed += 1;
         self.fold_ready(tap)
     }
@@ -295,7 +292,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     #[inline(always)]
     fn fold_ready(&mut self, mut tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
         let [width, height, depth] = self.plan.dims();
-        let (slice_len, rows) = (width as usize * height as usize, height as usize);
+        let (slice_len, rows) = (L::Voxel::WORDS * width as usize * height as usize, height as usize);
         let phase_len = rows_len::<L>(&self.plan, self.rows).max(1);
         let planes = planes::<L>(&self.plan);
         // How far a plane looks beyond its two slices.
@@ -322,7 +319,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                 scratch,
                 image,
             } = &mut self.memory;
-            let slice = |z: i32| -> Option<Slice<'_>> {
+            let slice = |z: i32| -> Option<Slice<'_, L::Voxel>> {
                 let z = usize::try_from(z).ok().filter(|z| *z < depth as usize)?;
                 let slot = z.checked_rem(L::SLICES)?;
                 Some(Slice::measured(

@@ -22,7 +22,7 @@ use slicecast::plane::{
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::seen::{Grain, Seen};
 use slicecast::shade::{Highlight, Light, Phong, Shader, Unlit};
-use slicecast::slice::{RowRange, Slice, Window};
+use slicecast::slice::{Code12, RowRange, Slice, Window};
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::surface::{Face, Surface, VALUE_MAX};
 use slicecast::view::View;
@@ -211,7 +211,7 @@ enum Way {
 }
 
 /// The image by the plane layer, in tiles of some rows.
-fn by_planes<L: Pipeline, V: Lanes>(
+fn by_planes<L: Pipeline<Voxel = Code12>, V: Lanes>(
     pipeline: &L,
     plan: &Plan,
     slices: &[Slice<'_>],
@@ -258,7 +258,7 @@ fn by_planes<L: Pipeline, V: Lanes>(
     image
 }
 
-fn by_stream<L: Pipeline>(pipeline: L, plan: &Plan, volume: &Volume) -> Vec<L::Element> {
+fn by_stream<L: Pipeline<Voxel = Code12>>(pipeline: L, plan: &Plan, volume: &Volume) -> Vec<L::Element> {
     let needs = Needs::of::<L>(plan);
     let (mut slices, mut ranges) = (vec![0xffff; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
     let (mut scratch, mut image) = (vec![-1; needs.scratch], vec![L::Element::default(); needs.image]);

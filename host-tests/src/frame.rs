@@ -134,6 +134,7 @@ impl Frame {
             early_termination: self.early_termination,
             classification: slicecast_scene::Classification::Point,
             pieces: 1,
+            colours: None,
             surfaces: Vec::new(),
         }
     }
@@ -250,7 +251,7 @@ impl Frame {
 }
 
 /// A picture of 48 x 40 pixels that turns and shrinks the base plane a little, so that the warp has work to do.
-fn picture(plan: &Plan) -> Picture {
+pub(crate) fn picture(plan: &Plan) -> Picture {
     let rays = i64::from(plan.sampling().rays_per_voxel);
     let [w, h] = plan.base().map(|side| (i64::from(side) * rays) << 32);
     let step = Step::from_bits;

@@ -17,6 +17,7 @@
 //! are about what the pipeline makes of its inputs, and those must not move.
 
 pub mod checksum;
+pub mod colours;
 pub mod exhaustive;
 pub mod found;
 pub mod frame;

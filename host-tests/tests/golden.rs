@@ -22,8 +22,10 @@ use slicecast::borders::Borders;
 use slicecast::format::{Coefficient, Vector};
 use slicecast::shade::{Highlight, Light};
 use slicecast_engine::camera::Material;
+use slicecast_engine::frame::Layer;
 use slicecast_firmware_shared::scene::SURFACES;
-use slicecast_host_tests::checksum::of_frame;
+use slicecast_host_tests::checksum::{fnv, of_frame, of_image};
+use slicecast_host_tests::colours::{ColourFrame, colour_volume};
 use slicecast_host_tests::frame::{Frame, Stated, fine_table_of, table_of};
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
@@ -364,8 +366,64 @@ fn frames() -> Vec<(&'static str, Frame)> {
     ]
 }
 
+/// The named frames of colour and extinction.
+fn colour_frames() -> Vec<(&'static str, ColourFrame)> {
+    let ball = ColourFrame {
+        direction: [300, -200, 1000],
+        ..ColourFrame::new(colour_volume([40, 37, 41], Filling::Ball, 77, Some(5)))
+    };
+    let noise = ColourFrame::new(colour_volume([31, 33, 29], Filling::Sparse, 77, Some(6)));
+    vec![
+        ("colours-ball", ball.clone()),
+        (
+            "colours-ball-cells",
+            ColourFrame {
+                borders: Borders::Cells,
+                planes_per_voxel: 2,
+                early_termination: Some(8),
+                ..ball
+            },
+        ),
+        (
+            "colours-noise-tie",
+            ColourFrame {
+                direction: [-1, 1, -1],
+                rays_per_voxel: 2,
+                ..noise.clone()
+            },
+        ),
+        (
+            "colours-thin",
+            ColourFrame {
+                direction: [1000, 20, -310],
+                medium: [1_400_000_000, 24],
+                ..noise
+            },
+        ),
+    ]
+}
+
+/// The image and the picture of every frame of colour and extinction.
+fn measured_colours(lines: &mut BTreeMap<String, u64>) {
+    for (name, frame) in colour_frames() {
+        for precision in [PrecisionName::Compact, PrecisionName::Wide] {
+            let frame = ColourFrame {
+                precision,
+                ..frame.clone()
+            };
+            let made = frame.with_prepared(|prepared| prepared.render(Layer::Tiles(16), &|_, _| ()).unwrap());
+            let picture = fnv(made.picture.bytes.iter().copied());
+            for (boundary, checksum) in [("image", of_image(&made.base)), ("picture", picture)] {
+                let line = format!("{name}/{}/{boundary}", precision.name());
+                assert_eq!(lines.insert(line.clone(), checksum), None, "two frames called {line}");
+            }
+        }
+    }
+}
+
 fn measured() -> BTreeMap<String, u64> {
     let mut lines = BTreeMap::new();
+    measured_colours(&mut lines);
     for (name, frame) in frames() {
         for precision in PrecisionName::ALL {
             for (boundary, checksum) in of_frame(&frame.in_precision(precision)) {
@@ -436,7 +494,7 @@ fn every_checksum_is_the_manifests() {
 fn checksums_tell_frames_apart() {
     let listed = read(&std::fs::read_to_string(manifest_path()).unwrap());
     let images: Vec<_> = listed.iter().filter(|(name, _)| name.ends_with("/image")).collect();
-    assert_eq!(images.len(), 3 * frames().len());
+    assert_eq!(images.len(), 3 * frames().len() + 2 * colour_frames().len());
     for (n, (name, checksum)) in images.iter().enumerate() {
         for (other, same) in &images[n + 1..] {
             assert_ne!(checksum, same, "{name} and {other}");

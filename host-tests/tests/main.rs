@@ -2,6 +2,7 @@
 
 mod c_segments;
 mod c_stages;
+mod colours;
 mod contract;
 mod exhaustive;
 mod exported;

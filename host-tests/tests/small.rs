@@ -11,7 +11,7 @@ use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, near_slice
 use slicecast::precision::Precision;
 use slicecast::project::{Maximum, Minimum};
 use slicecast::shade::{Shader, Unlit};
-use slicecast::slice::{Slice, Window};
+use slicecast::slice::{Code12, Slice, Window};
 use slicecast::stream::{Needs, base_pixel, phase_len};
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::with_precision;
@@ -24,7 +24,7 @@ use super::frames::frame;
 type Bits = Vec<[u32; 4]>;
 
 /// Folds all planes with [`Small`] lanes.
-fn folded<L: Pipeline>(plan: &Plan, slices: &[Slice<'_>], pipeline: &L) -> Bits {
+fn folded<L: Pipeline<Voxel = Code12>>(plan: &Plan, slices: &[Slice<'_>], pipeline: &L) -> Bits {
     let mut image = vec![L::Element::default(); Needs::of::<L>(plan).image];
     clear(pipeline, plan, &mut image);
     let mut scratch = vec![0; scratch_len::<L>(plan.dims()[0])];

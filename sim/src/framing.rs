@@ -4,11 +4,10 @@
 //! sharp if its pixels are not smaller than the rays are apart. Planes follow the pixels, too, down to a quarter of the
 //! shortest side of a voxel: the eye sees steps along the ray less than steps across it.
 
-use slicecast_engine::camera::{PICTURE_SIDE_MAX, extent, fitting_pixel, plan, size_at, view};
+use slicecast_engine::camera::{PICTURE_SIDE_MAX, Shape, extent, fitting_pixel, plan, size_at, view};
 use slicecast_engine::error::RenderError;
 use slicecast_scene::check::{PLANES_PER_VOXEL, RAYS_PER_VOXEL};
 use slicecast_scene::{Sampling, Scene};
-use slicecast_volume::Volume;
 
 /// Pixels along the longer side of a picture of no stated size, at least.
 pub const LONGER_SIDE_MIN: u32 = 512;
@@ -46,7 +45,8 @@ impl Framing {
     ///
     /// # Errors
     /// [`RenderError::Camera`] if a view or the volume's shape is not one that the pipeline takes.
-    pub fn of(scenes: &[Scene], volume: &Volume, stated: Stated) -> Result<Self, RenderError> {
+    pub fn of(scenes: &[Scene], volume: impl Into<Shape>, stated: Stated) -> Result<Self, RenderError> {
+        let volume = volume.into();
         let reach = scenes.iter().fold([0.0; 2], |[across, high]: [f64; 2], scene| {
             let [a, h] = extent(scene, volume.dims, volume.spacing);
             [across.max(a), high.max(h)]
@@ -80,7 +80,8 @@ impl Framing {
 
     /// The scene in this frame.
     #[must_use]
-    pub fn scene(&self, scene: &Scene, volume: &Volume) -> Scene {
+    pub fn scene(&self, scene: &Scene, volume: impl Into<Shape>) -> Scene {
+        let volume = volume.into();
         let mut framed = scene.clone();
         // A view that reaches less far is not magnified until it fills the picture.
         let own = fitting_pixel(extent(scene, volume.dims, volume.spacing), self.size);
@@ -91,7 +92,7 @@ impl Framing {
     }
 
     /// A pixel for every ray of the scene's own sampling, and not too small a picture.
-    fn roomy(&self, volume: &Volume) -> [u32; 2] {
+    fn roomy(&self, volume: Shape) -> [u32; 2] {
         let [across, high] = self.reach;
         let finest = shortest(volume) / f64::from(self.sampling.rays_per_voxel);
         let coarsest = across.max(high) / f64::from(LONGER_SIDE_MIN - 1);
@@ -103,7 +104,7 @@ impl Framing {
     }
 
     /// The sampling at which a view is sharp.
-    fn sharp(&self, scene: &Scene, volume: &Volume) -> Result<Sampling, RenderError> {
+    fn sharp(&self, scene: &Scene, volume: Shape) -> Result<Sampling, RenderError> {
         let pixel = fitting_pixel(self.reach, self.size) / scene.image.zoom;
         let [i, j, k] = view(scene, volume.spacing)?.arrange(volume.spacing);
         let within = |wanted: f64, range: std::ops::RangeInclusive<i64>| {
@@ -118,7 +119,7 @@ impl Framing {
     }
 
     /// The most samples that any of the views takes.
-    fn samples(&self, scenes: &[Scene], volume: &Volume) -> Result<u64, RenderError> {
+    fn samples(&self, scenes: &[Scene], volume: Shape) -> Result<u64, RenderError> {
         scenes.iter().try_fold(0, |most, scene| {
             let plan = plan(&self.scene(scene, volume), volume.dims, volume.spacing)?;
             let [width, height] = plan.base().map(u64::from);
@@ -128,7 +129,7 @@ impl Framing {
 }
 
 /// The shortest side of a voxel.
-fn shortest(volume: &Volume) -> f64 {
+fn shortest(volume: Shape) -> f64 {
     volume.spacing.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
@@ -137,7 +138,7 @@ mod tests {
     use super::*;
     use slicecast_engine::camera::set_up;
     use slicecast_scene::file::{DEFAULT, built_in};
-    use slicecast_volume::Mapping;
+    use slicecast_volume::{Mapping, Volume};
 
     fn volume(dims: [usize; 3], spacing: [f64; 3]) -> Volume {
         Volume {
@@ -237,6 +238,6 @@ mod tests {
             ..Stated::default()
         };
         let framing = Framing::of(&[scene()], &volume, stated).unwrap();
-        assert!(framing.samples(&[scene()], &volume).unwrap() <= SAMPLES_MAX);
+        assert!(framing.samples(&[scene()], (&volume).into()).unwrap() <= SAMPLES_MAX);
     }
 }

@@ -124,6 +124,7 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Sce
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
         pieces: 1,
+        colours: None,
         surfaces: Vec::new(),
     };
     scene.check().map_err(|error| SceneError {

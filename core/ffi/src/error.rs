@@ -248,6 +248,16 @@ impl From<StreamError> for SlicecastError {
                 | SliceError::Stride { needed, given }
                 | SliceError::Ranges { needed, given },
             ) => Self::length(3, needed, given),
+            // No pipeline of this interface has such voxels.
+            StreamError::Slice(SliceError::Colour {
+                row,
+                column,
+                codes: [extinction, ..],
+            }) => Self {
+                row: row as u32,
+                column: column as u32,
+                ..Self::numbers(SLICECAST_VOXEL, 32767, extinction.into())
+            },
         }
     }
 }

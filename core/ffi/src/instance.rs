@@ -12,7 +12,7 @@ use slicecast::plan::Plan;
 use slicecast::plane::{Composite, Depth, Pictured, Pipeline};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Phong, Shader, Unlit};
-use slicecast::slice::RowRange;
+use slicecast::slice::{RowRange, Voxel as _};
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::surface::Surface;
 use slicecast::warp::in_front_of;
@@ -156,7 +156,7 @@ unsafe fn wanted<L: Instance>(header: *const Header) -> Option<u32> {
 unsafe fn push<L: Instance>(header: *mut Header, voxels: &[u16]) -> Result<(), SlicecastError> {
     // SAFETY: the caller's promise.
     let held = unsafe { &mut *header.cast::<Held<L>>() };
-    Ok(held.stream.push(voxels)?)
+    Ok(held.stream.push(L::Voxel::given(voxels))?)
 }
 
 /// # Safety

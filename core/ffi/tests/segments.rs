@@ -13,7 +13,7 @@ use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::plane::{Composite, Depth, NO_DEPTH, Pipeline};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::shade::{Highlight, Light, Phong, Shader, Unlit};
-use slicecast::slice::RowRange;
+use slicecast::slice::{Code12, RowRange};
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::surface::{Face, Surface, VALUE_MAX};
 use slicecast::view::View;
@@ -200,7 +200,7 @@ where
 }
 
 /// The image of a pipeline.
-fn streamed<L: Pipeline>(pipeline: L, plan: Plan, voxels: &[u16]) -> Vec<L::Element> {
+fn streamed<L: Pipeline<Voxel = Code12>>(pipeline: L, plan: Plan, voxels: &[u16]) -> Vec<L::Element> {
     let needs = Needs::of::<L>(&plan);
     let (mut slices, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
     let (mut scratch, mut image) = (vec![0; needs.scratch], vec![L::Element::default(); needs.image]);

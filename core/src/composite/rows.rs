@@ -32,7 +32,7 @@ impl<'a, C> PixelRow<'a, C> {
 
     /// The bits of the pixels at `at ..`.
     #[inline(always)]
-    fn lanes<V: Lanes>(&self, at: usize) -> Pixel<V>
+    pub(super) fn lanes<V: Lanes>(&self, at: usize) -> Pixel<V>
     where
         C: Channel,
     {
@@ -49,7 +49,7 @@ impl<'a, C> PixelRow<'a, C> {
 
     /// Writes them.
     #[inline(always)]
-    fn set_lanes<V: Lanes>(&mut self, at: usize, pixel: Pixel<V>)
+    pub(super) fn set_lanes<V: Lanes>(&mut self, at: usize, pixel: Pixel<V>)
     where
         C: Channel,
     {

@@ -3,7 +3,7 @@
 use super::{Lanes, Wide};
 use crate::reciprocal::reciprocal;
 use crate::root::reciprocal_root;
-use crate::table::{Coding, ENTRIES, Neighboured};
+use crate::table::Coding;
 
 impl Lanes for i32 {
     type Wide = i64;
@@ -38,9 +38,10 @@ impl Lanes for i32 {
         }
     }
     #[inline(always)]
-    fn look_up(values: &Neighboured, samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
+    fn look_up<const N: usize>(values: &[u32; N], samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
+        const { assert!((N - 1).is_power_of_two()) };
         let sample = Self::load(samples, at).wrapping_add(coding.offset);
-        let code = (sample as u32 >> coding.bits) as usize % ENTRIES;
+        let code = (sample as u32 >> coding.bits) as usize & (N - 2);
         let at = |code: usize| values.get(code).map_or(0, |value| *value as Self);
         [at(code), at(code + 1)]
     }

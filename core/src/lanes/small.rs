@@ -5,7 +5,7 @@ use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use super::{Lanes, Wide};
 use crate::reciprocal::reciprocal_small;
-use crate::table::{Coding, Neighboured};
+use crate::table::Coding;
 
 /// One lane of a small machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,7 +84,7 @@ impl Lanes for Small {
         self.0.store_as(row, at, element);
     }
     #[inline(always)]
-    fn look_up(values: &Neighboured, samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
+    fn look_up<const N: usize>(values: &[u32; N], samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
         i32::look_up(values, samples, at, coding).map(Self)
     }
     #[inline(always)]

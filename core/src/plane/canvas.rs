@@ -5,7 +5,11 @@ use core::ops::Range;
 
 use super::blocks::Places;
 use super::extent::Extent;
-use crate::composite::{Channel, Colours, Dither, Order, PixelRow, Recurrence, fold_at, fold_row, fold_visible_row};
+use crate::composite::{
+    Channel, Colours, Dither, FrontToBack, Order, PixelRow, Recurrence, Weighted, fold_at, fold_row, fold_visible_row,
+    fold_weighted_row,
+};
+use crate::extinction::Absorption;
 use crate::lanes::{Kernel, Lanes};
 use crate::rows::part;
 use crate::tap::Bits;
@@ -107,6 +111,28 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
         let start = (4 * row + 3) * self.width;
         let run = self.data.get(start..start + pixels.end).unwrap_or(&[]);
         V::load_as(run, pixels.start, Channel::bits)
+    }
+}
+
+impl<R: Weighted, V: Lanes> Image<'_, R, FrontToBack, V> {
+    /// Folds the samples of a row: extinction, and red, green and blue times extinction.
+    #[inline(always)]
+    pub(super) fn absorb(&mut self, row: u32, samples: [&[i32]; 4], absorption: Absorption) {
+        V::enter((Absorb, self, row, samples, absorption));
+    }
+}
+
+struct Absorb;
+
+impl<R: Weighted, V: Lanes> Kernel for (Absorb, &mut Image<'_, R, FrontToBack, V>, u32, [&[i32]; 4], Absorption) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, image, row, samples, absorption) = self;
+        let (recurrence, dither, floor) = (image.recurrence, image.dither, image.floor);
+        let mut pixels = image.pixels(image.start(row), image.columns.clone());
+        fold_weighted_row::<R, V>(recurrence, &mut pixels, samples, absorption, dither, floor);
     }
 }
 

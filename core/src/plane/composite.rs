@@ -21,7 +21,7 @@ use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
 use crate::shade::Shader;
-use crate::slice::Window;
+use crate::slice::{Code12, Window};
 use crate::tap::Tap;
 
 /// Alpha compositing of classified, perhaps shaded samples.
@@ -50,10 +50,38 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
     /// `255 * 2^-bits`), or at the precision's own floor if that is higher. Back to front no ray ends.
     #[must_use]
     pub fn with_early_termination(mut self, bits: u32) -> Self {
-        let pixel = self.precision.pixel();
-        let floor = pixel.one().bits().checked_shr(bits).unwrap_or(0);
-        self.floor = ChannelOf::<P>::from_bits(floor).max(pixel.floor());
+        self.floor = floor_of(self.precision, bits);
         self
+    }
+}
+
+/// `2^-bits`, or the precision's own floor of transparency if that is higher.
+pub(super) fn floor_of<P: Precision>(precision: P, bits: u32) -> ChannelOf<P> {
+    let pixel = precision.pixel();
+    let floor = pixel.one().bits().checked_shr(bits).unwrap_or(0);
+    ChannelOf::<P>::from_bits(floor).max(pixel.floor())
+}
+
+/// What an untouched run of a row holds: red, green, blue, transparency.
+pub(super) fn empty<P: Precision>(precision: P, channel: usize) -> ChannelOf<P> {
+    if channel == 3 {
+        precision.pixel().one()
+    } else {
+        ChannelOf::<P>::default()
+    }
+}
+
+/// The pixel in a column of a row of four runs.
+pub(super) fn pixel_of_runs<P: Precision>(precision: P, row: &[ChannelOf<P>], column: usize) -> Pixel<ChannelOf<P>> {
+    let width = row.len() >> 2;
+    let run = |channel: usize| {
+        let inside = column < width;
+        let element = row.get(channel * width + column).filter(|_| inside);
+        element.copied().unwrap_or(empty(precision, channel))
+    };
+    Pixel {
+        colour: [run(0), run(1), run(2)],
+        transparency: run(3),
     }
 }
 
@@ -226,6 +254,7 @@ where
     O: Order,
 {
     type Precision = P;
+    type Voxel = Code12;
     type Element = ChannelOf<P>;
     const CHANNELS: usize = 4;
     const SLICES: usize = if S::LIT { 4 } else { 2 };
@@ -247,11 +276,7 @@ where
     }
 
     fn empty(&self, channel: usize) -> ChannelOf<P> {
-        if channel == 3 {
-            self.precision.pixel().one()
-        } else {
-            ChannelOf::<P>::default()
-        }
+        empty(self.precision, channel)
     }
 
     #[inline(always)]
@@ -342,15 +367,6 @@ where
     }
 
     fn pixel(&self, row: &[ChannelOf<P>], column: usize) -> Pixel<ChannelOf<P>> {
-        let width = row.len() >> 2;
-        let run = |channel: usize| {
-            let inside = column < width;
-            let element = row.get(channel * width + column).filter(|_| inside);
-            element.copied().unwrap_or(self.empty(channel))
-        };
-        Pixel {
-            colour: [run(0), run(1), run(2)],
-            transparency: run(3),
-        }
+        pixel_of_runs(self.precision, row, column)
     }
 }

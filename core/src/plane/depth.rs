@@ -17,6 +17,7 @@ use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::part_mut;
 use crate::shade::Unlit;
+use crate::slice::Code12;
 use crate::surface::{Crossings, Surface, SurfaceError, check, position, ranks, threshold};
 use crate::tap::Tap;
 
@@ -73,6 +74,7 @@ impl<P: Precision, S: AsRef<[Surface]>> Depth<P, S> {
 
 impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
     type Precision = P;
+    type Voxel = Code12;
     type Element = u32;
     const CHANNELS: usize = 1;
     const SLICES: usize = 2;

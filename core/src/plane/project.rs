@@ -14,6 +14,7 @@ use crate::precision::Precision;
 use crate::project::{Extreme, keep_row, resolve};
 use crate::rows::part_mut;
 use crate::shade::Unlit;
+use crate::slice::Code12;
 use crate::stage::Stage;
 use crate::tap::{Beam, Tap};
 
@@ -38,6 +39,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Project<P, C, X> {
 
 impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
     type Precision = P;
+    type Voxel = Code12;
     type Element = i32;
     const CHANNELS: usize = 1;
     const SLICES: usize = 2;

@@ -13,6 +13,8 @@ pub(super) const BATCH_WIDTH: u32 = BATCH as u32 - 2;
 pub enum Rows {
     /// Samples only.
     Projection,
+    /// Samples of four channels.
+    Colours,
     /// Samples, opacities and colours.
     Unlit,
     /// Gradients and normals besides.
@@ -28,6 +30,7 @@ impl Rows {
     const fn count(self) -> usize {
         match self {
             Self::Projection => 3,
+            Self::Colours => 12,
             Self::Unlit => 7,
             Self::Lit => 16,
             Self::UnlitSlabs => 10,
@@ -141,26 +144,8 @@ impl<'s, W> Scratch<'s, W> {
     /// [`ScratchError`] with the length of [`Rows::len`].
     #[inline]
     pub(super) fn cut(memory: &'s mut [W], kind: Rows, width: u32, aligned: bool) -> Result<Self, ScratchError> {
-        let (needed, given) = (kind.len(width), memory.len());
-        if given < needed {
-            return Err(ScratchError { needed, given });
-        }
-        let len = width as usize + 2;
-        let (mut rest, mut stride) = (memory, len);
-        if aligned {
-            let wide = len.next_multiple_of(LINE);
-            let first = rest.as_ptr().align_offset(size_of::<W>() * LINE);
-            if given >= first.saturating_add(kind.count() * wide) {
-                (rest, stride) = (rest.get_mut(first..).unwrap_or(&mut []), wide);
-            }
-        }
-        let mut row = |wanted: bool| -> &'s mut [W] {
-            if wanted {
-                part_mut(take(&mut rest, stride), 0..len)
-            } else {
-                &mut []
-            }
-        };
+        let mut rest = Rest::of(memory, kind, width, aligned)?;
+        let mut row = |wanted: bool| -> &'s mut [W] { if wanted { rest.row() } else { &mut [] } };
         let (classified, lit, slabs) = (kind != Rows::Projection, kind.lit(), kind.slabs());
         let mut source = |wanted: bool| SourceRows {
             z: [row(wanted), row(wanted)],
@@ -179,6 +164,59 @@ impl<'s, W> Scratch<'s, W> {
                 r: row(lit),
             },
         })
+    }
+}
+
+impl<'s, W> Scratch<'s, W> {
+    /// Cuts memory into the rows of four channels, each of an unlit source.
+    ///
+    /// # Errors
+    /// As [`Scratch::cut`].
+    #[inline]
+    pub(super) fn cut_runs(
+        memory: &'s mut [W],
+        width: u32,
+        aligned: bool,
+    ) -> Result<[SourceRows<'s, W>; 4], ScratchError> {
+        let mut rest = Rest::of(memory, Rows::Colours, width, aligned)?;
+        Ok([(); 4].map(|()| SourceRows {
+            z: [rest.row(), rest.row()],
+            inner: &mut [],
+            samples: [rest.row(), &mut [], &mut []],
+            derivatives: [&mut [], &mut []],
+        }))
+    }
+}
+
+/// Memory from which rows are cut.
+struct Rest<'s, W> {
+    memory: &'s mut [W],
+    len: usize,
+    stride: usize,
+}
+
+impl<'s, W> Rest<'s, W> {
+    #[inline]
+    fn of(memory: &'s mut [W], kind: Rows, width: u32, aligned: bool) -> Result<Self, ScratchError> {
+        let (needed, given) = (kind.len(width), memory.len());
+        if given < needed {
+            return Err(ScratchError { needed, given });
+        }
+        let len = width as usize + 2;
+        let (mut memory, mut stride) = (memory, len);
+        if aligned {
+            let wide = len.next_multiple_of(LINE);
+            let first = memory.as_ptr().align_offset(size_of::<W>() * LINE);
+            if given >= first.saturating_add(kind.count() * wide) {
+                (memory, stride) = (memory.get_mut(first..).unwrap_or(&mut []), wide);
+            }
+        }
+        Ok(Self { memory, len, stride })
+    }
+
+    #[inline]
+    fn row(&mut self) -> &'s mut [W] {
+        part_mut(take(&mut self.memory, self.stride), 0..self.len)
     }
 }
 

@@ -3,6 +3,7 @@
 //! Started by `host-tests/run-firmware`. Nothing is skipped: what cannot be had is a failure that says what to install.
 
 mod c;
+mod colours;
 mod cost;
 mod exported;
 mod faults;
@@ -24,6 +25,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use slicecast_firmware_shared::angles;
 
+use crate::colours::Colours;
 use crate::footprint::Footprint;
 use crate::images::{Case, Report, Workshop, execute, first_difference, parse};
 use crate::machines::{BUILT_ONLY, MACHINES, Machine};
@@ -79,8 +81,10 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scenes = scenes::all()?;
     let references = references(&scenes)?;
     let segments = Segments::new(&scenes)?;
+    let colours = Colours::new(&scenes)?;
     let mut source = scenes::source(&scenes, |named, kind| references[&(named.name, kind)].0.image)?;
     source.push_str(&segments.source()?);
+    source.push_str(&colours.source());
     let workshop = Workshop {
         toolchain,
         scenes: directory.join("scenes.rs"),
@@ -118,7 +122,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     for machine in &machines {
         let renders_head = machine.name == exported::MACHINE;
-        let mut names = vec!["bits", "segments", "bands", "queue"];
+        let mut names = vec!["bits", "segments", "colours", "bands", "queue"];
         names.extend(renders_head.then_some("exported"));
         let programs = workshop.images(machine, "release", &names)?;
         failed += bits(&programs, machine, &references)?;
@@ -132,6 +136,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             machine.cpu,
         )?;
         failed += segments.check(&workshop, &programs, machine, &library)?;
+        failed += colours.check(&programs, machine)?;
         failed += proofs::prove(&workshop, machine, &library)?;
         failed += c::on_machine(&workshop, machine, &library)?;
         if renders_head {

@@ -116,7 +116,7 @@ fn folded(
 }
 
 /// Sample places inside the volume.
-fn places(plan: &slicecast::plan::Plan) -> u64 {
+pub fn places(plan: &slicecast::plan::Plan) -> u64 {
     use slicecast::locate::{cell, plane};
     let inside = |at: slicecast::locate::Cell, side: u32, pixels: u32| {
         let last = i64::from(side) - i64::from(at.weight.to_bits() != 0) - i64::from(at.index);

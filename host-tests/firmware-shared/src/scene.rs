@@ -3,6 +3,7 @@
 use slicecast::classify::{AlphaCode, Colour16, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::{ChannelFormat, FrontToBack, Recurrence};
 use slicecast::cut::CutError;
+use slicecast::extinction::{Medium, MediumError};
 use slicecast::format::{Coefficient, Direction, Intensity, Opacity, Step, Vector};
 use slicecast::integral::{Colours, Integral, IntegralError, Length};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
@@ -256,4 +257,18 @@ pub fn pipeline<P: Model, S: Lights<P>>(scene: &SceneData) -> Result<PipelineOf<
         P::table(scene),
         S::of(precision, &scene.lighting)?,
     ))
+}
+
+/// The entry of colour and extinction that stands for a code where a scene's voxels are rendered as such.
+pub const fn colour_entry(code: u16) -> u32 {
+    let byte = (code >> 4) as u8;
+    u32::from_le_bytes([byte, 255 - byte, (code as u8).wrapping_mul(5), byte])
+}
+
+/// Their scale: the largest extinction has an optical depth of 1/8 a step.
+///
+/// # Errors
+/// None: the scale is one.
+pub const fn colour_medium() -> Result<Medium, MediumError> {
+    Medium::new(1_073_774_593, 20)
 }

@@ -73,6 +73,7 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
         pieces: 1,
+        colours: None,
         surfaces: Vec::new(),
     }
 }

@@ -1,5 +1,6 @@
 //! The pipeline against the f64 model, stage by stage and picture by picture.
 
+pub mod colours;
 pub mod exchange;
 pub mod explain;
 pub mod image;
@@ -156,7 +157,7 @@ fn pixel(plan: &Plan, u: usize, v: usize) -> (Phase, [u32; 2]) {
 }
 
 /// The pipeline's positions as a function of plane and full-resolution pixel.
-fn pipeline_positions(plan: Plan) -> impl Fn(usize, usize, usize) -> [f64; 3] + Send + Sync {
+pub(crate) fn pipeline_positions(plan: Plan) -> impl Fn(usize, usize, usize) -> [f64; 3] + Send + Sync {
     move |index, u, v| {
         let (phase, pixel) = pixel(&plan, u, v);
         let at = plane(&plan, phase, index as u32);

@@ -302,20 +302,39 @@ pub struct Setup {
     pub step_length: f64,
 }
 
+/// What a view sees of a volume without looking into it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// Voxels along x, y and z.
+    pub dims: [usize; 3],
+    /// Distance between voxels along x, y and z.
+    pub spacing: [f64; 3],
+}
+
+impl From<&Volume> for Shape {
+    fn from(volume: &Volume) -> Self {
+        Self {
+            dims: volume.dims,
+            spacing: volume.spacing,
+        }
+    }
+}
+
 /// Sets up a scene on a volume.
 ///
 /// # Errors
 /// [`CameraError`], with what is out of range.
-pub fn set_up(scene: &Scene, volume: &Volume) -> Result<Setup, CameraError> {
-    let plan = plan(scene, volume.dims, volume.spacing)?;
+pub fn set_up(scene: &Scene, volume: impl Into<Shape>) -> Result<Setup, CameraError> {
+    let Shape { dims, spacing } = volume.into();
+    let plan = plan(scene, dims, spacing)?;
     let axes = scene.view.axes();
     Ok(Setup {
-        picture: picture(scene, &plan, volume.dims, volume.spacing)?,
+        picture: picture(scene, &plan, dims, spacing)?,
         material: match &scene.lighting {
             Some(lighting) => Some(Material::new(lighting, &axes, plan.view())?),
             None => None,
         },
-        step_length: step_length(scene, &plan, volume.spacing),
+        step_length: step_length(scene, &plan, spacing),
         plan,
     })
 }

@@ -5,6 +5,7 @@ use slicecast::stream::StreamError;
 use slicecast_volume::error::ReadError;
 
 use crate::camera::CameraError;
+use crate::colours::ColourError;
 
 /// Why a frame was not rendered.
 #[derive(Debug, thiserror::Error)]
@@ -48,6 +49,9 @@ pub enum RenderError {
         /// The scene's setting, as a scene file has it.
         asked: &'static str,
     },
+    /// A volume of colours, and a scene that asks for what there is not.
+    #[error("{0}")]
+    Colours(#[from] ColourError),
     /// A projection has no integral.
     #[error("a projection keeps one sample a ray; the converged integral is that of a composited scene")]
     Projection,

@@ -3,6 +3,7 @@
 #![deny(unsafe_code)]
 
 pub mod camera;
+pub mod colours;
 pub mod cutout;
 pub mod depth;
 pub mod error;

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 use slicecast::classify::Support;
-use slicecast::slice::{RowRange, Slice, SliceError};
+use slicecast::slice::{RowRange, Slice, SliceError, Voxel};
 use slicecast::view::{Axis, View};
 
 use crate::occupancy::{Looks, Occupancy, Sight};
@@ -146,6 +146,6 @@ fn transpose(voxels: &[u16], [nx, ny, nz]: [usize; 3]) -> Vec<u16> {
 }
 
 /// A slice's voxels as one run, as a scanner would deliver them.
-pub fn packed(slice: &Slice<'_>) -> Vec<u16> {
-    (0..slice.height()).flat_map(|row| slice.row(row)).copied().collect()
+pub fn packed<X: Voxel>(slice: &Slice<'_, X>) -> Vec<u16> {
+    (0..slice.height()).flat_map(|row| slice.words(row)).copied().collect()
 }

@@ -38,8 +38,24 @@ const COPY_MAX: i128 = 8192;
 
 /// The picture of a base-plane image, in front of the scene's background.
 pub fn picture<L: Pictured>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
-    let view = Shown::of(prepared);
-    view.picture(&Base::of(&prepared.setup.plan, pipeline, image))
+    let (setup, behind) = (&prepared.setup, prepared.scene.image.background);
+    of_image(&setup.plan, pipeline, image, (&setup.picture, behind), prepared.simd)
+}
+
+/// The picture of a base-plane image, in front of a background.
+pub(crate) fn of_image<L: Pictured>(
+    plan: &Plan,
+    pipeline: &L,
+    image: &[L::Element],
+    (picture, behind): (&Picture, [f64; 3]),
+    simd: Simd,
+) -> Rgb {
+    let shown = Shown {
+        picture,
+        background: background(behind),
+        simd,
+    };
+    shown.picture(&Base::of(plan, pipeline, image))
 }
 
 /// The picture of a base-plane image whose phases are interleaved, of this precision, in front of a background.
@@ -57,16 +73,6 @@ struct Shown<'a> {
     picture: &'a Picture,
     background: [Intensity; 3],
     simd: Simd,
-}
-
-impl<'a> Shown<'a> {
-    fn of(prepared: &'a Prepared<'_>) -> Self {
-        Self {
-            picture: &prepared.setup.picture,
-            background: background(prepared.scene.image.background),
-            simd: prepared.simd,
-        }
-    }
 }
 
 impl Shown<'_> {

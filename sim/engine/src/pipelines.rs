@@ -9,6 +9,7 @@ use slicecast::precision::Precision;
 pub use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::project::{Maximum, Minimum};
 use slicecast::shade::{PhongError, Shader, Unlit};
+use slicecast::slice::Code12;
 
 use crate::camera::Material;
 use crate::expanded::Expanded;
@@ -151,7 +152,7 @@ where
     })
 }
 
-fn under<L: Pictured + Send + 'static>(plan: Plan, pipeline: L) -> Box<dyn Framing> {
+fn under<L: Pictured<Voxel = Code12> + Send + 'static>(plan: Plan, pipeline: L) -> Box<dyn Framing> {
     Box::new(Under::new(plan, pipeline))
 }
 

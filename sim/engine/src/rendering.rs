@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use slicecast::classify::Support;
 use slicecast::plan::Plan;
 use slicecast::plane::{Pictured, Pipeline, near_slice, planes};
-use slicecast::slice::Slice;
+use slicecast::slice::{Code12, Slice};
 use slicecast::stream::{Needs, StreamError};
 use slicecast::tap::Tap;
 
@@ -105,7 +105,7 @@ impl<L: Pipeline> Under<L> {
     }
 }
 
-impl<L: Pipeline + Send> Rendering for Under<L> {
+impl<L: Pipeline<Voxel = Code12> + Send> Rendering for Under<L> {
     fn needs(&self) -> Needs {
         Needs::of::<L>(&self.plan)
     }
@@ -183,7 +183,7 @@ impl<L: Pipeline + Send> Rendering for Under<L> {
     }
 }
 
-impl<L: Pictured + Send> Framing for Under<L> {
+impl<L: Pictured<Voxel = Code12> + Send> Framing for Under<L> {
     fn picture(&self, prepared: &Prepared<'_>) -> Rgb {
         picture(prepared, &self.pipeline, &self.image)
     }

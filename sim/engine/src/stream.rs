@@ -2,7 +2,7 @@
 
 use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
-use slicecast::slice::{RowRange, Slice};
+use slicecast::slice::{RowRange, Slice, Voxel as _};
 use slicecast::stream::{Memory, Needs, Stream, StreamError};
 use slicecast::tap::Tap;
 
@@ -15,7 +15,7 @@ use crate::oriented::packed;
 pub fn fold_stream<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
-    slices: &[Slice<'_>],
+    slices: &[Slice<'_, L::Voxel>],
     image: &mut [L::Element],
     progress: &(dyn Fn(usize, usize) + Sync),
     mut tap: Option<&mut dyn Tap>,
@@ -34,8 +34,8 @@ pub fn fold_stream<L: Pipeline>(
     while let Some(wanted) = stream.wanted() {
         let slice = slices.get(wanted as usize).ok_or(StreamError::Complete)?;
         match &mut tap {
-            Some(tap) => stream.push_tapped(&packed(slice), *tap)?,
-            None => stream.push(&packed(slice))?,
+            Some(tap) => stream.push_tapped(L::Voxel::given(&packed(slice)), *tap)?,
+            None => stream.push(L::Voxel::given(&packed(slice)))?,
         }
         pushed += 1;
         progress(pushed, slices.len());

@@ -11,7 +11,7 @@ use slicecast::plan::{Phase, Plan};
 use slicecast::plane::{
     At, Kept, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, near_slice, plane, planes,
 };
-use slicecast::slice::{Slice, Window};
+use slicecast::slice::{Code12, Slice, Voxel, Window};
 use slicecast::tap::Tap;
 
 use crate::occupancy::{Looks, Sight};
@@ -58,7 +58,7 @@ pub struct Tile {
 
 /// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or, where the volume's blocks
 /// are known and few of them can be seen, those blocks.
-pub(crate) fn fold_oriented<L: Pipeline>(
+pub(crate) fn fold_oriented<L: Pipeline<Voxel = Code12>>(
     plan: &Plan,
     pipeline: &L,
     volume: &Oriented<'_>,
@@ -77,7 +77,7 @@ pub(crate) fn fold_oriented<L: Pipeline>(
 pub(crate) fn fold_tiles<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
-    (slices, seen): (&[Slice<'_>], Option<&Sight>),
+    (slices, seen): (&[Slice<'_, L::Voxel>], Option<&Sight>),
     image: &mut [L::Element],
     tiling: Tiling<'_>,
     simd: Simd,
@@ -103,7 +103,7 @@ pub(crate) fn fold_tiles<L: Pipeline>(
 pub(crate) fn fold_tiles_tapped<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
-    slices: &[Slice<'_>],
+    slices: &[Slice<'_, L::Voxel>],
     image: &mut [L::Element],
     tile_rows: usize,
     progress: Progress<'_>,
@@ -222,7 +222,7 @@ fn each_tile<E: Send>(
 pub(crate) fn fold_tile<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
-    slices: &[Slice<'_>],
+    slices: &[Slice<'_, L::Voxel>],
     tile: Tile,
     data: &mut [L::Element],
     tap: &mut dyn Tap,
@@ -234,7 +234,7 @@ pub(crate) fn fold_tile<L: Pipeline>(
 fn fold_scalar<L: Pipeline>(
     plan: &Plan,
     pipeline: &L,
-    slices: &[Slice<'_>],
+    slices: &[Slice<'_, L::Voxel>],
     tile: Tile,
     data: &mut [L::Element],
     memory: &mut Memory,
@@ -256,9 +256,9 @@ pub const AHEAD: i32 = 3;
 const FINISHED_EVERY: u32 = 16;
 
 /// A tile's way through all planes.
-struct Way<'a, 's> {
+struct Way<'a, 's, X> {
     plan: &'a Plan,
-    slices: &'a [Slice<'s>],
+    slices: &'a [Slice<'s, X>],
     /// The blocks that can be seen; none: rows are made as a whole.
     seen: Option<&'a Sight>,
     tile: Tile,
@@ -273,11 +273,11 @@ struct Way<'a, 's> {
     near_slice: fn(&Plan, u32) -> i32,
 }
 
-impl<'a, 's> Way<'a, 's> {
+impl<'a, 's, X: Voxel> Way<'a, 's, X> {
     /// The way of a kind of pipeline.
-    fn of<L: Pipeline>(
+    fn of<L: Pipeline<Voxel = X>>(
         plan: &'a Plan,
-        slices: &'a [Slice<'s>],
+        slices: &'a [Slice<'s, X>],
         seen: Option<&'a Sight>,
         tile: Tile,
         part: Option<&Part>,
@@ -296,7 +296,7 @@ impl<'a, 's> Way<'a, 's> {
     }
 
     /// Goes through the planes, in a pipeline's order, until its rays are finished.
-    fn walk(&self, fold: &mut dyn FoldPlane) -> Result<(), ScratchError> {
+    fn walk(&self, fold: &mut dyn FoldPlane<X>) -> Result<(), ScratchError> {
         let place = |z: i32| usize::try_from(z - self.first_slice).ok();
         let slice = |z: i32| place(z).and_then(|z| self.slices.get(z)).copied();
         let Range { start, end } = self.planes;
@@ -337,18 +337,18 @@ impl<'a, 's> Way<'a, 's> {
 
     /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`, and those that
     /// gradients look at beyond.
-    fn prefetch(&self, slice: &Slice<'_>, offset: i32) {
+    fn prefetch(&self, slice: &Slice<'_, X>, offset: i32) {
         let first = (i64::from(self.tile.first) + i64::from(offset)).max(1) as usize;
         for row in first - 1..(first + self.tile.rows as usize + 2).min(slice.height()) {
-            prefetch(slice.row(row));
+            prefetch(slice.words(row));
         }
     }
 }
 
 /// What a way asks of the pipeline that goes it.
-trait FoldPlane {
+trait FoldPlane<X> {
     /// Folds a plane into the tile.
-    fn plane(&mut self, at: &At<'_>) -> Result<(), ScratchError>;
+    fn plane(&mut self, at: &At<'_, X>) -> Result<(), ScratchError>;
     /// Whether all rays of the tile are finished.
     fn finished(&self, plan: &Plan) -> bool;
 }
@@ -366,8 +366,8 @@ struct Folding<'a, L: Pipeline> {
 /// The same with lanes chosen.
 struct OfLanes<'f, 'a, L: Pipeline, V>(&'f mut Folding<'a, L>, PhantomData<V>);
 
-impl<L: Pipeline, V: Lanes> FoldPlane for OfLanes<'_, '_, L, V> {
-    fn plane(&mut self, at: &At<'_>) -> Result<(), ScratchError> {
+impl<L: Pipeline, V: Lanes> FoldPlane<L::Voxel> for OfLanes<'_, '_, L, V> {
+    fn plane(&mut self, at: &At<'_, L::Voxel>) -> Result<(), ScratchError> {
         let Folding {
             pipeline,
             rows: Rows { first, data },
@@ -390,14 +390,14 @@ impl<L: Pipeline, V: Lanes> FoldPlane for OfLanes<'_, '_, L, V> {
 
 /// A tile on its way.
 struct FoldTile<'a, 's, L: Pipeline> {
-    way: Way<'a, 's>,
+    way: Way<'a, 's, L::Voxel>,
     folding: Folding<'a, L>,
 }
 
 impl<'a, 's, L: Pipeline> FoldTile<'a, 's, L> {
     fn new(
         pipeline: &'a L,
-        way: Way<'a, 's>,
+        way: Way<'a, 's, L::Voxel>,
         (data, Memory { scratch, kept }): (&'a mut [L::Element], &'a mut Memory),
         tap: Option<&'a mut dyn Tap>,
     ) -> Self {
@@ -430,14 +430,14 @@ impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {
 /// The slice that will be read some planes later, asked for row by row while the rows before it are folded: a tile's rows
 /// all at once would fill the processor's queue.
 #[derive(Debug)]
-struct Ahead<'s>(Slice<'s>);
+struct Ahead<'s, X>(Slice<'s, X>);
 
-impl Reading for Ahead<'_> {
+impl<X: Voxel> Reading for Ahead<'_, X> {
     fn row(&self, row: i32) {
         // Gradients look one row beyond the two of a sample.
         let row = usize::try_from(row + 2).unwrap_or(0);
         if row < self.0.height() {
-            prefetch(self.0.row(row));
+            prefetch(self.0.words(row));
         }
     }
 }

@@ -89,6 +89,7 @@ fn framed(precision: PrecisionName, background: [f64; 3], check: impl Fn(&Frame,
         early_termination: None,
         classification: Classification::Point,
         pieces: 1,
+        colours: None,
         surfaces: Vec::new(),
     };
     let prepared = Prepared::new(&scene, &volume).unwrap();

@@ -12,6 +12,7 @@ use slicecast::precision::{Compact, Paper, Precision, Wide};
 use slicecast::project::Maximum;
 use slicecast::shade::{Highlight, KeptLight, Phong, Unlit};
 use slicecast::slice::RowRange;
+use slicecast::slice::Voxel as _;
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::table::ENTRIES;
 use slicecast::view::View;
@@ -183,7 +184,7 @@ fn streamed<L: Pictured<Element: Bits>>(read: &Read, voxels: &[i64], pipeline: L
             .iter()
             .map(|v| *v as u16)
             .collect();
-        stream.push(&slice).unwrap();
+        stream.push(L::Voxel::given(&slice)).unwrap();
     }
     let step = |name: &str| read.array::<i64, 2>(name).map(Step::from_bits);
     let warp = Warp {

@@ -18,12 +18,14 @@
 //! | composite   | samples into pixels                                        | equations 4, 6  |
 //! | warp        | base plane into the viewer's image                         |                 |
 //! | render      | one ray, all rays                                          |                 |
+//! | absorb      | rays through volumes of colour and extinction | Kraus and Bürger, section 3.4 |
 //! | pyramid     | volumes of half the voxels                                 | Kraus and Bürger, section 4 |
 //! | integral    | one ray without planes and steps: the converged picture    | equation 7      |
 //!
 //! Two things are left out on purpose, because they are the pipeline's approximations and should show up as its
 //! error: tables (the transfer function is evaluated at the sample itself) and early termination.
 
+mod absorb;
 pub mod classify;
 pub mod composite;
 pub mod gradient;
@@ -43,6 +45,7 @@ mod tests;
 mod vector;
 pub mod warp;
 
+pub use absorb::Absorbing;
 pub use classify::Classified;
 pub use composite::Pixel;
 pub use parts::{Crossing, Part};

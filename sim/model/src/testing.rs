@@ -70,6 +70,7 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
         pieces: 1,
+        colours: None,
         surfaces: Vec::new(),
     }
 }

@@ -4,7 +4,10 @@ use std::ops::RangeInclusive;
 
 use thiserror::Error;
 
-use super::{Blend, Classification, Image, Interpolation, Light, Lighting, Sampling, Scene, TransferFunction, View};
+use super::{
+    Blend, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, Sampling, Scene,
+    TransferFunction, View,
+};
 
 /// Angles about an axis, degrees.
 pub const TURN: RangeInclusive<f64> = -360.0..=360.0;
@@ -22,6 +25,8 @@ pub const PLANES_PER_VOXEL: RangeInclusive<i64> = 1..=16;
 pub const RAYS_PER_VOXEL: RangeInclusive<i64> = 1..=8;
 /// The length that opacities refer to, in the volume's unit.
 pub const UNIT_DISTANCE: RangeInclusive<f64> = 1e-6..=1e6;
+/// Distances of the opacities of a volume of colours, in its unit, and extinctions per unit.
+pub const LENGTHS: RangeInclusive<f64> = 1e-6..=1e6;
 /// Data values of a transfer function's points: all of 64-bit integers and of single precision.
 pub const VALUE: RangeInclusive<f64> = -1e100..=1e100;
 /// Points of a transfer function.
@@ -71,9 +76,43 @@ impl Scene {
         if let Some(n) = self.early_termination {
             whole("render.early_termination", i64::from(n), EARLY_TERMINATION)?;
         }
+        self.colours()?;
         self.classification()?;
         self.surfaces()?;
         self.lighting.as_ref().map_or(Ok(()), lighting)
+    }
+
+    /// What classifies values has no place beside colours.
+    fn colours(&self) -> Result<(), FieldError> {
+        let Some(colours) = self.colours else {
+            return Ok(());
+        };
+        let Colours {
+            alpha_distance,
+            tau_max,
+            opacity,
+        } = colours;
+        for (name, length) in [("colours.alpha_distance", alpha_distance), ("colours.tau_max", tau_max)] {
+            length.map_or(Ok(()), |length| number(name, length, LENGTHS))?;
+        }
+        if let Some(ColourOpacity::Constant(opacity)) = opacity {
+            number("colours.opacity", opacity, FRACTION)?;
+        }
+        let stated = [
+            ("surface", !self.surfaces.is_empty()),
+            ("render.classification", self.classification != Classification::Point),
+            ("render.table", self.table.is_some()),
+            ("render.lookup", self.lookup.is_some()),
+            ("render.pieces", self.pieces != 1),
+        ];
+        match stated.into_iter().find(|(_, stated)| *stated) {
+            Some((field, _)) => Err(FieldError::new(
+                field,
+                "given",
+                "nothing beside [colours]: it classifies values",
+            )),
+            None => Ok(()),
+        }
     }
 
     /// Segments need rays that are composited and values between voxels, and surfaces need segments.

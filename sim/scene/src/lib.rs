@@ -47,6 +47,29 @@ pub struct Scene {
     pub pieces: u32,
     /// Isosurfaces, drawn with the volume or alone.
     pub surfaces: Vec<Surface>,
+    /// What is said of a volume of colours, whose voxels nothing classifies; `None` is a scene of values.
+    pub colours: Option<Colours>,
+}
+
+/// What a scene says of a volume of colours, in place of a transfer function. What it leaves out the file states, or the
+/// command line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Colours {
+    /// The distance over which the volume's opacities are meant, in its unit of spacing.
+    pub alpha_distance: Option<f64>,
+    /// The largest extinction, per unit of the spacing, to which larger ones are held.
+    pub tau_max: Option<f64>,
+    /// Opacities of colours without any.
+    pub opacity: Option<ColourOpacity>,
+}
+
+/// Where the opacity of colours without one comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ColourOpacity {
+    /// The luminance of the colour.
+    Luminance,
+    /// The same everywhere, 0 to 1.
+    Constant(f64),
 }
 
 /// The viewing direction as angles, in degrees.

@@ -3,16 +3,20 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
+use slicecast_compare::colours::compare_colours;
 use slicecast_compare::exchange;
 use slicecast_compare::image::ImageFigures;
 use slicecast_compare::stages::StageReport;
 use slicecast_compare::statistics::Figures;
 use slicecast_compare::{Comparison, ModelPositions, Split, compare, split};
+use slicecast_engine::colours::Coloured;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::threads::on_threads;
-use slicecast_scene::{AlphaCodeName, Interpolation, LookupName};
+use slicecast_pyramid::volume::RgbaVolume;
+use slicecast_scene::{AlphaCodeName, Interpolation, LookupName, Scene};
 
 use super::Failure;
+use super::colours::{ColourArgs, LevelArgs};
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::output::{Folder, check_free, write_file};
 use super::progress::with_bar;
@@ -31,6 +35,10 @@ pub struct Args {
     volume: VolumeArgs,
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    colours: ColourArgs,
+    #[command(flatten)]
+    level: LevelArgs,
     #[command(flatten)]
     threads: ThreadArgs,
     /// Let the model sample at the real positions instead of the pipeline's 16.16 ones.
@@ -108,11 +116,66 @@ pub fn figured<'a>(prepared: &'a Prepared<'_>, comparison: &'a Comparison, posit
     }
 }
 
+/// The figures of a volume of colour and extinction as JSON.
+#[derive(Serialize)]
+struct ColourFigures<'a> {
+    volume: &'a str,
+    precision: &'static str,
+    image: ImageFigures,
+    picture: ImageFigures,
+}
+
 impl Args {
+    /// Which positions the model takes its samples at.
+    fn positions(&self) -> ModelPositions {
+        if self.exact_positions {
+            ModelPositions::Exact
+        } else {
+            ModelPositions::Pipeline
+        }
+    }
+
+    /// Compares the picture of a volume of colour and extinction.
+    fn compare_colours(&self, scene: &Scene, volume: &RgbaVolume) -> Result<(), Failure> {
+        if self.converged || self.npy.is_some() {
+            let message = "--converged, --npy: are of volumes of one value a voxel";
+            return Err(Failure::input(message));
+        }
+        let prepared = Coloured::new(scene, volume)?.with_simd(self.threads.simd());
+        let comparison = with_bar("comparing", |progress| {
+            on_threads(self.threads.count(), || {
+                compare_colours(&prepared, self.positions(), progress)
+            })
+        })??;
+        let name = scene.precision.name();
+        println!(
+            "{}",
+            tables::images(&[
+                (format!("{name}, base plane"), comparison.image),
+                (format!("{name}, picture"), comparison.picture),
+            ])
+        );
+        if let Some(path) = &self.json {
+            let figures = ColourFigures {
+                volume: &volume.name,
+                precision: name,
+                image: comparison.image,
+                picture: comparison.picture,
+            };
+            let text = serde_json::to_string_pretty(&figures).map_err(Failure::machine)?;
+            write_file(path, self.force, text.as_bytes())?;
+        }
+        Ok(())
+    }
+
     /// Compares the scene with the model.
     pub fn run(self) -> Result<(), Failure> {
         check_free(&self.json, self.force)?;
+        if let Some((scene, volume)) = self.level.volume(&self.volume, &self.colours, &self.scene)? {
+            return self.compare_colours(&scene, &volume);
+        }
         let loaded = self.volume.load()?;
+        self.colours.check_none(&loaded)?;
         let chosen = self.scene.choose(&self.volume, &loaded)?;
         let scene = &chosen.scene;
         let prepared = Prepared::new(scene, &loaded.volume)?.with_simd(self.threads.simd());
@@ -124,11 +187,7 @@ impl Args {
             }
             None => None,
         };
-        let positions = if self.exact_positions {
-            ModelPositions::Exact
-        } else {
-            ModelPositions::Pipeline
-        };
+        let positions = self.positions();
         let comparison = with_bar("comparing", |progress| {
             on_threads(self.threads.count(), || compare(&prepared, positions, progress))
         })??;

@@ -328,6 +328,9 @@ enum BlendArg {
     Minimum,
 }
 
+/// The scene of a volume of colours where none is named: the view of the other scenes.
+const OF_COLOURS: &str = "[view]\nazimuth = 30.0\nelevation = 10.0\n[colours]\n";
+
 /// The scene.
 #[derive(clap::Args, Default)]
 pub struct SceneArgs {
@@ -486,6 +489,35 @@ impl SceneArgs {
         })
     }
 
+    /// The scene of a volume of colours: a file with `[colours]`, or one that says nothing of them, with the overrides.
+    pub fn colours(&self) -> Result<Scene, Failure> {
+        let classifying = [
+            ("--transfer", self.transfer.is_some()),
+            ("--table", self.table.is_some()),
+            ("--lookup", self.lookup.is_some()),
+            ("--classification", self.classification.is_some()),
+            ("--surface", !self.surface.is_empty()),
+            ("--pieces", self.pieces.is_some()),
+        ];
+        if let Some((option, _)) = classifying.into_iter().find(|(_, stated)| *stated) {
+            return Err(Failure::input(format!(
+                "{option}: classifies values, and a volume of colours has none"
+            )));
+        }
+        let scene = match &self.scene {
+            None => slicecast_scene::file::parse(OF_COLOURS, "the scene of colours").map_err(Failure::input)?,
+            Some(NamedScene::File(_, scene)) if scene.colours.is_some() => Scene::clone(scene),
+            Some(named) => {
+                return Err(Failure::input(format!(
+                    "--scene {}: classifies values, and a volume of colours has none; expected a file with [colours] in place \
+                     of [transfer]",
+                    named.name()
+                )));
+            }
+        };
+        self.finish(scene)
+    }
+
     /// The name of the scene, if it is one of the program's.
     fn stock(&self, default: &str) -> Option<String> {
         match &self.scene {
@@ -498,6 +530,12 @@ impl SceneArgs {
     /// The scene as named, before overrides.
     fn read(&self, default: &str, fitted: Option<(&Loaded, &Statistics)>) -> Result<Scene, Failure> {
         let name = match &self.scene {
+            Some(NamedScene::File(path, scene)) if scene.colours.is_some() => {
+                return Err(Failure::input(format!(
+                    "--scene {}: is of a volume of colours ([colours]), and this volume has one value a voxel; expected [transfer]",
+                    path.display()
+                )));
+            }
             Some(NamedScene::File(_, scene)) => return Ok(Scene::clone(scene)),
             Some(NamedScene::Known(name)) => name,
             None => default,

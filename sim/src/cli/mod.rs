@@ -2,6 +2,7 @@
 
 mod bench;
 mod chosen;
+mod colours;
 mod compare;
 mod default;
 mod explain;

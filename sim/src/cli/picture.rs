@@ -5,14 +5,12 @@ use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use slicecast_engine::camera::Picture;
-use slicecast_engine::frame::Prepared;
+use slicecast_engine::camera::{Picture, Shape};
 use slicecast_engine::image::Frame;
 use slicecast_engine::shard::Shard;
 use slicecast_scene::check::{FRACTION, IMAGE_SIDE};
 use slicecast_scene::colour::hexadecimal;
 use slicecast_scene::{Sampling, Scene};
-use slicecast_volume::Volume;
 
 use super::Failure;
 use super::inputs::{SceneArgs, numbers};
@@ -101,7 +99,7 @@ impl PictureArgs {
     }
 
     /// Frames a scene seen from these sides, and says where sharpness needs more samples than the scene has.
-    pub fn frame(&self, scenes: &[Scene], volume: &Volume, asked: &SceneArgs) -> Result<Framing, Failure> {
+    pub fn frame(&self, scenes: &[Scene], volume: impl Into<Shape>, asked: &SceneArgs) -> Result<Framing, Failure> {
         let [rays, planes] = asked.sampling_stated();
         let stated = Stated {
             size: self.size,
@@ -124,9 +122,8 @@ impl PictureArgs {
     }
 
     /// A frame as it is to be written.
-    pub fn raster(&self, prepared: &Prepared<'_>, frame: Frame) -> Raster {
-        let background = prepared.scene.image.background;
-        self.finish.raster(frame, &prepared.setup.picture, background)
+    pub fn raster(&self, scene: &Scene, picture: &Picture, frame: Frame) -> Raster {
+        self.finish.raster(frame, picture, scene.image.background)
     }
 }
 

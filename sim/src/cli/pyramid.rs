@@ -6,13 +6,14 @@ use clap::ValueEnum;
 use slicecast_model::pyramid::{Halving, Voxel};
 use slicecast_pyramid::filter::Filter;
 use slicecast_pyramid::pyramid::{By, next};
-use slicecast_pyramid::read::{OpacityRule, Read, Stated, of_colours, of_scalars};
+use slicecast_pyramid::read::Read;
 use slicecast_pyramid::reduce::axes;
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_pyramid::write::Level;
 
 use super::Failure;
-use super::inputs::{SceneArgs, VolumeArgs, number_in};
+use super::colours::{ColourArgs, FilterArg};
+use super::inputs::{SceneArgs, VolumeArgs};
 use super::named_scene::{NamedScene, Transfer};
 use super::output::Folder;
 use super::tables::header;
@@ -39,16 +40,8 @@ pub struct Args {
     /// The transfer function of another program in place of the scene's: 3D Slicer (.vp, .vp.json), ParaView (.json).
     #[arg(long, value_name = "FILE", value_parser = Transfer::parser())]
     transfer: Option<Transfer>,
-    /// The distance over which the opacities of a file are meant, in the unit of its spacing.
-    #[arg(long, value_name = "LENGTH", value_parser = number_in(LENGTHS))]
-    alpha_distance: Option<f64>,
-    /// The largest extinction, per unit of the spacing, to which larger ones are held; without it, the largest that there is,
-    /// up to 15 over the distance of the opacities.
-    #[arg(long, value_name = "TAU", value_parser = number_in(LENGTHS))]
-    tau_max: Option<f64>,
-    /// Opacity of colours without one: luminance, or a number from 0 to 1 for all voxels.
-    #[arg(long, value_name = "RULE", value_parser = opacity)]
-    opacity: Option<OpacityRule>,
+    #[command(flatten)]
+    colours: ColourArgs,
     /// Weights along each axis: two (1,1)/2, four (1,1,1,1)/4, six (3,2,3,3,2,3)/16, of which voxels are cells; five
     /// (1,2,2,2,1)/8, of which they are nodes and outer ones stay where they are.
     #[arg(long, value_enum, default_value = "four")]
@@ -74,42 +67,10 @@ pub struct Args {
     force: bool,
 }
 
-/// Lengths, and extinctions per length.
-const LENGTHS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
-
-#[derive(Clone, Copy, ValueEnum)]
-enum FilterArg {
-    Two,
-    Four,
-    Six,
-    Five,
-}
-
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum ByArg {
     Extinction,
     Opacity,
-}
-
-impl From<FilterArg> for Filter {
-    fn from(filter: FilterArg) -> Self {
-        match filter {
-            FilterArg::Two => Self::Two,
-            FilterArg::Four => Self::Four,
-            FilterArg::Six => Self::Six,
-            FilterArg::Five => Self::Five,
-        }
-    }
-}
-
-/// `luminance`, or a number.
-fn opacity(text: &str) -> Result<OpacityRule, String> {
-    if text == "luminance" {
-        return Ok(OpacityRule::Luminance);
-    }
-    let number = text.parse().ok().filter(|number| (0.0..=1.0).contains(number));
-    let number = number.ok_or("expected `luminance`, or a number from 0 to 1")?;
-    Ok(OpacityRule::Constant(number))
 }
 
 /// The levels in f64, beside those that are written.
@@ -261,11 +222,6 @@ impl Args {
 
     /// The volume of colour and extinction.
     fn read(&self) -> Result<Read, Failure> {
-        let stated = Stated {
-            alpha_distance: self.alpha_distance,
-            tau_max: self.tau_max,
-            opacity: self.opacity,
-        };
         if let Some(colours) = self.volume.colours()? {
             if self.scene.is_some() || self.transfer.is_some() {
                 return Err(Failure::input(format!(
@@ -273,36 +229,12 @@ impl Args {
                     colours.name()
                 )));
             }
-            let [x, y, z] = colours.dims();
-            eprintln!(
-                "{}: {x} x {y} x {z} voxels of {} values",
-                colours.name(),
-                colours.components()
-            );
-            colours.notes().iter().for_each(|note| eprintln!("note: {note}"));
-            let read = of_colours(&colours, &stated);
-            return read.map_err(|error| Failure::input(format!("{}: {error}", colours.name())));
+            return self.colours.read(&colours, None);
         }
         let loaded = self.volume.load()?;
-        if self.alpha_distance.is_some() || self.opacity.is_some() {
-            return Err(Failure::input(format!(
-                "{}: has one value a voxel, whose opacity and distance are the transfer function's, expected neither \
-                 --alpha-distance nor --opacity",
-                loaded.volume.name
-            )));
-        }
         let scene = SceneArgs::classifying(self.scene.clone(), self.transfer.clone());
-        let transfer = scene.load_for(&self.volume, &loaded)?.transfer;
-        let value = |code: u16| loaded.volume.mapping.value(f64::from(code));
-        let classified: Vec<([f64; 3], f64)> = (0..4096).map(|code| transfer.evaluate(value(code))).collect();
-        let distance = transfer.unit_distance;
-        Ok(of_scalars(
-            &loaded.volume,
-            &loaded.orientation,
-            &classified,
-            distance,
-            self.tau_max,
-        ))
+        let scene = scene.load_for(&self.volume, &loaded)?;
+        self.colours.classified(&loaded, &scene)
     }
 
     /// The shapes of all levels.

@@ -3,18 +3,23 @@
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
+use slicecast_engine::colours::Coloured;
 use slicecast_engine::depth::depths;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::image::BaseImage;
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::shard::Shard;
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_pyramid::volume::RgbaVolume;
+use slicecast_scene::Scene;
 use slicecast_volume::on_disk::OnDisk;
 use slicecast_volume::open::Loaded;
 
 use super::Failure;
 use super::chosen::Chosen;
+use super::colours::{ColourArgs, LevelArgs};
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::memory;
 use super::output::{check_free, write_file};
@@ -33,12 +38,18 @@ use crate::{legend, shards, visibility};
   slicecast render angiogram.nrrd --scene mip -o vessels.png
   slicecast render --surface 200 --surface -300,#e0a080,0.3 -o skin-over-skull.png --depth-map depth.png
   slicecast render large.nrrd --memory 1GiB --scene bone.toml -o large.png
+  slicecast render colours.nrrd --alpha-distance 1 --precision wide -o colours.png
+  slicecast render scan.nrrd --scene fog.toml --unlit --level 2 -o preview.png
   slicecast render voxels.raw --raw-dims 256x256x128 --raw-type uint8 --scene fog.toml -o fog.png")]
 pub struct Args {
     #[command(flatten)]
     volume: VolumeArgs,
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    colours: ColourArgs,
+    #[command(flatten)]
+    level: LevelArgs,
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
@@ -81,6 +92,9 @@ impl Args {
                 "--depth-map: names the picture's own file, expected another",
             ));
         }
+        if let Some((scene, volume)) = self.level.volume(&self.volume, &self.colours, &self.scene)? {
+            return self.render_colours(target, scene, &volume);
+        }
         let (mut loaded, on_disk) = match self.memory {
             Some(_) => {
                 let (loaded, on_disk) = self.volume.load_on_disk()?;
@@ -88,6 +102,7 @@ impl Args {
             }
             None => (self.volume.load()?, None),
         };
+        self.colours.check_none(&loaded)?;
         let mut chosen = self.scene.choose(&self.volume, &loaded)?;
         self.picture.apply(&mut chosen.scene);
         let legend = match &target {
@@ -110,11 +125,6 @@ impl Args {
             (Some(target), _) => target,
             (None, shard) => return self.write_shard(&prepared, on_disk.as_ref(), shard.unwrap_or(Shard::ALL)),
         };
-        let layer = if self.stream {
-            Layer::Stream
-        } else {
-            Layer::Tiles(TILE_ROWS)
-        };
         let frame = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || match &on_disk {
                 Some(volume) => {
@@ -123,17 +133,15 @@ impl Args {
                     eprintln!("{read}");
                     Ok(frame)
                 }
-                None => prepared.render(layer, progress),
+                None => prepared.render(self.layer(), progress),
             })
         })??;
         let depth_map = self.depth_map(&prepared)?;
         if let Some(warning) = visibility::warning(&prepared, &frame, &chosen.circumstances()) {
             eprintln!("warning: {warning}");
         }
-        let raster = self.picture.raster(&prepared, frame);
-        let [width, height] = raster.size();
-        let picture = png(&raster).map_err(Failure::machine)?;
-        target.write(self.force, &[picture], &format!("{width} x {height} pixels"))?;
+        let raster = self.picture.raster(&scene, &prepared.setup.picture, frame);
+        self.write(&target, &raster)?;
         for (path, contents) in legend {
             write_file(&path, self.force, &contents)?;
             println!("{}: the labels' colours", path.display());
@@ -143,6 +151,50 @@ impl Args {
             println!("{}: {said}", path.display());
         }
         Ok(())
+    }
+
+    /// How slices reach the pipeline.
+    fn layer(&self) -> Layer {
+        if self.stream {
+            Layer::Stream
+        } else {
+            Layer::Tiles(TILE_ROWS)
+        }
+    }
+
+    /// Writes the picture.
+    fn write(&self, target: &Target, raster: &Raster) -> Result<(), Failure> {
+        let [width, height] = raster.size();
+        let picture = png(raster).map_err(Failure::machine)?;
+        target.write(self.force, &[picture], &format!("{width} x {height} pixels"))
+    }
+
+    /// Renders a volume of colour and extinction.
+    fn render_colours(&self, target: Option<Target>, mut scene: Scene, volume: &RgbaVolume) -> Result<(), Failure> {
+        let target = match (target, &self.depth_map) {
+            (Some(target), None) => target,
+            (None, _) => return Err(Failure::input("--shard: shards are of volumes of one value a voxel")),
+            (_, Some(_)) => {
+                let message = "--depth-map: a volume of colour and extinction has no surfaces";
+                return Err(Failure::input(message));
+            }
+        };
+        self.picture.apply(&mut scene);
+        let framing = self.picture.frame(std::slice::from_ref(&scene), volume, &self.scene)?;
+        let scene = framing.scene(&scene, volume);
+        let prepared = Coloured::new(&scene, volume)?.with_simd(self.threads.simd());
+        let frame = with_bar("rendering", |progress| {
+            on_threads(self.threads.count(), || prepared.render(self.layer(), progress))
+        })??;
+        let BaseImage {
+            planes: [.., transparency],
+            one,
+            ..
+        } = &frame.base;
+        if transparency.iter().all(|left| left == one) {
+            eprintln!("warning: the picture shows nothing: no ray meets a voxel with an opacity");
+        }
+        self.write(&target, &self.picture.raster(&scene, &prepared.setup.picture, frame))
     }
 
     /// The file of a shard, found fit to be written before there is anything to write.

@@ -98,7 +98,7 @@ impl Args {
                         let frame = frame.clone().with_simd(self.threads.simd());
                         let made = frame.render_oriented(&volume, Layer::Tiles(TILE_ROWS), &|_, _| {})?;
                         warnings.extend(visibility::warning(&frame, &made, &known));
-                        pictures.push(self.picture.raster(&frame, made));
+                        pictures.push(self.picture.raster(frame.scene, &frame.setup.picture, made));
                         progress(pictures.len(), total);
                     }
                 }

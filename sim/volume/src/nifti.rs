@@ -1,12 +1,14 @@
 //! NIfTI-1 and NIfTI-2 volumes (`.nii`, `.nii.gz`, and `.hdr` with an `.img` beside it).
 //!
 //! Source: nifti1.h and nifti2.h of the NIfTI data format working group. Read: integers of 8 to 64 bits, single and double
-//! precision, either byte order, `scl_slope` and `scl_inter`, exactly one volume; what follows it is left out with a note.
+//! precision, either byte order, `scl_slope` and `scl_inter`, and colours (RGB24, RGBA32, of 8 bits); exactly one volume; what
+//! follows it is left out with a note.
 //! Orientation comes from the sform, else from the qform, else is unknown; both speak RAS and are brought to LPS.
 
 mod header;
 mod orientation;
 
+use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
@@ -16,6 +18,7 @@ use self::header::{Header, NAME};
 use self::orientation::orientation;
 use super::axes::Directions;
 use super::choice::Choice;
+use super::colours::Colours;
 use super::companion;
 use super::error::{Problem, ReadError};
 use super::open::open_regular;
@@ -41,25 +44,59 @@ pub(super) fn place(path: &Path) -> Result<Placed, ReadError> {
         placed.notes.push(format!("the header is in {}", header.display()));
         return Ok(placed);
     }
+    let (header, data_path) = located(path)?;
+    if header.components != 1 {
+        let problem = Problem::Unsupported {
+            format: NAME,
+            found: format!("a volume of {} colours a voxel", header.components),
+            expected: "one value a voxel; `render`, `compare` and `pyramid` take colours",
+        };
+        return Err(ReadError::new(&data_path, problem));
+    }
+    placed(&header, data_path, path.display().to_string())
+}
+
+/// Reads a NIfTI file of colours (RGB24, RGBA32); `None` of one with a value a voxel.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
+    let beside = header_beside(path);
+    let path = beside.as_deref().unwrap_or(path);
+    let (header, data_path) = located(path)?;
+    if header.components == 1 {
+        return Ok(None);
+    }
+    // Slope and intercept do not concern colours.
+    let placed = placed(&header, data_path, path.display().to_string())?;
+    placed.read_colours(HashMap::new()).map(Some)
+}
+
+/// The header of a file, and the file that has the data.
+fn located(path: &Path) -> Result<(Header, PathBuf), ReadError> {
     let fail = |problem| ReadError::new(path, problem);
     let (mut source, _) = open_regular(path)?;
     let packed = is_gzip(&mut source).map_err(fail)?;
     let header = header_of(&mut source, packed).map_err(fail)?;
-    let name = path.display().to_string();
     if header.attached {
-        return placed(&header, path.to_owned(), packed, name).map_err(fail);
+        return Ok((header, path.to_owned()));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let stem = stem.strip_suffix(".hdr").unwrap_or(&stem).to_owned();
-    let mut data_path = companion::data_file(path, &format!("{stem}.img"))?;
-    if !data_path.exists() {
-        let packed_path = companion::data_file(path, &format!("{stem}.img.gz"))?;
-        data_path = if packed_path.exists() { packed_path } else { data_path };
+    let data_path = companion::data_file(path, &format!("{stem}.img"))?;
+    if data_path.exists() {
+        return Ok((header, data_path));
     }
+    let packed_path = companion::data_file(path, &format!("{stem}.img.gz"))?;
+    Ok((header, if packed_path.exists() { packed_path } else { data_path }))
+}
+
+/// What a header says of the values in a file.
+fn placed(header: &Header, data_path: PathBuf, name: String) -> Result<Placed, ReadError> {
     let (mut source, _) = open_regular(&data_path)?;
-    let at_data = |problem| ReadError::new(&data_path, problem);
-    let packed = is_gzip(&mut source).map_err(at_data)?;
-    placed(&header, data_path.clone(), packed, name).map_err(at_data)
+    let packed = is_gzip(&mut source);
+    let described = packed.and_then(|packed| described(header, data_path.clone(), packed, name));
+    described.map_err(|problem| ReadError::new(&data_path, problem))
 }
 
 /// Reads a NIfTI file that is already in memory; `name` stands for its path in messages.
@@ -76,7 +113,7 @@ pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, 
         return Err(fail(Problem::format(NAME, fault)));
     }
     let mut source = Cursor::new(bytes);
-    let placed = placed(&header, name.into(), packed, name.to_owned()).map_err(fail)?;
+    let placed = described(&header, name.into(), packed, name.to_owned()).map_err(fail)?;
     placed
         .read_from(&mut source, bytes.len() as u64, choice.nan)
         .map_err(fail)
@@ -115,8 +152,8 @@ fn header_of(source: &mut impl BufRead, packed: bool) -> Result<Header, Problem>
     }
 }
 
-/// The header's word, of values in a file that begins with a header's length of other bytes.
-fn placed(header: &Header, path: PathBuf, packed: bool, name: String) -> Result<Placed, Problem> {
+/// A header's word, of values in a file that begins with as many other bytes as it says.
+fn described(header: &Header, path: PathBuf, packed: bool, name: String) -> Result<Placed, Problem> {
     let orientation = orientation(header)?;
     Ok(Placed {
         name,
@@ -125,7 +162,7 @@ fn placed(header: &Header, path: PathBuf, packed: bool, name: String) -> Result<
         place: Place::File(path, 0),
         layout: Layout {
             dims: header.dims,
-            components: 1,
+            components: header.components,
             value_type: header.value_type,
             endian: header.endian,
             encoding: if packed { Encoding::Gzip } else { Encoding::Raw },

@@ -14,7 +14,7 @@ mod surplus;
 pub mod write;
 
 use std::io::{BufRead, Cursor};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use self::header::Header;
 use super::axes::Directions;
@@ -24,10 +24,10 @@ use super::companion;
 use super::error::{Problem, ReadError};
 use super::files::Data;
 use super::open::open_regular;
-use super::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
+use super::payload::{ByteSkip, Encoding, Layout, Tail};
 use super::placed::{Place, Placed};
 use super::text::shorten;
-use super::values::{Decoded, Endian, Modality, ValueType, Values, check_spacing};
+use super::values::{Decoded, Endian, Modality, ValueType, check_spacing};
 
 /// What a header says about its volume, interpreted.
 #[derive(Debug)]
@@ -57,12 +57,7 @@ pub(super) fn place(path: &Path) -> Result<Placed, ReadError> {
     let at_header = |problem| ReadError::new(path, problem);
     let (mut source, _) = open_regular(path)?;
     let (header, description) = describe(&mut source).map_err(at_header)?;
-    let place = match &description.data {
-        Data::Attached if !header.ended => return Err(at_header(Problem::NoData)),
-        Data::Attached => Place::File(path.to_owned(), header.len),
-        Data::File(data_file) => Place::File(companion::data_file(path, data_file)?, 0),
-        Data::Files(files) => Place::Files(path.to_owned(), files.clone()),
-    };
+    let place = place_of(path, &header, &description)?;
     Ok(description.placed(path.display().to_string(), place))
 }
 
@@ -73,7 +68,7 @@ pub(super) fn place(path: &Path) -> Result<Placed, ReadError> {
 /// As [`read`].
 pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
     let at_header = |problem| ReadError::new(path, problem);
-    let (mut source, len) = open_regular(path)?;
+    let (mut source, _) = open_regular(path)?;
     let mut header = Header::read(&mut source).map_err(at_header)?;
     let Some(components) = colours::take(&mut header).map_err(at_header)? else {
         return Ok(None);
@@ -81,52 +76,18 @@ pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
     surplus::leave_out(&mut header).map_err(at_header)?;
     let mut description = interpret(&header).map_err(at_header)?;
     description.layout.components = components as u64;
-    let (data_path, values) = values_of(path, &header, &mut description, (&mut source, len))?;
-    let at_data = |problem| ReadError::new(&data_path, problem);
-    let Description {
-        layout,
-        spacing,
-        directions,
-        notes,
-        ..
-    } = description;
-    let name = path.display().to_string();
-    let colours = Colours::new(name, layout.dims.map(|d| d as usize), spacing, components, values);
-    let colours = colours
-        .map_err(Problem::from)
-        .map_err(at_data)?
-        .with(header.keys, notes);
-    let colours = match directions {
-        None => Ok(colours),
-        Some(directions) => colours.along(directions),
-    };
-    colours.map(Some).map_err(at_data)
+    let place = place_of(path, &header, &description)?;
+    let placed = description.placed(path.display().to_string(), place);
+    placed.read_colours(header.keys).map(Some)
 }
 
-/// The values, and the file that has them.
-fn values_of(
-    path: &Path,
-    header: &Header,
-    description: &mut Description,
-    (source, len): (&mut impl BufRead, u64),
-) -> Result<(PathBuf, Values), ReadError> {
-    let (layout, notes) = (&description.layout, &mut description.notes);
+/// Where the values are.
+fn place_of(path: &Path, header: &Header, description: &Description) -> Result<Place, ReadError> {
     Ok(match &description.data {
-        Data::Attached => {
-            let values = attached(header, layout, source, len, notes);
-            (
-                path.to_owned(),
-                values.map_err(|problem| ReadError::new(path, problem))?,
-            )
-        }
-        Data::File(data_file) => {
-            let data_path = companion::data_file(path, data_file)?;
-            let (mut data, data_len) = open_regular(&data_path)?;
-            let values = read_values(layout, &mut data, data_len, notes);
-            let values = values.map_err(|problem| ReadError::new(&data_path, problem))?;
-            (data_path, values)
-        }
-        Data::Files(files) => (path.to_owned(), files.read(path, layout, |layout, _| layout, notes)?),
+        Data::Attached if !header.ended => return Err(ReadError::new(path, Problem::NoData)),
+        Data::Attached => Place::File(path.to_owned(), header.len),
+        Data::File(data_file) => Place::File(companion::data_file(path, data_file)?, 0),
+        Data::Files(files) => Place::Files(path.to_owned(), files.clone()),
     })
 }
 
@@ -159,20 +120,6 @@ fn describe(source: &mut impl BufRead) -> Result<(Header, Description), Problem>
     surplus::leave_out(&mut header)?;
     let description = interpret(&header)?;
     Ok((header, description))
-}
-
-/// Reads data that follow the header in the same file of `file_len` bytes.
-fn attached(
-    header: &Header,
-    layout: &Layout,
-    source: &mut impl BufRead,
-    file_len: u64,
-    notes: &mut Vec<String>,
-) -> Result<Values, Problem> {
-    if !header.ended {
-        return Err(Problem::NoData);
-    }
-    read_values(layout, source, file_len.saturating_sub(header.len), notes)
 }
 
 impl Description {

@@ -126,16 +126,19 @@ pub fn read_colours(path: &Path, choice: &Choice) -> Result<Option<Colours>, Rea
     let (mut source, _) = open_regular(path)?;
     let start = source.fill_buf().map_err(Problem::io("read the file"));
     match Format::of(start.map_err(|problem| ReadError::new(path, problem))?, path) {
-        Some(Format::Nrrd) => match nrrd::read_colours(path)? {
-            None => Ok(None),
-            Some(colours) => {
-                choice.check_single().map_err(|problem| ReadError::new(path, problem))?;
-                Ok(Some(colours))
-            }
-        },
+        Some(Format::Nrrd) => single(nrrd::read_colours(path)?, path, choice),
+        Some(Format::Nifti) => single(nifti::read_colours(path)?, path, choice),
         Some(Format::Tiff) => tiff::read_colours(path, choice),
         _ => Ok(None),
     }
+}
+
+/// The colours of a file that holds no more than one volume.
+fn single(colours: Option<Colours>, path: &Path, choice: &Choice) -> Result<Option<Colours>, ReadError> {
+    if colours.is_some() {
+        choice.check_single().map_err(|problem| ReadError::new(path, problem))?;
+    }
+    Ok(colours)
 }
 
 /// Reads a folder: a DICOM series, or TIFF slices.

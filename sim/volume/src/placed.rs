@@ -3,11 +3,13 @@
 //! NRRD, MetaImage, NIfTI and raw files all end here: the values are read whole ([`Placed::read`]) or stay where they are
 //! ([`on_disk`](crate::on_disk)).
 
+use std::collections::HashMap;
 use std::io::{BufRead, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::axes::Directions;
 use super::choice::NanRule;
+use super::colours::Colours;
 use super::error::{Problem, ReadError};
 use super::files::DataFiles;
 use super::open::open_regular;
@@ -59,17 +61,36 @@ impl Placed {
     /// # Errors
     /// [`ReadError`] names the file, what was wrong and what was expected.
     pub fn read(mut self, nan: NanRule) -> Result<Decoded, ReadError> {
-        match self.place.clone() {
+        let (values, fault) = (self.values()?, self.place.path().to_owned());
+        self.finish(values, nan)
+            .map_err(|problem| ReadError::new(&fault, problem))
+    }
+
+    /// Reads the values of a volume of colours, those of a voxel side by side; `keys` are the header's.
+    ///
+    /// # Errors
+    /// As [`Placed::read`].
+    pub fn read_colours(mut self, keys: HashMap<String, String>) -> Result<Colours, ReadError> {
+        let values = self.values()?;
+        let fail = |problem: Problem| ReadError::new(self.place.path(), problem);
+        let dims = self.layout.dims.map(|d| d as usize);
+        let colours = Colours::new(self.name, dims, self.spacing, self.layout.components as usize, values);
+        let colours = colours.map_err(|error| fail(error.into()))?.with(keys, self.notes);
+        match self.directions {
+            Some(directions) => colours.along(directions).map_err(fail),
+            None => Ok(colours),
+        }
+    }
+
+    fn values(&mut self) -> Result<Values, ReadError> {
+        match &self.place {
             Place::File(path, start) => {
-                let (mut source, len) = open_at(&path, start)?;
-                let read = self.read_from(&mut source, len, nan);
-                read.map_err(|problem| ReadError::new(&path, problem))
+                let fail = |problem| ReadError::new(path, problem);
+                let (mut source, len) = open_at(path, *start)?;
+                let layout = looked_at(self.layout, self.packed_len, &mut source, len, &mut self.notes);
+                read_values(&layout.map_err(fail)?, &mut source, len, &mut self.notes).map_err(fail)
             }
-            Place::Files(header, files) => {
-                let values = files.read(&header, &self.layout, sniffed, &mut self.notes)?;
-                self.finish(values, nan)
-                    .map_err(|problem| ReadError::new(&header, problem))
-            }
+            Place::Files(header, files) => files.read(header, &self.layout, sniffed, &mut self.notes),
         }
     }
 

@@ -7,7 +7,7 @@ use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use slicecast::lanes::{Kernel, Lanes, Wide};
-use slicecast::table::{Coding, Neighboured};
+use slicecast::table::Coding;
 
 use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::{ROOT_LIMIT, ROOT_SCALE};
@@ -158,7 +158,7 @@ const SLIDING: [u8; 48] = {
 
 /// The values at the codes of eight samples, and the next ones.
 #[inline(always)]
-pub fn look_up(values: &Neighboured, samples: &[i32; 8], coding: Coding) -> [__m256i; 2] {
+pub fn look_up<const N: usize>(values: &[u32; N], samples: &[i32; 8], coding: Coding) -> [__m256i; 2] {
     let samples = samples.as_ptr();
     avx2!({
         // Halves of the first hold pairs 0 1 and 4 5, those of the second the others, so that picking their even
@@ -300,7 +300,7 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn look_up(values: &Neighboured, samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
+    fn look_up<const N: usize>(values: &[u32; N], samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
         let last;
         let samples = match chunk::<_, 8>(samples, at) {
             Some(samples) => samples,

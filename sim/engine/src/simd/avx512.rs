@@ -7,7 +7,7 @@ use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use slicecast::lanes::{Kernel, Lanes, Wide};
-use slicecast::table::{Coding, Neighboured};
+use slicecast::table::Coding;
 
 use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
 use super::root::ROOT_SCALE;
@@ -110,7 +110,7 @@ fn words<const UPPER: u16>() -> __m512i {
 /// # Safety
 /// The processor has AVX-512, and there are 14 samples. (A function: a closure might not be inlined.)
 #[inline(always)]
-unsafe fn every_second_pair(values: &Neighboured, samples: *const i32, coding: Coding) -> __m512 {
+unsafe fn every_second_pair<const N: usize>(values: &[u32; N], samples: *const i32, coding: Coding) -> __m512 {
     // SAFETY: as above.
     unsafe {
         let low = _mm256_set_m128i(
@@ -127,7 +127,7 @@ unsafe fn every_second_pair(values: &Neighboured, samples: *const i32, coding: C
 
 /// The values at the codes of sixteen samples, and the next ones.
 #[inline(always)]
-pub fn look_up(values: &Neighboured, samples: &[i32; 16], coding: Coding) -> [__m512i; 2] {
+pub fn look_up<const N: usize>(values: &[u32; N], samples: &[i32; 16], coding: Coding) -> [__m512i; 2] {
     let samples = samples.as_ptr();
     avx512!({
         // Their even elements, two from a quarter of each, are the values in order.
@@ -301,7 +301,7 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn look_up(values: &Neighboured, samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
+    fn look_up<const N: usize>(values: &[u32; N], samples: &[i32], at: usize, coding: Coding) -> [Self; 2] {
         let last;
         let samples = match chunk::<_, 16>(samples, at) {
             Some(samples) => samples,

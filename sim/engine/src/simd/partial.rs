@@ -11,8 +11,7 @@ use std::arch::x86_64::{
 };
 
 use slicecast::composite::Unorm16;
-use slicecast::table::ENTRIES;
-use slicecast::table::{Coding, Neighboured};
+use slicecast::table::Coding;
 
 /// The values at the codes of two neighbouring samples, each with the next one behind it. Loads, not a gather, which takes
 /// longer; the samples are loaded together.
@@ -20,21 +19,22 @@ use slicecast::table::{Coding, Neighboured};
 /// # Safety
 /// The processor has BMI1 and SSE2, and there are two samples.
 #[inline(always)]
-pub unsafe fn neighbours(values: &Neighboured, samples: *const i32, coding: Coding) -> __m128i {
-    const CODE_BITS: u32 = ENTRIES.ilog2();
+pub unsafe fn neighbours<const N: usize>(values: &[u32; N], samples: *const i32, coding: Coding) -> __m128i {
+    const { assert!((N - 1).is_power_of_two()) };
+    let code_bits = const { (N - 1).ilog2() };
     // SAFETY: there are two samples, in the order of x86-64.
     let pair = unsafe { samples.cast::<u64>().read_unaligned() };
     let pair = pair.wrapping_add(coding.offset as u64 * ((1 << 32) + 1));
     // SAFETY: the processor has BMI1.
     let (first, second) = unsafe {
         (
-            _bextr2_u32(pair as u32, (CODE_BITS << 8) + coding.bits),
-            _bextr2_u64(pair, u64::from((CODE_BITS << 8) + 32 + coding.bits)),
+            _bextr2_u32(pair as u32, (code_bits << 8) + coding.bits),
+            _bextr2_u64(pair, u64::from((code_bits << 8) + 32 + coding.bits)),
         )
     };
     let first = values.as_ptr().wrapping_add(first as usize);
     let second = values.as_ptr().wrapping_add(second as usize);
-    // SAFETY: the processor has SSE2; behind the value of every code of 12 bits there is one more.
+    // SAFETY: the processor has SSE2; behind the value of every code of so many bits there is one more.
     unsafe {
         let low = _mm_castsi128_pd(_mm_loadl_epi64(first.cast()));
         _mm_castpd_si128(_mm_loadh_pd(low, second.cast()))

@@ -55,6 +55,7 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
         pieces: 1,
+        colours: None,
         surfaces: Vec::new(),
     }
 }

@@ -124,6 +124,7 @@ fn scene(transfer: TransferFunction) -> Scene {
         early_termination: None,
         classification: Classification::Point,
         pieces: 1,
+        colours: None,
         surfaces: Vec::new(),
     }
 }

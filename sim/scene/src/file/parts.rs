@@ -9,8 +9,8 @@ use crate::check::{
 };
 use crate::colour::Colour;
 use crate::{
-    AlphaCodeName, Blend, Borders, Classification, Face, Frame, Highlight, Image, Interpolation, Light, Lighting,
-    LookupName, Point, PrecisionName, Sampling, Scene, Surface, TransferFunction, View,
+    AlphaCodeName, Blend, Borders, Classification, ColourOpacity, Colours, Face, Frame, Highlight, Image,
+    Interpolation, Light, Lighting, LookupName, Point, PrecisionName, Sampling, Scene, Surface, TransferFunction, View,
 };
 
 /// A whole scene file.
@@ -24,6 +24,7 @@ pub(super) struct SceneFile {
     #[serde(default)]
     sampling: SamplingPart,
     transfer: Option<TransferPart>,
+    colours: Option<ColoursPart>,
     #[serde(default)]
     surface: Vec<SurfacePart>,
     lighting: Option<LightingPart>,
@@ -61,6 +62,22 @@ struct SamplingPart {
 struct TransferPart {
     unit_distance: Option<f64>,
     points: Vec<PointPart>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ColoursPart {
+    alpha_distance: Option<f64>,
+    tau_max: Option<f64>,
+    opacity: Option<OpacityPart>,
+}
+
+/// A number, or a rule's name.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum OpacityPart {
+    Number(f64),
+    Text(String),
 }
 
 #[derive(Deserialize)]
@@ -129,11 +146,17 @@ impl SceneFile {
             (false, None) => Classification::None,
         };
         let classification = self.render.classification.unwrap_or(unstated);
+        let colours = self.colours.map(ColoursPart::into_colours).transpose()?;
         let transfer = match self.transfer {
+            Some(_) if colours.is_some() => {
+                let expected = "one of [transfer], which classifies values, and [colours]";
+                return Err(FieldError::new("transfer", "given beside [colours]", expected));
+            }
             Some(transfer) => transfer.into_transfer()?,
+            None if colours.is_some() => TransferFunction::clear(),
             None if classification == Classification::None => TransferFunction::clear(),
             None => {
-                let expected = "a table, or [[surface]]s alone";
+                let expected = "a table, or [[surface]]s alone, or [colours] of a volume of colours";
                 return Err(FieldError::new("transfer", "missing", expected));
             }
         };
@@ -155,6 +178,25 @@ impl SceneFile {
             classification,
             pieces,
             surfaces,
+            colours,
+        })
+    }
+}
+
+impl ColoursPart {
+    fn into_colours(self) -> Result<Colours, FieldError> {
+        let opacity = |part| match part {
+            OpacityPart::Number(opacity) => Ok(ColourOpacity::Constant(opacity)),
+            OpacityPart::Text(text) if text == "luminance" => Ok(ColourOpacity::Luminance),
+            OpacityPart::Text(text) => {
+                let expected = "\"luminance\", or a number from 0 to 1";
+                Err(FieldError::new("colours.opacity", format!("{text:?}"), expected))
+            }
+        };
+        Ok(Colours {
+            alpha_distance: self.alpha_distance,
+            tau_max: self.tau_max,
+            opacity: self.opacity.map(opacity).transpose()?,
         })
     }
 }

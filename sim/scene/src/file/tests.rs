@@ -454,3 +454,54 @@ fn surfaces_are_read_with_their_defaults() {
         .to_string();
     assert!(missing.contains("`transfer` is missing"), "{missing}");
 }
+
+/// What is said of a volume of colours, and what has no place beside it.
+#[test]
+fn scenes_of_colours() {
+    let scene = |text: &str| parse(text, "c.toml").map_err(|error| error.to_string());
+    let read = scene("[colours]\nalpha_distance = 2.5\ntau_max = 4\nopacity = \"luminance\"\n").unwrap();
+    let stated = crate::Colours {
+        alpha_distance: Some(2.5),
+        tau_max: Some(4.0),
+        opacity: Some(crate::ColourOpacity::Luminance),
+    };
+    assert_eq!((read.colours, read.lighting), (Some(stated), None));
+    let constant = scene("[colours]\nopacity = 0.25\n")
+        .unwrap()
+        .colours
+        .and_then(|colours| colours.opacity);
+    assert_eq!(constant, Some(crate::ColourOpacity::Constant(0.25)));
+    assert_eq!(scene("[colours]\n").unwrap().colours, Some(crate::Colours::default()));
+    for (text, words) in [
+        (
+            "[colours]\nopacity = \"dark\"",
+            "`colours.opacity` is \"dark\", expected \"luminance\"",
+        ),
+        ("[colours]\nopacity = 1.5", "`colours.opacity` is 1.5, expected"),
+        (
+            "[colours]\nalpha_distance = 0",
+            "`colours.alpha_distance` is 0, expected",
+        ),
+        ("[colours]\ntau_max = 1e9", "`colours.tau_max` is 1e9, expected"),
+        ("[colours]\ncolour = 1", "unknown field `colour`"),
+        (
+            "[colours]\n[transfer]\npoints = []",
+            "`transfer` is given beside [colours]",
+        ),
+        (
+            "[colours]\n[[surface]]\nvalue = 1",
+            "`surface` is given, expected nothing beside [colours]",
+        ),
+        (
+            "[colours]\n[render]\ntable = \"sqrt8\"",
+            "`render.table` is given, expected nothing beside [colours]",
+        ),
+        (
+            "[colours]\n[render]\nclassification = \"auto\"",
+            "`render.classification` is given",
+        ),
+    ] {
+        let error = scene(text).unwrap_err();
+        assert!(error.contains(words), "{text}: {error}");
+    }
+}

@@ -18,6 +18,8 @@ const LEN_2: usize = 540;
 pub(super) struct Header {
     pub dims: [u64; 3],
     pub value_type: ValueType,
+    /// Values of a voxel: 1, or 3 or 4 of colours.
+    pub components: u64,
     pub endian: Endian,
     /// Whether the data follow in the same file.
     pub attached: bool,
@@ -133,6 +135,7 @@ impl Header {
         Self {
             dims: dims([0, 1, 2, 3, 4, 5, 6, 7].map(|i| fields.i16(40 + 2 * i)), &mut notes)?,
             value_type: value_type(fields.i16(70))?,
+            components: components(fields.i16(70)),
             endian: fields.endian,
             attached,
             data_offset: offset as u64,
@@ -161,6 +164,7 @@ impl Header {
         Self {
             dims: dims([0, 1, 2, 3, 4, 5, 6, 7].map(|i| fields.i64(16 + 8 * i)), &mut notes)?,
             value_type: value_type(fields.i16(12))?,
+            components: components(fields.i16(12)),
             endian: fields.endian,
             attached,
             data_offset,
@@ -250,10 +254,24 @@ fn dims([count, sides @ ..]: [i64; 8], notes: &mut Vec<String>) -> Result<[u64; 
     Ok(dims)
 }
 
+/// Datatype of red, green, blue, 8 bits each.
+const RGB: i64 = 128;
+/// And of an opacity besides.
+const RGBA: i64 = 2304;
+
+/// Values of a voxel by its datatype.
+const fn components(code: i64) -> u64 {
+    match code {
+        RGB => 3,
+        RGBA => 4,
+        _ => 1,
+    }
+}
+
 /// The number type of a datatype code.
 fn value_type(code: i64) -> Result<ValueType, Problem> {
     Ok(match code {
-        2 => ValueType::U8,
+        2 | RGB | RGBA => ValueType::U8,
         4 => ValueType::I16,
         8 => ValueType::I32,
         16 => ValueType::F32,
@@ -267,7 +285,7 @@ fn value_type(code: i64) -> Result<ValueType, Problem> {
             return Err(Problem::Unsupported {
                 format: NAME,
                 found: format!("datatype {other}"),
-                expected: "2, 4, 8, 16, 64, 256, 512, 768, 1024 or 1280 (real numbers of one component)",
+                expected: "2, 4, 8, 16, 64, 256, 512, 768, 1024 or 1280 (real numbers of one component), 128 or 2304 (colours)",
             });
         }
     })

@@ -97,6 +97,39 @@ fn the_qform_counts_without_an_sform() {
     assert_eq!(metres.spacing(), [2000.0, 3000.0, 4000.0]);
 }
 
+/// RGB24 and RGBA32: colours side by side, turned as a whole, without the slope.
+#[test]
+fn colours_are_read_beside_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("colours.nii.gz");
+    let written = |datatype: i16, bits: i16, data: &[u8]| {
+        let changes = [
+            (70, &datatype.to_le_bytes()[..]),
+            (72, &bits.to_le_bytes()),
+            (112, &2.0_f32.to_le_bytes()),
+        ];
+        let mut bytes = file(&changes);
+        bytes.truncate(352);
+        bytes.extend(data);
+        std::fs::write(&path, gzip(&bytes)).unwrap();
+        read_colours(&path)
+    };
+    for (datatype, components) in [(128, 3), (2304, 4)] {
+        let data: Vec<u8> = (0..6 * components as u8).collect();
+        let colours = written(datatype, 8 * components as i16, &data).unwrap().unwrap();
+        assert_eq!((colours.dims(), colours.components()), ([2, 3, 1], components));
+        assert_eq!(colours.spacing(), [2.0, 3.0, 4.0]);
+        assert!(matches!(colours.orientation(), Orientation::Patient { .. }));
+        // From RAS to LPS x and y change sides, the values of a voxel stay together.
+        let turned: Vec<u8> = data.chunks(components).rev().flatten().copied().collect();
+        assert_eq!(*colours.values(), Values::U8(turned));
+    }
+    let error = written(128, 24, &[0; 17]).unwrap_err().to_string();
+    assert!(error.contains("has 17 bytes of data"), "{error}");
+    std::fs::write(&path, gzip(&file(&[]))).unwrap();
+    assert_eq!(read_colours(&path).unwrap(), None);
+}
+
 #[test]
 fn other_files_are_refused_by_the_field_at_fault() {
     for (at, value, expected) in [
@@ -117,7 +150,13 @@ fn other_files_are_refused_by_the_field_at_fault() {
             &[0, 1, 0, 1, 0, 1],
             "has 12 bytes of data after the 352 skipped, expected 33554432",
         ),
-        (70, &[128, 0], "datatype 128 is not read"),
+        (70, &[32, 0], "datatype 32 is not read"),
+        (
+            70,
+            &[128, 0],
+            "a volume of 3 colours a voxel is not read, expected one value a voxel",
+        ),
+        (70, &[0, 9], "a volume of 4 colours a voxel is not read"),
         (108, &f32::NAN.to_le_bytes(), "vox_offset is NaN"),
         (108, &0.0_f32.to_le_bytes(), "vox_offset is 0, expected 352 or more"),
         (

@@ -1,0 +1,141 @@
+//! Volumes of colour and extinction on a device: the dense scene's voxels as entries.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use slicecast_engine::camera::set_up;
+use slicecast_engine::colours::Coloured;
+use slicecast_engine::frame::Layer;
+use slicecast_engine::rendering::in_memory_order;
+use slicecast_engine::simd::Simd;
+use slicecast_firmware_shared::scene::{colour_entry, colour_medium};
+use slicecast_firmware_shared::sum::Sum;
+use slicecast_pyramid::volume::{RgbaVolume, Voxels};
+use slicecast_scene::{PrecisionName, Scene};
+use slicecast_volume::values::Orientation;
+
+use crate::images::{execute, parse};
+use crate::line;
+use crate::machines::Machine;
+use crate::reference::places;
+use crate::scenes::{Kind, Named};
+use crate::shell::{Failure, fail};
+
+/// How many times the instructions of a point, unlit, a sample of colours may take on a Cortex-M4.
+const RATIO_MAX: f64 = 1.6;
+
+/// What the host knows.
+#[derive(Debug)]
+pub struct Colours {
+    scene: &'static str,
+    places: u64,
+    /// By precision.
+    images: [(PrecisionName, u32); 2],
+}
+
+/// The sum of the image of a scene's entries.
+fn image(named: &Named, precision: PrecisionName) -> Result<(u32, u64), Failure> {
+    let words = |error: &dyn std::error::Error| Failure(format!("{}, colours: {error}", named.name));
+    let scene = Scene {
+        precision,
+        ..named.of_kind(Kind::COMPACT_UNLIT)
+    };
+    let entries = named.volume.voxels.iter().map(|code| colour_entry(*code).to_le_bytes());
+    let volume = RgbaVolume {
+        name: named.name.to_owned(),
+        dims: named.volume.dims,
+        spacing: named.volume.spacing,
+        orientation: Orientation::Unknown,
+        tau_max: 1.0,
+        alpha_distance: None,
+        voxels: Voxels::Entries(entries.collect()),
+    };
+    let prepared = Coloured {
+        setup: set_up(&scene, &volume).map_err(|e| words(&e))?,
+        medium: colour_medium().map_err(|e| words(&e))?,
+        scene: &scene,
+        volume: &volume,
+        simd: Simd::widest(),
+    };
+    let frame = prepared.render(Layer::Tiles(32), &|_, _| ()).map_err(|e| words(&e))?;
+    let plan = &prepared.setup.plan;
+    let mut sum = Sum::new();
+    in_memory_order(&frame.base, plan.sampling().rays_per_voxel as usize).for_each(|bits| sum.word(bits));
+    Ok((sum.get(), places(plan)))
+}
+
+impl Colours {
+    /// Renders what devices will render.
+    ///
+    /// # Errors
+    /// If the scene cannot be rendered.
+    pub fn new(scenes: &[Named]) -> Result<Self, Failure> {
+        let Some(dense) = scenes.iter().find(|named| named.name == "dense") else {
+            return fail("there is no dense scene");
+        };
+        let (compact, places) = image(dense, PrecisionName::Compact)?;
+        let (wide, _) = image(dense, PrecisionName::Wide)?;
+        Ok(Self {
+            scene: dense.name,
+            places,
+            images: [(PrecisionName::Compact, compact), (PrecisionName::Wide, wide)],
+        })
+    }
+
+    /// Rust source of the sums.
+    pub fn source(&self) -> String {
+        let images = self.images.map(|(_, image)| image);
+        let mut out = String::new();
+        let _ = writeln!(
+            out,
+            "/// The sums of the images of colours, compact and wide.\npub static COLOURS_EXPECTED: [u32; 2] = {images:?};"
+        );
+        out
+    }
+
+    /// Holds a machine to the host, and prints what it costs; returns the number of failures.
+    ///
+    /// # Errors
+    /// If the program does not run.
+    pub fn check(&self, programs: &Path, machine: &Machine) -> Result<u32, Failure> {
+        let finished = execute(machine, &programs.join("colours"), true)?;
+        let report = parse(&finished.out)?;
+        let mut failed = 0;
+        for (precision, host) in self.images {
+            let case = |way: &str| {
+                let name = format!("{way} {} {} unlit", self.scene, precision.name());
+                report.cases.iter().find(|case| case.name == name)
+            };
+            let (Some(points), Some(colours)) = (case("points"), case("colours")) else {
+                return fail("the program did not report its cases");
+            };
+            let each = |instructions: Option<u64>| instructions.unwrap_or(u64::MAX) as f64 / self.places as f64;
+            let [of_points, of_colours] = [points, colours].map(|case| each(case.instructions));
+            let ratio = of_colours / of_points;
+            let verdict = if colours.sums.image != host {
+                Some(format!("found {:08x}", colours.sums.image))
+            } else if machine.core == "Cortex-M4" && precision == PrecisionName::Compact && ratio > RATIO_MAX {
+                Some(format!(
+                    "{ratio:.2} times the instructions of a point, more than {RATIO_MAX}"
+                ))
+            } else {
+                None
+            };
+            failed += line(
+                machine,
+                &format!("colours {} {}", self.scene, precision.name()),
+                &format!("{host:08x}"),
+                verdict,
+            );
+            let memory = |case: &crate::images::Case| case.memory.map_or(0, |parts| parts.iter().sum::<u64>());
+            println!(
+                "    instructions a sample: points {of_points:.1}, colours {of_colours:.1}, {ratio:.2} times; memory {} and {}",
+                memory(points),
+                memory(colours)
+            );
+        }
+        let verdict = (!finished.passed || !report.verdict).then(|| "its own verdict: fail".to_owned());
+        failed += line(machine, "colours exit", "", verdict);
+        Ok(failed)
+    }
+}

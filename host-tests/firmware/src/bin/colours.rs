@@ -1,0 +1,121 @@
+//! Volumes of colour and extinction: the dense scene's voxels as entries, streamed and composited by one factor, beside the same
+//! scene by points. Prints the sums of the images and what the frames cost.
+#![no_std]
+#![no_main]
+
+use semihosting::println;
+use slicecast::composite::{ChannelFormat, Recurrence, Unorm16, Weighted};
+use slicecast::extinction::Given;
+use slicecast::plane::{ChannelOf, Rgba};
+use slicecast::precision::{Compact, Precision, Wide};
+use slicecast::shade::Unlit;
+use slicecast::stream::{Memory, Needs, Stream};
+use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
+use slicecast_firmware::memory::{Reserved, with_image};
+use slicecast_firmware::scenes::{COLOURS_EXPECTED, DENSE};
+use slicecast_firmware::stack;
+use slicecast_firmware_shared::image;
+use slicecast_firmware_shared::scene::{Model, PipelineOf, colour_entry, colour_medium, pipeline};
+use slicecast_firmware_shared::sum::Sum;
+use static_cell::ConstStaticCell;
+
+#[cfg(target_arch = "arm")]
+use cortex_m_rt::entry;
+#[cfg(target_arch = "riscv32")]
+use riscv_rt::entry;
+
+/// Pixels of the largest base plane.
+const PIXELS: usize = 128 * 128;
+
+/// Rows of scratch memory of four channels, and one to spare.
+const SCRATCH: usize = 13 * 66;
+
+static NARROW: ConstStaticCell<Reserved<Unorm16, { 8 * 64 * 64 }, 256, SCRATCH, { 4 * PIXELS }>> =
+    ConstStaticCell::new(Reserved::new(Unorm16(0)));
+static BROAD: ConstStaticCell<Reserved<u32, 0, 0, 0, { 4 * PIXELS }>> = ConstStaticCell::new(Reserved::new(0));
+static ENTRIES: ConstStaticCell<[u32; 64 * 64]> = ConstStaticCell::new([0; 64 * 64]);
+
+#[entry]
+fn main() -> ! {
+    stack::paint();
+    start_counter();
+    let narrow = NARROW.take();
+    let broad = BROAD.take().lend().image;
+    let entries = ENTRIES.take();
+    by_points::<Compact>(narrow.lend());
+    let compact = by_colours(Compact, narrow.lend(), entries);
+    by_points::<Wide>(with_image(narrow.lend(), broad));
+    let wide = by_colours(Wide, with_image(narrow.lend(), broad), entries);
+    println!("stack {}", stack::high_water());
+    finish([compact, wide] == COLOURS_EXPECTED)
+}
+
+/// A frame of the dense scene by points.
+#[inline(never)]
+fn by_points<P: Model>(memory: Memory<'_, ChannelOf<P>>) {
+    println!("case points {} {} unlit", DENSE.name, P::NAME);
+    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline::<P, Unlit>(DENSE)) else {
+        println!("error the scene is out of range");
+        return;
+    };
+    memory_of(Needs::of::<PipelineOf<'_, P, Unlit>>(&plan));
+    let Ok(mut stream) = Stream::new(plan, &pipeline, memory) else {
+        println!("error too little memory");
+        return;
+    };
+    let [width, height, _] = plan.dims();
+    let mut total = 0u64;
+    for slice in DENSE.voxels.chunks_exact((width * height) as usize) {
+        let before = ticks();
+        let pushed = stream.push(slice);
+        total += u64::from(ticks_between(before, ticks()));
+        if pushed.is_err() {
+            println!("error slice refused");
+        }
+    }
+    println!("instructions {}", total * instructions_a_tick());
+}
+
+/// A frame of the dense scene's entries; the sum of its image.
+#[inline(never)]
+fn by_colours<P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>>(
+    precision: P,
+    memory: Memory<'_, ChannelOf<P>>,
+    entries: &mut [u32],
+) -> u32 {
+    println!("case colours {} {} unlit", DENSE.name, P::NAME);
+    let (Ok(plan), Ok(medium)) = (DENSE.plan(), colour_medium()) else {
+        println!("error the scene is out of range");
+        return 0;
+    };
+    memory_of(Needs::of::<Rgba<P>>(&plan));
+    let Ok(mut stream) = Stream::new(plan, Rgba::new(precision, medium), memory) else {
+        println!("error too little memory");
+        return 0;
+    };
+    let [width, height, _] = plan.dims();
+    let mut total = 0u64;
+    for slice in DENSE.voxels.chunks_exact((width * height) as usize) {
+        let entries = entries.get_mut(..slice.len()).unwrap_or(&mut []);
+        for (entry, code) in entries.iter_mut().zip(slice) {
+            *entry = colour_entry(*code);
+        }
+        let before = ticks();
+        let pushed = stream.push(Given::Entries { entries, low: None });
+        total += u64::from(ticks_between(before, ticks()));
+        if pushed.is_err() {
+            println!("error slice refused");
+        }
+    }
+    println!("instructions {}", total * instructions_a_tick());
+    let mut sum = Sum::new();
+    image::add_rows(&mut sum, stream.image());
+    println!("image {:08x}", sum.get());
+    sum.get()
+}
+
+/// Prints the bytes that a stream is lent.
+fn memory_of(needs: Needs) {
+    let [slices, ranges, scratch, image] = needs.bytes();
+    println!("memory {slices} {ranges} {scratch} {image}");
+}

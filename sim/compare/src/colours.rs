@@ -1,0 +1,73 @@
+//! Volumes of colour and extinction beside the f64 model, on the same voxels.
+
+use slicecast_engine::colours::Coloured;
+use slicecast_engine::error::RenderError;
+use slicecast_engine::frame::Layer;
+use slicecast_engine::image::Frame;
+use slicecast_engine::rendering::Progress;
+use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_model::{Absorbing, Affine, Geometry, Lattice, ModelImage, Positions};
+use slicecast_scene::Interpolation;
+
+use crate::image::{ImageFigures, base_figures, picture_figures};
+use crate::{ModelPositions, pipeline_positions};
+
+/// What a comparison found.
+#[derive(Clone, Debug)]
+pub struct ColourComparison {
+    /// Errors of the base-plane image.
+    pub image: ImageFigures,
+    /// Errors of the viewer's 8-bit picture against the model's own, warped in f64.
+    pub picture: ImageFigures,
+    /// The pipeline's frame.
+    pub frame: Frame,
+    /// The model's base-plane image.
+    pub model: ModelImage,
+}
+
+/// The model of a prepared scene, on the pipeline's lattice of rays.
+pub fn model<'a>(prepared: &Coloured<'a>, positions: ModelPositions) -> Absorbing<'a> {
+    let Coloured {
+        scene, volume, setup, ..
+    } = prepared;
+    let (plan, volume) = (setup.plan, *volume);
+    let n = plan.sampling().rays_per_voxel as usize;
+    let lattice = Lattice {
+        origin: plan.origin().map(i64::from),
+        size: plan.base().map(|side| side as usize * n),
+    };
+    let forward = scene.view.axes().forward;
+    let geometry = Geometry::new(forward, volume.dims, volume.spacing, scene.sampling).with_borders(scene.borders);
+    let positions = match positions {
+        ModelPositions::Exact => Positions::Exact,
+        ModelPositions::Pipeline => Positions::Given(Box::new(pipeline_positions(plan))),
+    };
+    let [nx, ny, _] = volume.dims;
+    let voxel = move |[x, y, z]: [usize; 3]| volume.voxels.codes(x + nx * (y + ny * z)).map(|code| volume.tau(code));
+    Absorbing::new(geometry, lattice, positions, voxel).with_nearest(scene.interpolation == Interpolation::Nearest)
+}
+
+/// Compares a scene's pipeline with the model.
+///
+/// # Errors
+/// [`RenderError`] if the scene cannot be rendered.
+pub fn compare_colours(
+    prepared: &Coloured<'_>,
+    positions: ModelPositions,
+    progress: Progress<'_>,
+) -> Result<ColourComparison, RenderError> {
+    let frame = prepared.render(Layer::Tiles(TILE_ROWS), progress)?;
+    let model = model(prepared, positions).render();
+    let [origin, right, down] = prepared.setup.picture.affine;
+    let map = Affine {
+        u: [origin[0], right[0], down[0]],
+        v: [origin[1], right[1], down[1]],
+    };
+    let picture = model.warp(frame.picture.size.map(|side| side as usize), map);
+    Ok(ColourComparison {
+        image: base_figures(&frame.base, &model),
+        picture: picture_figures(&frame.picture, &picture, prepared.scene.image.background),
+        frame,
+        model,
+    })
+}

@@ -1,0 +1,276 @@
+//! A scene on a volume of colour and extinction, and the frame that it renders to.
+//!
+//! Voxels are decoded once, along the view: 8 bytes each. Whole rows are folded; what has no extinction is left out by core.
+
+use rayon::prelude::*;
+use slicecast::composite::{ChannelFormat, Recurrence, Weighted};
+use slicecast::extinction::{Medium, MediumError, Rgba15};
+use slicecast::plan::Plan;
+use slicecast::plane::Rgba;
+use slicecast::precision::{Compact, Precision, Wide};
+use slicecast::slice::{RowRange, Slice, SliceError};
+use slicecast::view::{Axis, View};
+use slicecast_pyramid::volume::RgbaVolume;
+use slicecast_scene::check::shown;
+use slicecast_scene::{Blend, PrecisionName, Scene};
+
+use crate::camera::{Setup, Shape, set_up};
+use crate::error::RenderError;
+use crate::frame::Layer;
+use crate::image::{Frame, base_image, new_image};
+use crate::picture;
+use crate::rendering::Progress;
+use crate::simd::Simd;
+use crate::stream::fold_stream;
+use crate::tiles::fold_tiles;
+
+impl From<&RgbaVolume> for Shape {
+    fn from(volume: &RgbaVolume) -> Self {
+        Self {
+            dims: volume.dims,
+            spacing: volume.spacing,
+        }
+    }
+}
+
+/// Why a volume of colour and extinction is not rendered as a scene asks.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ColourError {
+    /// A precision without such pixels.
+    #[error("volumes of colours are not rendered in paper, expected --precision compact or wide")]
+    Paper,
+    /// Another order, or no compositing.
+    #[error("volumes of colours are composited from front to back, expected no other --blend")]
+    Blend,
+    /// Light.
+    #[error("volumes of colours are rendered without light, and the scene is lit; --unlit leaves it out")]
+    Lit,
+    /// A step that is opaque, so that its depth has no number.
+    #[error(
+        "a step of {} through the largest extinction, {} per unit of length, has the optical depth {}, expected at most 15; \
+         a smaller --tau-max or more --planes make it less", shown(*.step), shown(*.tau_max), shown(.step * .tau_max)
+    )]
+    Opaque {
+        /// Length of a step, in the unit of the spacing.
+        step: f64,
+        /// The volume's largest extinction.
+        tau_max: f64,
+    },
+}
+
+/// The scale of a volume's extinctions over a step.
+///
+/// # Errors
+/// [`ColourError::Opaque`] for an optical depth above 15.
+pub fn medium(tau_max: f64, step: f64) -> Result<Medium, ColourError> {
+    let scale = tau_max * step * 268_435_456.0 / 32767.0;
+    let scaled = |exponent: u32| (scale * f64::from(exponent).exp2()).round();
+    // The mantissa has 31 bits, or as many as the largest exponent leaves.
+    let exponent = (14..=35).rev().find(|n| scaled(*n) < 2_147_483_648.0);
+    let medium = exponent
+        .ok_or(MediumError::Opaque)
+        .and_then(|n| Medium::new(scaled(n) as u32, n));
+    medium.map_err(|_| ColourError::Opaque { step, tau_max })
+}
+
+/// The codes of a volume as a view reads them, with room for what is measured of them.
+#[derive(Clone, Debug)]
+pub struct TurnedColours {
+    words: Vec<u16>,
+    /// Width and height of a slice.
+    size: [usize; 2],
+    reversed: bool,
+    /// Of each row of each slice.
+    ranges: Vec<RowRange>,
+}
+
+impl TurnedColours {
+    /// A volume under a view.
+    pub fn new(volume: &RgbaVolume, view: &View) -> Self {
+        let [nx, ny, nz] = volume.dims;
+        let (strides, [width, height, depth]) = match view.major() {
+            Axis::Z => ([1, nx, nx * ny], [nx, ny, nz]),
+            Axis::Y => ([1, nx * ny, nx], [nx, nz, ny]),
+            Axis::X => ([nx, nx * ny, 1], [ny, nz, nx]),
+        };
+        let mut words = vec![0; 4 * width * height * depth];
+        words.par_chunks_mut(4 * width).enumerate().for_each(|(row, words)| {
+            let first = row % height * strides[1] + row / height * strides[2];
+            for i in 0..width {
+                let [red, green, blue, extinction] = volume.voxels.codes(first + i * strides[0]);
+                for (run, code) in [extinction, red, green, blue].into_iter().enumerate() {
+                    words[run * width + i] = code;
+                }
+            }
+        });
+        Self {
+            words,
+            size: [width, height],
+            reversed: view.reversed(),
+            ranges: vec![RowRange::EMPTY; height * depth],
+        }
+    }
+
+    /// Measures the slices, in the order in which the view meets them.
+    ///
+    /// # Errors
+    /// [`SliceError`] if a code is above 32767, or a colour above its extinction.
+    pub fn slices(&mut self) -> Result<Vec<Slice<'_, Rgba15>>, SliceError> {
+        let [width, height] = self.size;
+        let ranges = self.ranges.par_chunks_mut(height);
+        let slices = self.words.par_chunks(4 * width * height).zip(ranges);
+        let mut slices = slices
+            .map(|(words, ranges)| Slice::of_codes(words, width, height, ranges))
+            .collect::<Result<Vec<_>, _>>()?;
+        if self.reversed {
+            slices.reverse();
+        }
+        Ok(slices)
+    }
+}
+
+/// A scene on a volume of colour and extinction, ready to be rendered.
+#[derive(Clone, Debug)]
+pub struct Coloured<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The volume.
+    pub volume: &'a RgbaVolume,
+    /// Geometry and picture.
+    pub setup: Setup,
+    /// The scale of its extinctions.
+    pub medium: Medium,
+    /// Which vectors fold tiles.
+    pub simd: Simd,
+}
+
+impl<'a> Coloured<'a> {
+    /// Prepares a scene.
+    ///
+    /// # Errors
+    /// [`RenderError`] if the scene does not fit the pipeline.
+    pub fn new(scene: &'a Scene, volume: &'a RgbaVolume) -> Result<Self, RenderError> {
+        let refused = match scene {
+            Scene {
+                precision: PrecisionName::Paper,
+                ..
+            } => Some(ColourError::Paper),
+            Scene {
+                blend: Blend::BackToFront | Blend::Maximum | Blend::Minimum,
+                ..
+            } => Some(ColourError::Blend),
+            Scene { lighting: Some(_), .. } => Some(ColourError::Lit),
+            _ => None,
+        };
+        if let Some(refused) = refused {
+            return Err(refused.into());
+        }
+        let setup = set_up(scene, volume)?;
+        Ok(Self {
+            medium: medium(volume.tau_max, setup.step_length)?,
+            scene,
+            volume,
+            setup,
+            simd: Simd::widest(),
+        })
+    }
+
+    /// The same, with these vectors.
+    #[must_use]
+    pub fn with_simd(self, simd: Simd) -> Self {
+        Self { simd, ..self }
+    }
+
+    /// Renders the frame. `progress` is told how many steps of how many are done (tiles, or slices of a stream).
+    ///
+    /// # Errors
+    /// [`RenderError`]; nothing is rendered then.
+    pub fn render(&self, layer: Layer, progress: Progress<'_>) -> Result<Frame, RenderError> {
+        let mut turned = TurnedColours::new(self.volume, self.setup.plan.view());
+        self.render_slices(&turned.slices()?, layer, progress)
+    }
+
+    /// Renders the frame from slices as its view meets them.
+    ///
+    /// # Errors
+    /// As [`Coloured::render`].
+    pub fn render_slices(
+        &self,
+        slices: &[Slice<'_, Rgba15>],
+        layer: Layer,
+        progress: Progress<'_>,
+    ) -> Result<Frame, RenderError> {
+        match self.scene.precision {
+            PrecisionName::Paper => Err(ColourError::Paper.into()),
+            PrecisionName::Compact => self.frame(Compact, slices, layer, progress),
+            PrecisionName::Wide => self.frame(Wide, slices, layer, progress),
+        }
+    }
+
+    fn frame<P>(
+        &self,
+        p: P,
+        slices: &[Slice<'_, Rgba15>],
+        layer: Layer,
+        progress: Progress<'_>,
+    ) -> Result<Frame, RenderError>
+    where
+        P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
+    {
+        let plan: &Plan = &self.setup.plan;
+        let mut pipeline = Rgba::new(p, self.medium);
+        if let Some(bits) = self.scene.early_termination {
+            pipeline = pipeline.with_early_termination(bits);
+        }
+        let mut image = new_image(plan, &pipeline)?;
+        match layer {
+            Layer::Tiles(rows) => fold_tiles(
+                plan,
+                &pipeline,
+                (slices, None),
+                &mut image,
+                rows.into(),
+                self.simd,
+                progress,
+            ),
+            Layer::Stream => fold_stream(plan, &pipeline, slices, &mut image, progress, None)?,
+        }
+        let behind = self.scene.image.background;
+        Ok(Frame {
+            base: base_image(plan, &pipeline, &image),
+            picture: picture::of_image(plan, &pipeline, &image, (&self.setup.picture, behind), self.simd),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// M 2^-N is the scale to half a unit of M, and M has 31 bits but for the thinnest.
+    #[test]
+    fn media_are_the_nearest() {
+        for exponent in -60..12 {
+            for share in [1.0, 1.2, 1.6, 1.875] {
+                let depth = f64::from(exponent).exp2() * share;
+                let made = medium(depth, 1.0);
+                if depth > 15.0 {
+                    assert_eq!(
+                        made,
+                        Err(ColourError::Opaque {
+                            step: 1.0,
+                            tau_max: depth
+                        })
+                    );
+                    continue;
+                }
+                let absorption = made.unwrap().absorption(0, slicecast::borders::WHOLE);
+                let unit = (-f64::from(absorption.shift)).exp2();
+                let away = f64::from(absorption.scale) * unit - depth * 268_435_456.0 / 32767.0;
+                assert!(away.abs() <= 0.500_001 * unit, "{depth}");
+                assert!(absorption.shift == 35 || absorption.scale >> 30 == 1, "{depth}");
+            }
+        }
+        assert!(medium(f64::MAX, 1e300).is_err());
+    }
+}
