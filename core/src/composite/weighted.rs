@@ -47,12 +47,22 @@ impl Weighted for Dithered {
         let ([t, red, green, blue], [r, g, b]) = (sample, pixel.colour);
         Pixel {
             colour: [
-                r + (red.product(h) + offset).shr(n + 13).narrow(),
-                g + (green.product(h) + offset).shr(n + 13).narrow(),
-                b + (blue.product(h) + offset).shr(n + 13).narrow(),
+                r + taken(red.product(h) + offset, n),
+                g + taken(green.product(h) + offset, n),
+                b + taken(blue.product(h) + offset, n),
             ],
-            transparency: pixel.transparency - (t.product(h) + offset).shr(n + 13).narrow(),
+            transparency: pixel.transparency - taken(t.product(h) + offset, n),
         }
+    }
+}
+
+/// `sum >> (n + 13)`. With 12 fraction bits n is at least 26, and a single lane looks at the upper half alone.
+#[inline(always)]
+fn taken<V: Lanes>(sum: V::Wide, n: u32) -> V {
+    if V::COUNT == 1 {
+        sum.shr(32).narrow().shr_unsigned(n - 19)
+    } else {
+        sum.shr(n + 13).narrow()
     }
 }
 

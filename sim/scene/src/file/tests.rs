@@ -482,7 +482,7 @@ fn scenes_of_colours() {
             "[colours]\nalpha_distance = 0",
             "`colours.alpha_distance` is 0, expected",
         ),
-        ("[colours]\ntau_max = 1e9", "`colours.tau_max` is 1e9, expected"),
+        ("[colours]\ntau_max = 1e9", "`colours.tau_max` is 1000000000, expected"),
         ("[colours]\ncolour = 1", "unknown field `colour`"),
         (
             "[colours]\n[transfer]\npoints = []",
