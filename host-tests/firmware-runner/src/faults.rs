@@ -40,8 +40,8 @@ const FAULTS: [Fault; 13] = [
     Fault {
         what: "a position truncated",
         file: "core/src/locate.rs",
-        from: "Position::from_bits(((exact + (1 << 15)) >> 16) as i32)",
-        to: "Position::from_bits((exact >> 16) as i32)",
+        from: "k as i64 * step.to_bits();\n    Position::from_bits(((exact + (1 << 15)) >> 16) as i32)",
+        to: "k as i64 * step.to_bits();\n    Position::from_bits((exact >> 16) as i32)",
         finder: Finder::Bits("location"),
     },
     Fault {

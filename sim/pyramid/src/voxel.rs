@@ -10,8 +10,7 @@
 //! | vt         | 0.15          | 0 ..= 32767            | tau / tau_max, 32767 is 1                  |
 //! | vk         | 0.15          | 0 ..= vt               | colour k times tau, on the scale of vt     |
 //!
-//! `vt = (q16² + 2^16) >> 17`, `vk = (257 O vt + 2^15) >> 16`. Rounding: nearest. Overflow: q16² + 2^16 <= 4294901761 < 2^32, and
-//! 65535 · 32767 + 2^15 < 2^31. vt <= 32767; vk <= vt, and vk = vt where O is 255: by exhaustion.
+//! The formulas of vt and vk, their ranges and why vk <= vt are core's: `slicecast::extinction`, docs/contract/extinction.md.
 
 /// Red, green, blue and the root of extinction.
 pub type Entry = [u8; 4];
@@ -20,20 +19,8 @@ pub type Entry = [u8; 4];
 /// [`MAX_CODE`].
 pub type Codes = [u16; 4];
 
-/// The code of the largest extinction.
-pub const MAX_CODE: u16 = 32767;
-
-/// The code of an extinction, from its root in 16 bits.
-pub const fn extinction(root: u16) -> u16 {
-    // At most 4294901761, and 15 bits behind the shift.
-    (((root as u32).pow(2) + (1 << 16)) >> 17) as u16
-}
-
-/// The code of a colour times an extinction.
-pub const fn weighted(extinction: u16, colour: u8) -> u16 {
-    // At most 2^31 - 2^15 for 15 bits of extinction.
-    ((extinction as u32 * (257 * colour as u32) + (1 << 15)) >> 16) as u16
-}
+// What core's slices hold: one arithmetic.
+pub use slicecast::extinction::{MAX_CODE, extinction, weighted};
 
 /// The codes of an entry.
 pub const fn decode([red, green, blue, root]: Entry) -> Codes {
@@ -80,25 +67,6 @@ pub fn root(share: f64) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Every root and colour: `vk <= vt <= 32767`, white is exact, black is nothing, and both rise.
-    #[test]
-    fn no_colour_exceeds_its_extinction() {
-        let mut last = 0;
-        for root in 0..=u16::MAX {
-            let tau = extinction(root);
-            assert!((last..=MAX_CODE).contains(&tau), "root {root}");
-            last = tau;
-            let mut before = 0;
-            for colour in 0..=u8::MAX {
-                let weighted = weighted(tau, colour);
-                assert!((before..=tau).contains(&weighted), "root {root}, colour {colour}");
-                before = weighted;
-            }
-            assert_eq!([weighted(tau, 0), weighted(tau, 255)], [0, tau], "root {root}");
-        }
-        assert_eq!([extinction(0), extinction(u16::MAX)], [0, MAX_CODE]);
-    }
 
     /// Half an ulp of each rounding, over every root and colour.
     #[test]

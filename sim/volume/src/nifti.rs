@@ -45,14 +45,7 @@ pub(super) fn place(path: &Path) -> Result<Placed, ReadError> {
         return Ok(placed);
     }
     let (header, data_path) = located(path)?;
-    if header.components != 1 {
-        let problem = Problem::Unsupported {
-            format: NAME,
-            found: format!("a volume of {} colours a voxel", header.components),
-            expected: "one value a voxel; `render`, `compare` and `pyramid` take colours",
-        };
-        return Err(ReadError::new(&data_path, problem));
-    }
+    check_one_value(&header).map_err(|problem| ReadError::new(&data_path, problem))?;
     placed(&header, data_path, path.display().to_string())
 }
 
@@ -112,6 +105,7 @@ pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, 
         let fault = "is a header without data (magic `ni1` or `ni2`), expected both in one file here";
         return Err(fail(Problem::format(NAME, fault)));
     }
+    check_one_value(&header).map_err(fail)?;
     let mut source = Cursor::new(bytes);
     let placed = described(&header, name.into(), packed, name.to_owned()).map_err(fail)?;
     placed
@@ -150,6 +144,18 @@ fn header_of(source: &mut impl BufRead, packed: bool) -> Result<Header, Problem>
     } else {
         Header::read(source)
     }
+}
+
+/// Refuses colours.
+fn check_one_value(header: &Header) -> Result<(), Problem> {
+    if header.components == 1 {
+        return Ok(());
+    }
+    Err(Problem::Unsupported {
+        format: NAME,
+        found: format!("a volume of {} colours a voxel", header.components),
+        expected: "one value a voxel; `render`, `compare` and `pyramid` take colours",
+    })
 }
 
 /// A header's word, of values in a file that begins with as many other bytes as it says.
