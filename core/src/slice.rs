@@ -276,11 +276,12 @@ impl<'a, X: Voxel> Slice<'a, X> {
         self.voxels.get(start..start + X::WORDS * self.width).unwrap_or(&[])
     }
 
-    /// Some of its columns, with the ranges of whole rows.
+    /// Some of its columns: few, whose ranges are found when they are asked for.
     pub(crate) fn columns(self, columns: Range<usize>) -> Self {
         Self {
             voxels: self.voxels.get(columns.start..).unwrap_or(&[]),
             width: columns.len(),
+            ranges: &[],
             ..self
         }
     }
@@ -305,7 +306,14 @@ impl<'a, X: Voxel> Slice<'a, X> {
     /// The range of a row; [`RowRange::EMPTY`] where there is none.
     #[inline]
     pub fn range(&self, row: usize) -> RowRange {
-        self.ranges.get(row).copied().unwrap_or(RowRange::EMPTY)
+        self.ranges.get(row).copied().unwrap_or_else(|| self.range_of_few(row))
+    }
+
+    /// The range of a row of few columns.
+    #[cold]
+    #[inline(never)]
+    fn range_of_few(&self, row: usize) -> RowRange {
+        RowRange::of(self.row(row))
     }
 }
 

@@ -183,6 +183,8 @@ pub(super) struct Parts<'a> {
     plane: &'a Plane,
     /// Column and row that the next part begins with, or an earlier one.
     next: [u32; 2],
+    /// Both sides of exact borders, once they are found.
+    axes: Option<[Axis; 2]>,
 }
 
 impl<'a> Parts<'a> {
@@ -191,6 +193,7 @@ impl<'a> Parts<'a> {
             plan,
             plane,
             next: [0; 2],
+            axes: None,
         }
     }
 
@@ -297,17 +300,20 @@ fn narrow(samples: &mut [Samples<'_>], voxels: u32) {
 fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Samples<'w>> {
     let (plan, Plane { index, phase, x, y, z }) = (parts.plan, *parts.plane);
     let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
-    let [start_i, start_j] = plan.start(phase);
-    let axes = [
-        Axis::of(Side::of(plan, start_i, 0, index), [x; 2], width, columns),
-        Axis::of(Side::of(plan, start_j, 1, index), [y; 2], height, rows),
-    ];
+    let axes = parts.axes.take().unwrap_or_else(|| {
+        let [start_i, start_j] = plan.start(phase);
+        [
+            Axis::of(Side::of(plan, start_i, 0, index), [x; 2], width, columns),
+            Axis::of(Side::of(plan, start_j, 1, index), [y; 2], height, rows),
+        ]
+    });
     let (bands, part) = parts.next_of(&axes, Part::WHOLE)?;
     let mut samples = [Samples {
         extent: extent(&axes, &bands, part, [x, y, z]),
         window: *window,
         whole_rows: true,
     }];
+    parts.axes = Some(axes);
     let [column, _] = &bands;
     if column.edge {
         narrow(&mut samples, width);
@@ -321,11 +327,13 @@ fn exact_segments<'w>(parts: &mut Parts<'_>, window: &Window<'w>, lit: bool) -> 
     let (index, phase) = (back.index.checked_sub(1)?, back.phase);
     let front = end_plane(plan, phase, index);
     let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
-    let [start_i, start_j] = plan.start(phase);
-    let axes = [
-        Axis::of(Side::behind(plan, start_i, 0, index), [front.x, back.x], width, columns),
-        Axis::of(Side::behind(plan, start_j, 1, index), [front.y, back.y], height, rows),
-    ];
+    let axes = parts.axes.take().unwrap_or_else(|| {
+        let [start_i, start_j] = plan.start(phase);
+        [
+            Axis::of(Side::behind(plan, start_i, 0, index), [front.x, back.x], width, columns),
+            Axis::of(Side::behind(plan, start_j, 1, index), [front.y, back.y], height, rows),
+        ]
+    });
     let (bands, part) = parts.next_of(&axes, along_k(plan, index))?;
     let end = |place| {
         let extent = extent(&axes, &bands, part, cut(plan, phase, index, place));
@@ -336,6 +344,7 @@ fn exact_segments<'w>(parts: &mut Parts<'_>, window: &Window<'w>, lit: bool) -> 
         })
     };
     let mut ends = [end(part.from)?, end(part.to)?];
+    parts.axes = Some(axes);
     let [column, row] = &bands;
     if column.edge {
         narrow(&mut ends, width);
