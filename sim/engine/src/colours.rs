@@ -48,7 +48,7 @@ pub enum ColourError {
     /// A step that is opaque, so that its depth has no number.
     #[error(
         "a step of {} through the largest extinction, {} per unit of length, has the optical depth {}, expected at most 15; \
-         a smaller --tau-max or more --planes make it less", shown(*.step), shown(*.tau_max), shown(.step * .tau_max)
+         a smaller --tau-max or more --planes make it less", brief(*.step), brief(*.tau_max), brief(.step * .tau_max)
     )]
     Opaque {
         /// Length of a step, in the unit of the spacing.
@@ -56,6 +56,11 @@ pub enum ColourError {
         /// The volume's largest extinction.
         tau_max: f64,
     },
+}
+
+/// Four digits of a number.
+fn brief(value: f64) -> String {
+    shown(format!("{value:.3e}").parse().unwrap_or(value))
 }
 
 /// The scale of a volume's extinctions over a step.

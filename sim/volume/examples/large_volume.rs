@@ -21,7 +21,7 @@ fn code([x, y, z]: [i64; 3]) -> u16 {
     if inside <= 0 {
         return 0;
     }
-    let grain = (x * 73 ^ y * 179 ^ z * 283) & 63;
+    let grain = ((x * 73) ^ (y * 179) ^ (z * 283)) & 63;
     inside.min(384).wrapping_mul(9).saturating_add(grain).min(4095) as u16
 }
 
