@@ -109,7 +109,7 @@ pub trait Lanes:
     }
     /// The table's values at the codes of the samples `at ..` of a row, and the next ones; samples of 0 behind its end. From
     /// the row in memory, because taking a vector apart costs a host more than loading its parts.
-    /// Of a table of another length than [`Neighboured`] so many low bits of a code count as it takes; `N` is one more than a power
+    /// Of a table of another length than [`Neighboured`](crate::table::Neighboured) so many low bits of a code count as it takes; `N` is one more than a power
     /// of two.
     fn look_up<const N: usize>(values: &[u32; N], samples: &[i32], at: usize, coding: Coding) -> [Self; 2];
 
