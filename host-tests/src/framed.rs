@@ -73,7 +73,13 @@ impl Framed<'_> {
         match set.stage {
             "location" => self.location(place("plane"), place("phase")),
             "interpolation" => self.second.outputs("interpolation", &inputs),
-            "opacity" => self.classified(inputs.get("sample"))[..1].to_vec(),
+            "opacity" => {
+                let opacity = self.classified(inputs.get("sample"))[0];
+                let at = [place("column"), place("row")];
+                let fraction = self.fraction(place("plane"), place("phase"), at);
+                assert_eq!(fraction, inputs.get("fraction"), "the fraction at {at:?}");
+                vec![self.second.of_fraction(opacity, fraction)]
+            }
             "colour" => self.classified(inputs.get("sample"))[1..].to_vec(),
             "gradient" => {
                 let at = [place("column"), place("row")];
@@ -97,23 +103,73 @@ impl Framed<'_> {
 
     /// x, y, z of a plane and phase.
     fn positions(&self, plane: i128, phase: i128) -> [i128; 3] {
-        let rays = self.get("rays_per_voxel");
         let nearest = self.get("nearest") == 1;
-        let along = |origin: i128, part: i128, step: &str| {
-            let start = (origin << 32) + (2 * (part << 32) + rays) / (2 * rays);
-            self.second.position(start, self.get(step), plane, nearest)
+        let [start_i, start_j] = self.starts(phase);
+        let along = |start: i128, step: &str| match self.get("borders") {
+            0 => self.second.position(start, self.get(step), plane, nearest),
+            kind => {
+                let rate = self.get("planes_per_voxel");
+                self.second
+                    .middle(start, self.get(step), plane, rate, kind == 1, nearest)
+            }
         };
-        [
-            along(self.get("origin_i"), phase % rays, "step_i"),
-            along(self.get("origin_j"), phase / rays, "step_j"),
-            along(0, 0, "step_k"),
-        ]
+        let [x, y, z] = [along(start_i, "step_i"), along(start_j, "step_j"), along(0, "step_k")];
+        if self.get("borders") == 0 {
+            return [x, y, z];
+        }
+        // Held along k as a plane, along i and j pixel by pixel.
+        [x, y, z.clamp(0, (self.get("side_k") - 1) << 16)]
+    }
+
+    /// Where the rays of a phase begin.
+    fn starts(&self, phase: i128) -> [i128; 2] {
+        let rays = self.get("rays_per_voxel");
+        let start = |origin: &str, part: i128| (self.get(origin) << 32) + (2 * (part << 32) + rays) / (2 * rays);
+        [start("origin_i", phase % rays), start("origin_j", phase / rays)]
+    }
+
+    /// The parts of a pixel's segment along i and j, of exact borders.
+    fn part(&self, plane: i128, phase: i128, axis: usize, pixel: i128) -> [i128; 2] {
+        let (step, side) = [("step_i", "side_i"), ("step_j", "side_j")][axis];
+        let (rate, cells) = (self.get("planes_per_voxel"), self.get("borders") == 1);
+        let start = self.starts(phase)[axis];
+        self.second
+            .part(start, self.get(step), plane, pixel, rate, self.get(side), cells)
+    }
+
+    /// What of a pixel's segment its sample counts for.
+    fn fraction(&self, plane: i128, phase: i128, pixel: [i128; 2]) -> i128 {
+        if self.get("borders") == 0 {
+            return 65536;
+        }
+        let [i, j] = [0, 1].map(|axis| self.part(plane, phase, axis, pixel[axis]));
+        (i[1].min(j[1]) - i[0].max(j[0])).max(0)
+    }
+
+    /// The pixels along an axis that have something of their segments between the faces.
+    fn between(&self, plane: i128, phase: i128, axis: usize) -> [i128; 2] {
+        let pixels = self.get(["columns", "rows"][axis]);
+        let counts = |pixel: &i128| {
+            let [from, to] = self.part(plane, phase, axis, *pixel);
+            to > from
+        };
+        let all: Vec<i128> = (0..pixels).filter(counts).collect();
+        match (all.first(), all.last()) {
+            (Some(first), Some(last)) => [*first, last + 1],
+            _ => [pixels, pixels],
+        }
     }
 
     fn location(&self, plane: i128, phase: i128) -> Vec<i128> {
         let [x, y, z] = self.positions(plane, phase);
-        let columns = self.second.extent(x, self.get("side_i"), self.get("columns"));
-        let rows = self.second.extent(y, self.get("side_j"), self.get("rows"));
+        let [columns, rows] = if self.get("borders") == 0 {
+            [
+                self.second.extent(x, self.get("side_i"), self.get("columns")),
+                self.second.extent(y, self.get("side_j"), self.get("rows")),
+            ]
+        } else {
+            [0, 1].map(|axis| self.between(plane, phase, axis))
+        };
         [&[x, y, z][..], &columns, &rows, &self.second.dither(plane)].concat()
     }
 
@@ -185,8 +241,14 @@ impl Framed<'_> {
     }
 
     fn gradient(&self, positions: [i128; 3], [column, row]: [i128; 2]) -> Vec<i128> {
-        let cells = [0, 1, 2].map(|axis| (positions[axis] >> 16) + [column, row, 0][axis]);
-        let weights = positions.map(|position| position & 0xffff);
+        let mut own = [0, 1, 2].map(|axis| positions[axis] + ([column, row, 0][axis] << 16));
+        if self.get("borders") != 0 {
+            for (position, side) in own.iter_mut().zip(["side_i", "side_j", "side_k"]) {
+                *position = (*position).clamp(0, (self.get(side) - 1) << 16);
+            }
+        }
+        let cells = own.map(|position| position >> 16);
+        let weights = own.map(|position| position & 0xffff);
         let sample = |di: i128, dj: i128, value: &dyn Fn([i128; 3]) -> i128| {
             let at = |k: usize, j: usize, i: usize| {
                 value([

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use slicecast::borders::Borders;
 use slicecast_host_tests::found::{departures, mutations, table};
 use slicecast_host_tests::frame::{Frame, fine_table_of};
 use slicecast_host_tests::framed::first_departure;
@@ -103,7 +104,26 @@ fn frames() -> Vec<Frame> {
             Frame {
                 blend: Blend::Minimum,
                 direction: [7, 2, -3],
-                ..lit
+                ..lit.clone()
+            },
+            Frame {
+                borders: Borders::Cells,
+                ..lit.clone()
+            },
+            Frame {
+                borders: Borders::Nodes,
+                rays_per_voxel: 3,
+                direction: [7, -7, -7],
+                ..lit.clone()
+            },
+            Frame {
+                borders: Borders::Cells,
+                ..thin([1, 2, 5], [1, 1, 4])
+            },
+            Frame {
+                borders: Borders::Cells,
+                blend: Blend::Maximum,
+                ..noise.in_precision(precision)
             },
         ]);
     }

@@ -34,8 +34,18 @@ impl Second {
             if direction[axis] < 0 { -magnitude } else { magnitude }
         };
         let (step_i, step_j) = (step(i), step(j));
-        let planes = (sides[major] - 1) * planes_per_voxel + 1;
+        let borders = inputs.get("borders");
+        let rates = [planes_per_voxel, inputs.get("rays_per_voxel")];
+        let planes = match borders {
+            0 => (sides[major] - 1) * planes_per_voxel + 1,
+            1 => sides[major] * planes_per_voxel,
+            _ => (sides[major] - 1) * planes_per_voxel,
+        };
         let base = |axis: usize, step: i128| {
+            if borders != 0 {
+                let [pixels, origin] = self.box_base(step, [sides[axis], planes], rates, borders == 1);
+                return (pixels, origin);
+            }
             let voxel = 1_i128 << 32;
             let n = if self.makes(Mistake::BaseOfExactStep) {
                 ((planes - 1) * size[axis] + scale - 1) / scale

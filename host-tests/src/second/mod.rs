@@ -5,6 +5,7 @@
 //! It also makes mistakes, one at a time and on purpose ([`Mistake`]): vectors that find them all are vectors that a device
 //! can be trusted by.
 
+mod borders;
 mod classification;
 mod compositing;
 mod gradient;
@@ -116,6 +117,8 @@ impl Second {
             "plan" => self.plan(inputs),
             "start" => self.start(inputs),
             "location" => self.location(inputs),
+            "borders" => self.borders(inputs),
+            "fraction" => vec![self.of_fraction(inputs.get("opacity"), inputs.get("fraction"))],
             "dither" => self.dither(inputs.get("plane")).to_vec(),
             "interpolation" => vec![self.interpolation(inputs)],
             "classification" => self.classification(inputs),

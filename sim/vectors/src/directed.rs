@@ -5,6 +5,7 @@
 //! contract that could be read in two ways have vectors on which the readings differ
 //! (`host-tests/src/second/mistakes.rs` lists the readings that must be found).
 
+pub(crate) mod borders;
 pub(crate) mod classification;
 pub(crate) mod compositing;
 pub(crate) mod gradient;
@@ -26,6 +27,8 @@ pub fn sets() -> Vec<Set> {
         location::start(),
         location::location(),
         location::dither(),
+        borders::borders(),
+        borders::power(),
         normalisation::normalisation(),
         normalisation::export(),
         picture::coordinate(),

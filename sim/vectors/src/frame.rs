@@ -5,7 +5,7 @@
 //! | `voxels`, `table` | a word of a memory | | |
 //! | `location` | a plane and phase | | position, columns and rows with samples, offsets |
 //! | `interpolation` | a sample | place, 8 voxels, 3 weights | sample |
-//! | `opacity` | a sample | place, sample | opacity |
+//! | `opacity` | a sample | place, sample, fraction | opacity |
 //! | `colour` | a visible sample | place, sample | colour |
 //! | `gradient` | the same, lit | place | gradient |
 //! | `normal` | the same | place, gradient | g, r |
@@ -19,8 +19,10 @@
 
 use std::ops::Range;
 
+use slicecast::borders::{Borders, Side, WHOLE};
 use slicecast::composite::{Channel as _, Dither, Recurrence};
-use slicecast::locate::{Plane, cell, inside, plane};
+use slicecast::format::Position;
+use slicecast::locate::{Cell, Plane, cell, inside, plane};
 use slicecast::plan::Plan;
 use slicecast::precision::Precision;
 use slicecast::slice::Slice;
@@ -102,19 +104,58 @@ fn samples_of(plan: &Plan, index: u32, rows: &Range<u32>) -> u64 {
 /// Columns and rows of a phase's image that have a sample in a plane.
 fn extent(plan: &Plan, plane: &Plane) -> [Range<u32>; 2] {
     let ([width, height, _], [base_width, base_height]) = (plan.dims(), plan.base());
+    if plan.borders() == Borders::Whole {
+        return [
+            inside(cell(plane.x), width, base_width),
+            inside(cell(plane.y), height, base_height),
+        ];
+    }
+    let [columns, rows] = sides(plan, plane);
+    [between(columns, base_width), between(rows, base_height)]
+}
+
+/// A plane's segments along i and j.
+fn sides(plan: &Plan, plane: &Plane) -> [Side; 2] {
+    let [start_i, start_j] = plan.start(plane.phase);
     [
-        inside(cell(plane.x), width, base_width),
-        inside(cell(plane.y), height, base_height),
+        Side::of(plan, start_i, 0, plane.index),
+        Side::of(plan, start_j, 1, plane.index),
     ]
+}
+
+/// Pixels of whose segments something lies between the faces.
+fn between(side: Side, pixels: u32) -> Range<u32> {
+    let counts = |pixel: &u32| side.part(*pixel).length() > 0;
+    let first = (0..pixels).find(counts).unwrap_or(pixels);
+    first..(first..pixels).rfind(counts).map_or(first, |last| last + 1)
+}
+
+/// What of a pixel's segment a sample counts for, 0.16.
+fn fraction(plan: &Plan, plane: &Plane, [column, row]: [u32; 2]) -> u32 {
+    if plan.borders() == Borders::Whole {
+        return WHOLE;
+    }
+    let [columns, rows] = sides(plan, plane);
+    columns.part(column).fraction(rows.part(row))
+}
+
+/// The cells of a pixel's sample, held to the voxels.
+fn cells(plan: &Plan, plane: &Plane, [column, row]: [u32; 2]) -> [Cell; 3] {
+    let own = [(plane.x, column), (plane.y, row), (plane.z, 0)];
+    let mut sides = plan.dims().into_iter();
+    own.map(|(position, pixel)| {
+        let last = i64::from(sides.next().unwrap_or(1)) - 1;
+        let position = i64::from(position.to_bits()) + (i64::from(pixel) << 16);
+        cell(Position::from_bits(position.clamp(0, last << 16) as i32))
+    })
 }
 
 /// Renders a part of a frame under a tap.
 ///
 /// # Errors
-/// [`RenderError`] as for any frame, and if segments are classified or borders are exact: the sets have one sample an opacity.
+/// [`RenderError`] as for any frame, and if segments are classified: the sets have one sample an opacity.
 pub fn sets(prepared: &Prepared<'_>, part: &Part) -> Result<FrameSets, RenderError> {
     prepared.check_points()?;
-    prepared.check_whole()?;
     let plan = &prepared.setup.plan;
     let mut turned = Turned::new(prepared.volume, plan.view());
     let slices = turned.slices()?;
@@ -240,7 +281,12 @@ impl Sets {
                 interpolation::fields(),
                 sample(),
             ),
-            opacity: set_of_sample("opacity", "opacity of a sample", sample(), opacity()),
+            opacity: set_of_sample(
+                "opacity",
+                "opacity of a sample, of its fraction of a step",
+                [sample(), vec![directed::borders::fraction()]].concat(),
+                opacity(),
+            ),
             colour: set_of_sample("colour", "colour of a visible sample", sample(), colour("colour")),
             gradient: set_of_sample(
                 "gradient",
@@ -381,13 +427,9 @@ impl Recorder<'_> {
 
     /// The eight voxels around a sample and its weights.
     fn around(&self, at: Beam<'_>, offset: usize) -> [i64; 11] {
-        let cells = [at.plane.x, at.plane.y, at.plane.z].map(cell);
+        let cells = cells(self.plan, at.plane, [at.column + offset as u32, at.row]);
         let [width, height, depth] = self.plan.dims();
-        let index = [
-            cells[0].index + at.column as i32 + offset as i32,
-            cells[1].index + at.row as i32,
-            cells[2].index,
-        ];
+        let index = cells.map(|cell| cell.index);
         // Behind the last voxel there is none; its weight is 0.
         let held = |index: i32, side: u32| index.clamp(0, side as i32 - 1) as usize;
         let mut values = [0; 11];
@@ -414,8 +456,10 @@ impl Recorder<'_> {
     fn see_opacities(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.row.opacities = unsigned::<1>(rows).into_iter().flatten().collect();
         for offset in 0..self.row.opacities.len() {
-            let [sample, opacity] = self.row.at(at.column + offset as u32);
-            let inputs = [&self.place(at, offset)[..], &[sample]].concat();
+            let column = at.column + offset as u32;
+            let [sample, opacity] = self.row.at(column);
+            let fraction = fraction(self.plan, at.plane, [column, at.row]);
+            let inputs = [&self.place(at, offset)[..], &[sample, fraction.into()]].concat();
             self.sets.opacity.push(&inputs, &[opacity]);
         }
     }
@@ -538,6 +582,8 @@ fn constants<P: Precision>(p: P, prepared: &Prepared<'_>) -> Vec<(Field, i64)> {
     ));
     all.push((u("rays_per_voxel", 4, "rays"), plan.sampling().rays_per_voxel.into()));
     all.push((u("nearest", 1, "1: samples lie at voxels"), plan.is_nearest().into()));
+    let borders = directed::borders::number(plan.borders());
+    all.push((directed::borders::field(), borders));
     let code = match prepared.table.code {
         AlphaCodeName::Sqrt8 => 0,
         AlphaCodeName::Sqrt16 => 1,

@@ -1,28 +1,35 @@
 //! View, plan, starts, positions, and the dither of a plane.
 
+use slicecast::borders::Borders;
 use slicecast::composite::Dither;
 use slicecast::format::{Direction, Step};
 use slicecast::locate::{cell, inside, position, settled};
 use slicecast::plan::{Phase, Plan, Sampling, Spacing};
 use slicecast::view::{Axis, View};
 
-use super::Numbers;
+use super::{Numbers, borders};
 use crate::set::{Set, s, u, xyz};
 
-fn planned(direction: [i64; 3], dims: [i64; 3], planes: i64, rays: i64) -> Option<Plan> {
+/// The plan of sides along x, y, z, planes and rays per voxel.
+pub(super) fn planned(direction: [i64; 3], dims: [i64; 3], [planes, rays]: [i64; 2], borders: Borders) -> Option<Plan> {
     let view = View::new(direction.map(Direction::from_bits)).ok()?;
     let sampling = Sampling {
         planes_per_voxel: planes as u32,
         rays_per_voxel: rays as u32,
     };
-    Plan::new(view, dims.map(|side| side as u32), Spacing::CUBIC, sampling).ok()
+    let dims = dims.map(|side| side as u32);
+    Plan::with_borders(view, dims, Spacing::CUBIC, sampling, borders).ok()
 }
 
 /// From a direction and the volume's sides to axes, steps and the base plane.
 pub fn plan() -> Set {
     let mut inputs = xyz(&s("direction", 60, "2^-58 of any length")).to_vec();
     inputs.extend(xyz(&u("side", 14, "voxels")));
-    inputs.push(u("planes_per_voxel", 5, "planes"));
+    inputs.extend([
+        u("planes_per_voxel", 5, "planes"),
+        u("rays_per_voxel", 4, "rays"),
+        borders::field(),
+    ]);
     let outputs = vec![
         u("major", 2, "0 x, 1 y, 2 z"),
         u("reversed", 1, "1: slices are read from the far end"),
@@ -38,33 +45,42 @@ pub fn plan() -> Set {
     let mut set = Set::new(None, "plan", "axes, steps and base plane of a view", inputs, outputs);
     let one = 1_i64 << 58;
     let mut push = |direction: [i64; 3], dims: [i64; 3], planes: i64| {
-        let Some(plan) = planned(direction, dims, planes, 1) else {
-            return;
-        };
-        let major = match plan.view().major() {
-            Axis::X => 0,
-            Axis::Y => 1,
-            Axis::Z => 2,
-        };
-        let [step_i, step_j, step_k] = plan.step().map(|step| step.to_bits());
-        let ([columns, rows], [origin_i, origin_j]) = (plan.base().map(i64::from), plan.origin().map(i64::from));
-        let [dx, dy, dz] = direction;
-        let [nx, ny, nz] = dims;
-        set.push(
-            &[dx, dy, dz, nx, ny, nz, planes],
-            &[
-                major,
-                plan.view().reversed().into(),
-                step_i,
-                step_j,
-                step_k,
-                columns,
-                rows,
-                origin_i,
-                origin_j,
-                plan.planes().into(),
-            ],
-        );
+        let cases = [
+            (Borders::Whole, 1),
+            (Borders::Cells, 1),
+            (Borders::Cells, 3),
+            (Borders::Nodes, 1),
+            (Borders::Nodes, 3),
+        ];
+        for (kind, rays) in cases {
+            let Some(plan) = planned(direction, dims, [planes, rays], kind) else {
+                continue;
+            };
+            let major = match plan.view().major() {
+                Axis::X => 0,
+                Axis::Y => 1,
+                Axis::Z => 2,
+            };
+            let [step_i, step_j, step_k] = plan.step().map(|step| step.to_bits());
+            let ([columns, rows], [origin_i, origin_j]) = (plan.base().map(i64::from), plan.origin().map(i64::from));
+            let [dx, dy, dz] = direction;
+            let [nx, ny, nz] = dims;
+            set.push(
+                &[dx, dy, dz, nx, ny, nz, planes, rays, borders::number(kind)],
+                &[
+                    major,
+                    plan.view().reversed().into(),
+                    step_i,
+                    step_j,
+                    step_k,
+                    columns,
+                    rows,
+                    origin_i,
+                    origin_j,
+                    plan.planes().into(),
+                ],
+            );
+        }
     };
     // Along the axes, from both sides; ties of two and of three components, with every sign.
     for z in [-1, 0, 1] {
@@ -118,7 +134,7 @@ pub fn start() -> Set {
     let one = 1 << 50;
     for depth in [1, 2, 100, 8192] {
         for rays in 1..=8 {
-            let Some(plan) = planned([one, 0, one], [2, 2, depth], 1, rays) else {
+            let Some(plan) = planned([one, 0, one], [2, 2, depth], [1, rays], Borders::Whole) else {
                 continue;
             };
             for u in 0..rays {
@@ -149,7 +165,7 @@ pub fn location() -> Set {
     ];
     let about = "position of a plane along an axis, and its pixels inside the volume";
     let mut set = Set::new(None, "location", about, inputs, outputs);
-    let plain = planned([0, 0, 1], [2; 3], 1, 1).expect("a plan");
+    let plain = planned([0, 0, 1], [2; 3], [1, 1], Borders::Whole).expect("a plan");
     let plans = [plain, plain.with_nearest()];
     let mut push = |start: i64, step: i64, plane: i64, side: i64, pixels: i64| {
         for (nearest, plan) in (0..).zip(&plans) {
