@@ -28,9 +28,9 @@ use crate::plan::Plan;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Borders {
     /// Every sample between the first and the last voxel counts as a whole step, and none beyond: Squeeze.
-    #[default]
     Whole,
     /// The box of the voxels' cells, from half a voxel before the first to half a voxel behind the last.
+    #[default]
     Cells,
     /// The box between the first and the last voxel, along each axis.
     Nodes,

@@ -159,7 +159,7 @@ mod tests {
             planes_per_voxel: 4,
             rays_per_voxel: 3,
         };
-        let linear = Plan::new(View::new(direction).unwrap(), [9, 8, 7], Spacing::CUBIC, sampling).unwrap();
+        let linear = Plan::whole(View::new(direction).unwrap(), [9, 8, 7], Spacing::CUBIC, sampling).unwrap();
         let nearest = linear.with_nearest();
         let mut halves = 0;
         for index in 0..linear.planes() {
@@ -212,7 +212,7 @@ mod tests {
         fn the_last_plane_lies_on_the_last_slice(depth in 1u32..=2049, rate in 1u32..=16) {
             let view = View::new([Direction::ZERO, Direction::ZERO, Direction::from_bits(1 << 50)]).unwrap();
             let sampling = Sampling { planes_per_voxel: rate, rays_per_voxel: 1 };
-            let plan = Plan::new(view, [3, 2, depth], Spacing::CUBIC, sampling).unwrap();
+            let plan = Plan::whole(view, [3, 2, depth], Spacing::CUBIC, sampling).unwrap();
             let last = plane(&plan, Phase::default(), plan.planes() - 1);
             prop_assert_eq!(cell(last.z), Cell { index: depth as i32 - 1, weight: Weight::ZERO });
         }

@@ -132,22 +132,32 @@ impl core::fmt::Display for PlanError {
 impl core::error::Error for PlanError {}
 
 impl Plan {
-    /// Plans a frame whose borders are [`Borders::Whole`]: volume sides along x, y, z in voxels, spacing, sampling rates.
+    /// Plans a frame whose borders are [`Borders::Cells`]: volume sides along x, y, z in voxels, spacing, sampling rates.
     ///
-    /// Base plane: one ray per voxel of the first slice and as many more as the shear needs for every voxel of the
-    /// last slice to be crossed; rays start at whole voxels (plus their phase).
+    /// Base plane: the fewest columns and rows that hold all rays that meet the box; rays start at whole voxels (plus their
+    /// phase).
     ///
     /// A `const` plan sizes arrays: `Needs::of` (`stream`) is `const` too, and `Reserved` holds what it counts.
     ///
     /// # Errors
     /// [`PlanError`], with the value that is out of range.
     pub const fn new(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
+        Self::of(view, dims, spacing, sampling, Some(&CELLS))
+    }
+
+    /// [`Plan::new`] with [`Borders::Whole`]. A program all of whose plans are of this kind does not link what exact borders
+    /// need.
+    ///
+    /// Base plane: one ray per voxel of the first slice and as many more as the shear needs for every voxel of the
+    /// last slice to be crossed.
+    ///
+    /// # Errors
+    /// [`PlanError`], with the value that is out of range.
+    pub const fn whole(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
         Self::of(view, dims, spacing, sampling, None)
     }
 
-    /// [`Plan::new`] with a choice of borders.
-    ///
-    /// Base plane: the fewest columns and rows that hold all rays that meet the box.
+    /// [`Plan::new`] with a choice of borders, or [`Plan::whole`].
     ///
     /// # Errors
     /// [`PlanError`], with the value that is out of range.
@@ -158,15 +168,13 @@ impl Plan {
         sampling: Sampling,
         borders: Borders,
     ) -> Result<Self, PlanError> {
-        let exact = match borders {
-            Borders::Whole => None,
-            Borders::Cells => Some(&CELLS),
-            Borders::Nodes => Some(&NODES),
-        };
-        Self::of(view, dims, spacing, sampling, exact)
+        match borders {
+            Borders::Whole => Self::whole(view, dims, spacing, sampling),
+            Borders::Cells => Self::new(view, dims, spacing, sampling),
+            Borders::Nodes => Self::of(view, dims, spacing, sampling, Some(&NODES)),
+        }
     }
 
-    /// A plan of some borders: only who names exact ones refers to what they need.
     const fn of(
         view: View,
         dims: [u32; 3],
@@ -398,7 +406,7 @@ mod tests {
 
     fn plan(direction: [f64; 3], dims: [u32; 3], sampling: Sampling) -> Result<Plan, PlanError> {
         let view = View::new(direction.map(|c| Direction::from_bits((c * (1u64 << 58) as f64) as i64))).unwrap();
-        Plan::new(view, dims, Spacing::CUBIC, sampling)
+        Plan::whole(view, dims, Spacing::CUBIC, sampling)
     }
 
     #[test]
@@ -465,7 +473,7 @@ mod tests {
         let view = View::new([Direction::ZERO, Direction::ZERO, Direction::from_bits(1)]).unwrap();
         let flat = Spacing([Intensity::ONE, Intensity::ZERO, Intensity::ONE]);
         assert_eq!(
-            Plan::new(view, [1; 3], flat, Sampling::default()),
+            Plan::whole(view, [1; 3], flat, Sampling::default()),
             Err(PlanError::Spacing { bits: 0 })
         );
     }

@@ -206,7 +206,7 @@ mod tests {
             planes_per_voxel: 2,
             rays_per_voxel: rays,
         };
-        Plan::new(view, dims, Spacing::CUBIC, sampling).unwrap()
+        Plan::whole(view, dims, Spacing::CUBIC, sampling).unwrap()
     }
 
     #[test]

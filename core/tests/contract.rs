@@ -25,7 +25,7 @@ fn view([x, y, z]: [i64; 3]) -> View {
 /// so that three steps pass two whole voxels; the exact step would end on the second.
 #[test]
 fn the_base_plane_is_as_large_as_the_coded_step_makes_it() {
-    let plan = Plan::new(view([2, 0, 3]), [8, 8, 4], Spacing::CUBIC, Sampling::default()).unwrap();
+    let plan = Plan::whole(view([2, 0, 3]), [8, 8, 4], Spacing::CUBIC, Sampling::default()).unwrap();
     assert_eq!(plan.step()[0].to_bits(), 2_863_311_531);
     assert_eq!((plan.base(), plan.origin()), ([8 + 3, 8], [-3, 0]));
 }
@@ -198,7 +198,7 @@ fn planes_keep_their_dither_back_to_front() {
     let (entries, low) = table(1000, [200, 120, 40], 30_011);
     let table = PointTable::<Sqrt16, Linear>::new(&entries, &low);
     let pipeline = Pipe::new(Compact, table, Unlit);
-    let plan = Plan::new(view([0, 0, 1]), [1, 1, 3], Spacing::CUBIC, Sampling::default()).unwrap();
+    let plan = Plan::whole(view([0, 0, 1]), [1, 1, 3], Spacing::CUBIC, Sampling::default()).unwrap();
     let needs = Needs::of::<Pipe>(&plan);
     let (mut slices, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
     let (mut scratch, mut image) = (vec![0; needs.scratch], vec![Unorm16::default(); needs.image]);

@@ -192,7 +192,7 @@ fn the_base_plane_is_a_picture_too() {
         planes_per_voxel: 1,
         rays_per_voxel: 2,
     };
-    let plan = Plan::new(View::new(direction).unwrap(), [12, 10, 8], Spacing::CUBIC, sampling).unwrap();
+    let plan = Plan::whole(View::new(direction).unwrap(), [12, 10, 8], Spacing::CUBIC, sampling).unwrap();
     let needs = Needs::of::<Pipe>(&plan);
     let (mut slices, mut ranges) = (vec![0; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
     let (mut scratch, mut image) = (vec![0; needs.scratch], vec![Unorm16::default(); needs.image]);

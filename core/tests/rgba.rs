@@ -380,7 +380,7 @@ proptest! {
         };
         let view = View::new([i, j, 1 << 58].map(Direction::from_bits)).unwrap();
         let sampling = Sampling { planes_per_voxel: rate, rays_per_voxel: 1 };
-        let plan = Plan::new(view, [5, 4, 30], Spacing::CUBIC, sampling).unwrap();
+        let plan = Plan::whole(view, [5, 4, 30], Spacing::CUBIC, sampling).unwrap();
         let medium = Medium::new(mantissa, exponent).unwrap();
         for [r, g, b, t] in by_planes::<Compact, i32>(&plan, &Rgba::new(Compact, medium), &volume, 9) {
             prop_assert_eq!([r + t, g + t, b + t], [65535; 3]);
@@ -398,7 +398,7 @@ proptest! {
 #[test]
 fn refused_slices_are_not_taken() {
     let view = View::new([0, 0, 1 << 58].map(Direction::from_bits)).unwrap();
-    let plan = Plan::new(view, [2, 1, 2], Spacing::CUBIC, Sampling::default()).unwrap();
+    let plan = Plan::whole(view, [2, 1, 2], Spacing::CUBIC, Sampling::default()).unwrap();
     let pipeline = Rgba::new(Compact, Medium::new(1 << 30, 20).unwrap());
     let needs = Needs::of::<Rgba<Compact>>(&plan);
     assert_eq!(needs.slices, 2 * 4 * 2);

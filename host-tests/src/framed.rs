@@ -5,7 +5,7 @@ use slicecast_vectors::frame::FrameSets;
 use slicecast_vectors::set::Set;
 
 use crate::found::Inputs;
-use crate::second::{Numbers, Second, Width};
+use crate::second::{Numbers, Rays, Second, Width};
 
 /// A frame's vectors by name.
 struct Framed<'a> {
@@ -107,11 +107,7 @@ impl Framed<'_> {
         let [start_i, start_j] = self.starts(phase);
         let along = |start: i128, step: &str| match self.get("borders") {
             0 => self.second.position(start, self.get(step), plane, nearest),
-            kind => {
-                let rate = self.get("planes_per_voxel");
-                self.second
-                    .middle(start, self.get(step), plane, rate, kind == 1, nearest)
-            }
+            _ => self.second.middle(self.rays(start, step, plane), nearest),
         };
         let [x, y, z] = [along(start_i, "step_i"), along(start_j, "step_j"), along(0, "step_k")];
         if self.get("borders") == 0 {
@@ -131,10 +127,19 @@ impl Framed<'_> {
     /// The parts of a pixel's segment along i and j, of exact borders.
     fn part(&self, plane: i128, phase: i128, axis: usize, pixel: i128) -> [i128; 2] {
         let (step, side) = [("step_i", "side_i"), ("step_j", "side_j")][axis];
-        let (rate, cells) = (self.get("planes_per_voxel"), self.get("borders") == 1);
-        let start = self.starts(phase)[axis];
-        self.second
-            .part(start, self.get(step), plane, pixel, rate, self.get(side), cells)
+        let rays = self.rays(self.starts(phase)[axis], step, plane);
+        self.second.part(rays, pixel, self.get(side))
+    }
+
+    /// Rays at a plane, along the axis of a step.
+    fn rays(&self, start: i128, step: &str, plane: i128) -> Rays {
+        Rays {
+            start,
+            step: self.get(step),
+            plane,
+            rate: self.get("planes_per_voxel"),
+            cells: self.get("borders") == 1,
+        }
     }
 
     /// What of a pixel's segment its sample counts for.

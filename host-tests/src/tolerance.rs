@@ -218,3 +218,27 @@ pub const SEGMENTS: [Allowance; 4] = [
         reason: "a segment whose integral is a few units of its nodes has any colour; weighted by its opacity it is within 81 of 2^-31 (core)",
     },
 ];
+
+/// The lines of samples that differ where borders are exact: other samples, and opacities of fractions.
+pub const CELLS: [Allowance; 1] = [Allowance {
+    stage: Stage::Opacity,
+    precision: PrecisionName::Paper,
+    ulp: 550.0,
+    reason: "as with whole borders, of samples that lie elsewhere; measured",
+}];
+
+/// The same, of segments.
+pub const CELLS_SEGMENTS: [Allowance; 2] = [
+    Allowance {
+        stage: Stage::Opacity,
+        precision: PrecisionName::Compact,
+        ulp: 0.66,
+        reason: "what is left of a segment to half of 2^-16 segment, which an opacity of 1 takes as half a unit: measured",
+    },
+    Allowance {
+        stage: Stage::Opacity,
+        precision: PrecisionName::Wide,
+        ulp: 0.66,
+        reason: "what is left of a segment to half of 2^-16 segment, which an opacity of 1 takes as half a unit: measured",
+    },
+];

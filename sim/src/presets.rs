@@ -120,7 +120,7 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Sce
         } else {
             Interpolation::Linear
         },
-        borders: slicecast_scene::Borders::Whole,
+        borders: slicecast_scene::Borders::default(),
         early_termination: None,
         classification: slicecast_scene::Classification::Point,
         pieces: 1,

@@ -1,11 +1,16 @@
 //! Volumes of one slice, made thick enough to be seen.
 //!
-//! Between the first and the last voxel of an axis of one voxel there is no length that a ray could cross.
+//! Between the first and the last voxel of an axis of one voxel there is no length that a ray could cross. Cells have one.
 
+use slicecast_scene::Borders;
 use slicecast_volume::Volume;
 
-/// Doubles every slice that stands alone, one spacing apart; gives what is to be said about it.
-pub fn thicken(volume: &mut Volume) -> Option<String> {
+/// Doubles every slice that stands alone, one spacing apart, where the volume ends at its outermost voxels; gives what is to
+/// be said about it.
+pub fn thicken(volume: &mut Volume, borders: Borders) -> Option<String> {
+    if borders == Borders::Cells {
+        return None;
+    }
     let single: Vec<usize> = (0..3).filter(|&axis| volume.dims[axis] == 1).collect();
     for &axis in &single {
         let [nx, ny, _] = volume.dims;
@@ -33,7 +38,7 @@ mod tests {
     use super::*;
     use slicecast_volume::Mapping;
 
-    fn thick(dims: [usize; 3]) -> (Vec<u16>, [usize; 3], Option<String>) {
+    fn thick_with(dims: [usize; 3], borders: Borders) -> (Vec<u16>, [usize; 3], Option<String>) {
         let mut volume = Volume {
             name: "t".into(),
             dims,
@@ -44,8 +49,22 @@ mod tests {
                 offset: 0.0,
             },
         };
-        let note = thicken(&mut volume);
+        let note = thicken(&mut volume, borders);
         (volume.voxels, volume.dims, note)
+    }
+
+    fn thick(dims: [usize; 3]) -> (Vec<u16>, [usize; 3], Option<String>) {
+        let whole = thick_with(dims, Borders::Whole);
+        assert_eq!(whole, thick_with(dims, Borders::Nodes));
+        whole
+    }
+
+    #[test]
+    fn a_cell_has_a_thickness() {
+        assert_eq!(
+            thick_with([2, 2, 1], Borders::Cells),
+            ((0..4).collect(), [2, 2, 1], None)
+        );
     }
 
     #[test]

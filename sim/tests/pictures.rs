@@ -177,7 +177,7 @@ fn empty_pictures_say_why_and_what_to_do() {
             "warning: 3 of 3 pictures: the picture shows nothing: opacities are meant for",
         ),
         (
-            "compare slice.nrrd --scene white.toml --elevation 30",
+            "compare slice.nrrd --scene white.toml --borders whole --elevation 30",
             "warning: the picture shows nothing: one slice along z has no thickness",
         ),
         (
@@ -218,16 +218,21 @@ fn one_slice_shows_something_from_every_side() {
         };
         folder.volume("slice.nrrd", dims, "1 1 1", place);
         for angles in ["0 0", "0 10", "0 50", "90 0", "37 -20", "0 90"] {
-            let (azimuth, elevation) = angles.split_once(' ').unwrap();
-            let text = folder.says(&format!(
-                "render slice.nrrd --scene white.toml --azimuth {azimuth} --elevation {elevation} --force"
-            ));
-            assert!(
-                text.contains(&format!("note: one slice along {axis} has no thickness")),
-                "{text}"
-            );
-            let picture = folder.picture("image.png");
-            assert!(picture.share() > 0.01, "{axis}, {angles}: {}", picture.share());
+            for borders in ["cells", "nodes", "whole"] {
+                let (azimuth, elevation) = angles.split_once(' ').unwrap();
+                let text = folder.says(&format!(
+                    "render slice.nrrd --scene white.toml --azimuth {azimuth} --elevation {elevation} --force \
+                     --borders {borders}"
+                ));
+                let noted = text.contains(&format!("note: one slice along {axis} has no thickness"));
+                assert_eq!(noted, borders != "cells", "{borders}: {text}");
+                let picture = folder.picture("image.png");
+                assert!(
+                    picture.share() > 0.01,
+                    "{axis}, {angles}, {borders}: {}",
+                    picture.share()
+                );
+            }
         }
     }
 }
@@ -523,12 +528,19 @@ fn surfaces_are_drawn_alone_or_in_the_volume_with_their_depth() {
     let met = depth.values.iter().filter(|level| **level > 0.0).count() as f64 / (61.0 * 61.0);
     assert!((met - share).abs() < 0.05, "{met} {share}");
     // The ball is nearest in its middle, in front of the middle of the volume.
-    let (centre, nearest) = (
-        depth.values[30 * 61 + 30],
-        depth.values.iter().copied().filter(|level| *level > 0.0),
-    );
-    let nearest = nearest.fold(1.0, f64::min);
-    assert!(centre < 0.1 && centre - nearest < 0.01, "{centre} {nearest}");
+    let middle = |depth: &Picture| {
+        let centre = depth.values[30 * 61 + 30];
+        let met = depth.values.iter().copied().filter(|level| *level > 0.0);
+        let nearest = met.fold(1.0, f64::min);
+        assert!(centre - nearest < 0.01, "{centre} {nearest}");
+        centre
+    };
+    let cells = middle(&depth);
+    render("--surface 500,#ff0000 --depth-map depth.png --borders whole");
+    let whole = middle(&folder.picture("depth.png"));
+    assert!(whole < 0.1, "{whole}");
+    // The box of cells begins half a voxel before, and is 20 voxels deep.
+    assert!((20.0 * cells - 19.0 * whole - 0.5).abs() < 0.02, "{cells} {whole}");
 
     let faint = render("--surface 500,#ff0000,0.25");
     assert!(red.difference(&faint.values) > 60.0);

@@ -43,7 +43,7 @@ fn change(place: &Place, name: &str, line: usize, change: impl Fn(&str) -> Strin
 fn directed_vectors_come_back_and_a_fault_is_named() {
     let place = Place::new();
     let [out, err] = place.succeeds("vectors --directed --format hex -o v");
-    assert!(out.contains("55 sets") && err.contains("MB of files"), "{out} {err}");
+    assert!(out.contains("57 sets") && err.contains("MB of files"), "{out} {err}");
     let manifest: serde_json::Value =
         serde_json::from_slice(&fs::read(place.path("v/manifest.json")).unwrap()).unwrap();
     let sets = manifest["sets"].as_array().unwrap();
@@ -73,7 +73,7 @@ fn directed_vectors_come_back_and_a_fault_is_named() {
     }
     let [out, _] = place.succeeds("vectors --directed --compare v");
     assert!(
-        out.contains("55 sets") && out.contains("all as the pipeline has them"),
+        out.contains("57 sets") && out.contains("all as the pipeline has them"),
         "{out}"
     );
 

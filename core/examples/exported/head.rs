@@ -116,14 +116,14 @@ pub fn stream(memory: &mut Memory) -> Result<Stream<'_, Pipeline>, Error> {
 }
 
 /// Columns and rows of the picture.
-pub const PICTURE: [u32; 2] = [185, 124];
+pub const PICTURE: [u32; 2] = [188, 125];
 
 /// Where its pixels look at the base plane.
 #[rustfmt::skip]
 pub const WARP: Warp = Warp {
-    origin: [Step::from_bits(0), Step::from_bits(483819379192)],
-    right: [Step::from_bits(2319587352), Step::from_bits(436272890)],
-    down: [Step::from_bits(0), Step::from_bits(-4351596552)],
+    origin: [Step::from_bits(-3913454115), Step::from_bits(485799110674)],
+    right: [Step::from_bits(2324229845), Step::from_bits(437146060)],
+    down: [Step::from_bits(0), Step::from_bits(-4360305970)],
 };
 
 /// What is behind it.

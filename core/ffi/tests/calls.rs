@@ -166,7 +166,7 @@ fn from_rust_over<C: Classifier<Compact>>(data: &Data, table: C, change: impl Fn
         planes_per_voxel: 2,
         rays_per_voxel: 2,
     };
-    let plan = change(Plan::new(view, DIMS, Spacing(scene.spacing.map(Intensity::from_bits)), sampling).unwrap());
+    let plan = change(Plan::whole(view, DIMS, Spacing(scene.spacing.map(Intensity::from_bits)), sampling).unwrap());
     let lights = data.lights.map(|l| Light {
         direction: l.direction.map(Vector::from_bits),
         half: l.half.map(Vector::from_bits),
@@ -583,7 +583,7 @@ fn warps_of_views_are_cores() {
         planes_per_voxel: 2,
         rays_per_voxel: 2,
     };
-    let plan = Plan::new(view, DIMS, Spacing(scene.spacing.map(Intensity::from_bits)), sampling).unwrap();
+    let plan = Plan::whole(view, DIMS, Spacing(scene.spacing.map(Intensity::from_bits)), sampling).unwrap();
     let expected = Screen {
         size: screen.size,
         right: screen.right.map(Step::from_bits),

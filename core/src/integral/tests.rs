@@ -363,7 +363,7 @@ proptest! {
         let Ok(view) = View::new(direction.map(Direction::from_bits)) else { return Ok(()) };
         let sampling = Sampling { planes_per_voxel, rays_per_voxel: 1 };
         let spacing = Spacing(factors.map(Intensity::from_bits));
-        let plan = Plan::new(view, [4, 5, 6], spacing, sampling).unwrap();
+        let plan = Plan::whole(view, [4, 5, 6], spacing, sampling).unwrap();
         let (length, exact) = (Length::of(&plan), measured(&plan));
         prop_assert!((value(length) / exact - 1.0).abs() < 1.5e-9 + 1.0 / f64::from(length.scaled), "{length:?} {exact}");
         prop_assert!(length.bits == 27 || length.scaled > 1 << 31);
@@ -380,7 +380,7 @@ fn lengths_of_simple_views() {
         ([1, 0, -1], 2f64.sqrt()),
     ] {
         let view = View::new(direction.map(|c: i64| Direction::from_bits(c << 58))).unwrap();
-        let plan = Plan::new(view, [9; 3], Spacing::CUBIC, Sampling::default()).unwrap();
+        let plan = Plan::whole(view, [9; 3], Spacing::CUBIC, Sampling::default()).unwrap();
         let length = Length::of(&plan);
         assert_eq!(length.bits, 27);
         assert!((value(length) - exact).abs() < 5e-9, "{} {exact}", value(length));

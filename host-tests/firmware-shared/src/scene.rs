@@ -117,7 +117,7 @@ impl SceneData {
             rays_per_voxel,
         };
         let spacing = Spacing(self.spacing.map(Intensity::from_bits));
-        Plan::new(view, self.dims, spacing, sampling).map_err(SceneError::Plan)
+        Plan::whole(view, self.dims, spacing, sampling).map_err(SceneError::Plan)
     }
 
     /// The map to the viewer's picture.

@@ -37,6 +37,21 @@ fn left(y: i128) -> i128 {
     ((1 << 31) - taken) >> (y >> 24)
 }
 
+/// The rays of a phase along an axis, at a plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays {
+    /// Where pixel 0's begins.
+    pub start: i128,
+    /// From plane to plane.
+    pub step: i128,
+    /// The plane's number.
+    pub plane: i128,
+    /// Planes per voxel.
+    pub rate: i128,
+    /// Whether the box is that of cells.
+    pub cells: bool,
+}
+
 impl Second {
     /// Columns or rows of the base plane, and where the first lies, of a box with exact borders.
     pub(super) fn box_base(
@@ -63,13 +78,16 @@ impl Second {
         [((faces - b - down) >> 33) - origin + 1, origin]
     }
 
-    /// The position in the middle of a segment.
-    pub fn middle(&self, start: i128, step: i128, plane: i128, rate: i128, cells: bool, at_nearest: bool) -> i128 {
-        let halves = if self.makes(Mistake::FrontEnd) {
-            2 * plane
-        } else {
-            2 * plane + 1
-        };
+    /// The position in the middle of pixel 0's segment.
+    pub fn middle(&self, rays: Rays, at_nearest: bool) -> i128 {
+        let Rays {
+            start,
+            step,
+            plane,
+            rate,
+            cells,
+        } = rays;
+        let halves = 2 * plane + i128::from(!self.makes(Mistake::FrontEnd));
         let halves = halves - if cells { rate } else { 0 };
         let half = if self.makes(Mistake::MiddleTruncated) {
             0
@@ -85,16 +103,14 @@ impl Second {
     }
 
     /// The part of a pixel's segment between the faces.
-    pub fn part(
-        &self,
-        start: i128,
-        step: i128,
-        plane: i128,
-        pixel: i128,
-        rate: i128,
-        side: i128,
-        cells: bool,
-    ) -> [i128; 2] {
+    pub fn part(&self, rays: Rays, pixel: i128, side: i128) -> [i128; 2] {
+        let Rays {
+            start,
+            step,
+            plane,
+            rate,
+            cells,
+        } = rays;
         let c = i128::from(cells);
         let begin = 2 * (start + (pixel << 32)) + (2 * plane - c * rate) * step + (c << 32);
         let faces = (side - 1 + c) << 33;
@@ -118,17 +134,22 @@ impl Second {
     }
 
     pub(super) fn borders(&self, inputs: &dyn Numbers) -> Vec<i128> {
-        let [start, step, plane] = ["start", "step", "plane"].map(|name| inputs.get(name));
-        let [rate, side, pixel] = ["planes_per_voxel", "side", "pixel"].map(|name| inputs.get(name));
-        let cells = inputs.get("borders") == 1;
-        let own = self.middle(start, step, plane, rate, cells, inputs.get("nearest") == 1) + (pixel << 16);
+        let rays = Rays {
+            start: inputs.get("start"),
+            step: inputs.get("step"),
+            plane: inputs.get("plane"),
+            rate: inputs.get("planes_per_voxel"),
+            cells: inputs.get("borders") == 1,
+        };
+        let [side, pixel] = ["side", "pixel"].map(|name| inputs.get(name));
+        let own = self.middle(rays, inputs.get("nearest") == 1) + (pixel << 16);
         let last = (side - 1) << 16;
         let held = if self.makes(Mistake::Unheld) {
             own.max(0)
         } else {
             own.clamp(0, last)
         };
-        let [from, to] = self.part(start, step, plane, pixel, rate, side, cells);
+        let [from, to] = self.part(rays, pixel, side);
         vec![held, from, to]
     }
 

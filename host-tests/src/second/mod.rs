@@ -17,6 +17,7 @@ mod picture;
 mod projection;
 mod shading;
 
+pub use borders::Rays;
 pub use mistakes::Mistake;
 
 /// The widths of a precision, by name.

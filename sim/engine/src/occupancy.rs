@@ -260,7 +260,7 @@ mod tests {
             planes_per_voxel,
             rays_per_voxel: 1,
         };
-        Plan::new(view, dims.map(|side| side as u32), Spacing::CUBIC, sampling).unwrap()
+        Plan::whole(view, dims.map(|side| side as u32), Spacing::CUBIC, sampling).unwrap()
     }
 
     proptest! {

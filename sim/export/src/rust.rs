@@ -177,8 +177,8 @@ fn geometry(out: &mut String, numbers: &Numbers<'_>) {
     let (dims, sampling) = (plan.view().restore(plan.dims()), plan.sampling());
     let nearest = if plan.is_nearest() { ".with_nearest()" } else { "" };
     let made = match plan.borders() {
-        Borders::Whole => ("new", ""),
-        Borders::Cells => ("with_borders", ", slicecast::borders::Borders::Cells"),
+        Borders::Whole => ("whole", ""),
+        Borders::Cells => ("new", ""),
         Borders::Nodes => ("with_borders", ", slicecast::borders::Borders::Nodes"),
     };
     let (new, borders) = made;

@@ -242,7 +242,7 @@ mod tests {
                 planes_per_voxel: 2,
                 rays_per_voxel,
             };
-            Plan::new(view, [5, 4, 3], Spacing::CUBIC, sampling).unwrap()
+            Plan::whole(view, [5, 4, 3], Spacing::CUBIC, sampling).unwrap()
         };
         assert_eq!(samples(&plan(0, 1)), 5 * 4 * 5);
         // A shear of one: the planes at half voxels have one column less.

@@ -482,9 +482,9 @@ pub enum Interpolation {
 #[serde(rename_all = "kebab-case")]
 pub enum Borders {
     /// At the outermost voxels, of which every sample counts as a whole step.
-    #[default]
     Whole,
     /// Half a voxel beyond them, exactly: a sample counts by the part of its step inside.
+    #[default]
     Cells,
     /// At them, exactly.
     Nodes,

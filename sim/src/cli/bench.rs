@@ -8,7 +8,7 @@ use serde::Serialize;
 use slicecast_bench::scenes::{Fog, SIDES, cube, cube_bytes, everything, fog};
 use slicecast_bench::{Beside, Engine, Row, Subject, Threads, beside, measure};
 use slicecast_engine::simd::Simd;
-use slicecast_scene::{Blend, PrecisionName, Scene};
+use slicecast_scene::{Blend, Borders, PrecisionName, Scene};
 use slicecast_volume::Volume;
 
 use super::Failure;
@@ -23,7 +23,7 @@ use super::tables;
 /// Synthetic fog, in which nothing can be skipped, and a volume: the built-in head as bone, or the one given under the scene
 /// that is named or chosen for it. All subjects of a section take turns, and the shortest time of each counts; how far the
 /// others scatter is shown beside it. A frame is all sample planes folded into the base plane: no reading, no preparation, no
-/// final warp. Samples are all that lie in the volume, skipped or not.
+/// final warp. Samples are all that lie in the volume, skipped or not. Borders are whole, the only ones that f32 has.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast bench
@@ -293,7 +293,9 @@ impl Args {
             )));
         }
         let loaded = self.volume.load()?;
-        let scene = self.scene.load_or("ct-bone", &self.volume, &loaded)?;
+        let mut scene = self.scene.load_or("ct-bone", &self.volume, &loaded)?;
+        // f32 knows no others.
+        scene.borders = Borders::Whole;
         if scene.blend != Blend::FrontToBack {
             return Err(Failure::input(
                 "the scene: bench measures front-to-back compositing only; --blend front-to-back",

@@ -81,7 +81,7 @@ impl Args {
         let mut loaded = self.volume.load()?;
         let mut scene = self.scene.load_for(&self.volume, &loaded)?;
         scene.image.size = self.size.or(scene.image.size);
-        if let Some(note) = thicken(&mut loaded.volume) {
+        if let Some(note) = thicken(&mut loaded.volume, scene.borders) {
             eprintln!("note: {note}");
         }
         let prepared = Prepared::new(&scene, &loaded.volume)?;

@@ -76,7 +76,7 @@ impl Args {
             statistics,
         };
         let labels = chosen.labels(&loaded);
-        notes.extend(thicken(&mut loaded.volume));
+        notes.extend(thicken(&mut loaded.volume, chosen.scene.borders));
         let drawn = Drawn::of(&chosen, &loaded.volume);
         let warnings = match &drawn {
             Ok(drawn) => drawn.warning.iter().cloned().collect(),

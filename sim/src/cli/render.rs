@@ -110,7 +110,7 @@ impl Args {
             None => Vec::new(),
         };
         if on_disk.is_none()
-            && let Some(note) = thicken(&mut loaded.volume)
+            && let Some(note) = thicken(&mut loaded.volume, chosen.scene.borders)
         {
             eprintln!("note: {note}");
         }

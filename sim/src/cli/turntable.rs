@@ -65,7 +65,7 @@ impl Args {
         let mut loaded = self.volume.load()?;
         let mut chosen = self.scene.choose(&self.volume, &loaded)?;
         self.picture.apply(&mut chosen.scene);
-        if let Some(note) = thicken(&mut loaded.volume) {
+        if let Some(note) = thicken(&mut loaded.volume, chosen.scene.borders) {
             eprintln!("note: {note}");
         }
         let turned: Vec<Scene> = (0..self.frames)

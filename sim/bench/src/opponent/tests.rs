@@ -4,7 +4,7 @@ use super::*;
 use slicecast_engine::frame::Layer;
 use slicecast_engine::oriented::Turned;
 use slicecast_engine::tiles::TILE_ROWS;
-use slicecast_scene::{Highlight, Light, PrecisionName, Sampling, Scene, file};
+use slicecast_scene::{Borders, Highlight, Light, PrecisionName, Sampling, Scene, file};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
 use slicecast_volume::{Mapping, Volume};
@@ -51,6 +51,7 @@ fn head() -> Volume {
 fn in_wide(name: &str) -> Scene {
     Scene {
         precision: PrecisionName::Wide,
+        borders: Borders::Whole,
         ..file::built_in(name).unwrap()
     }
 }

@@ -16,7 +16,7 @@ fn plan([si, sj]: [f64; 2]) -> Option<(Plan, [f64; 2])> {
         planes_per_voxel: 16,
         rays_per_voxel: 1,
     };
-    let plan = Plan::new(view, [64, 64, 2048], Spacing::CUBIC, sampling).ok()?;
+    let plan = Plan::whole(view, [64, 64, 2048], Spacing::CUBIC, sampling).ok()?;
     // The shears that the integers stand for.
     Some((plan, components.map(|c| c as f64 / one as f64)))
 }

@@ -115,7 +115,7 @@ fn what_is_left_out_has_its_default() {
     assert_eq!((scene.view, scene.image, scene.sampling), Default::default());
     assert_eq!(
         (scene.interpolation, scene.borders),
-        (Interpolation::Linear, Borders::Whole)
+        (Interpolation::Linear, Borders::Cells)
     );
     assert_eq!((scene.lighting, scene.transfer.unit_distance), (None, 1.0));
     assert_eq!(

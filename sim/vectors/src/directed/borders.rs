@@ -67,7 +67,7 @@ pub fn borders() -> Set {
                 for index in [0, 1, last / 2, last] {
                     let along = Side::of(&plan, start, 0, index);
                     let of_pixel_0 = i64::from(plane(&plan, phase, index).x.to_bits());
-                    let faces = [-of_pixel_0 >> 16, (side << 16) - of_pixel_0 >> 16];
+                    let faces = [0, side << 16].map(|face: i64| (face - of_pixel_0) >> 16);
                     let mut seen: Vec<i64> = faces.iter().flat_map(|face| face - 2..face + 3).collect();
                     seen.extend([0, i64::from(pixels) - 1]);
                     seen.retain(|pixel| (0..i64::from(pixels)).contains(pixel));
