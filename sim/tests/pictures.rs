@@ -539,8 +539,8 @@ fn surfaces_are_drawn_alone_or_in_the_volume_with_their_depth() {
     render("--surface 500,#ff0000 --depth-map depth.png --borders whole");
     let whole = middle(&folder.picture("depth.png"));
     assert!(whole < 0.1, "{whole}");
-    // The box of cells begins half a voxel before, and is 20 voxels deep.
-    assert!((20.0 * cells - 19.0 * whole - 0.5).abs() < 0.02, "{cells} {whole}");
+    // Segments of cells begin a whole plane before the first slice, and end as far behind the last.
+    assert!((21.0 * cells - 19.0 * whole - 1.0).abs() < 0.001, "{cells} {whole}");
 
     let faint = render("--surface 500,#ff0000,0.25");
     assert!(red.difference(&faint.values) > 60.0);

@@ -19,11 +19,15 @@
 //! | `ensemble` | one configuration against another over many views |
 //! | `pareto` | which configurations nothing beats |
 //! | `hard` | the hard cases |
+//! | `borders` | the ends of rays after LaMar, whole steps beside exact ones: figures and cost |
+//! | `clock` | times of one processor |
 //! | `segments` | two-dimensional pre-integrated tables beside the integrals |
 
+pub mod borders;
 pub mod catalogue;
 pub mod channels;
 pub mod choose;
+mod clock;
 pub mod codes;
 pub mod ensemble;
 pub mod formats;

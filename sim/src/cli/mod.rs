@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand.
 
 mod bench;
+mod borders;
 mod chosen;
 mod colours;
 mod compare;
@@ -113,6 +114,7 @@ enum Command {
     SweepMerge(sweep::MergeArgs),
     Hard(hard::Args),
     Segments(segments::Args),
+    Borders(borders::Args),
     Pyramid(Box<pyramid::Args>),
     Extinction(extinction::Args),
     Explain(explain::Args),
@@ -152,6 +154,7 @@ impl Cli {
             Some(Command::SweepMerge(args)) => args.run(),
             Some(Command::Hard(args)) => args.run(),
             Some(Command::Segments(args)) => args.run(),
+            Some(Command::Borders(args)) => args.run(),
             Some(Command::Pyramid(args)) => args.run(),
             Some(Command::Extinction(args)) => args.run(),
             Some(Command::Explain(args)) => args.run(),

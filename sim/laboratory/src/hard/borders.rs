@@ -1,77 +1,12 @@
 //! Borders: the length of a ray in a volume, rims and corners too (LaMar, figures 1 to 3).
 
-use slicecast_compare::{ModelPositions, model};
 use slicecast_engine::error::RenderError;
-use slicecast_engine::frame::{Layer, Prepared};
-use slicecast_model::Model;
-use slicecast_scene::{Borders, Classification, Face, PrecisionName, Sampling, Scene, Surface, View};
+use slicecast_scene::{Borders, Classification, Face, Scene, Surface, View};
 use slicecast_volume::Volume;
 
 use super::scenes::{scene, volume};
 use super::{Case, Size};
-
-/// The borders, by name.
-const ALL: [(&str, Borders); 3] = [
-    ("whole", Borders::Whole),
-    ("cells", Borders::Cells),
-    ("nodes", Borders::Nodes),
-];
-
-/// A ray of the base plane: from where to where it runs in the box, along k, and its voxel there.
-struct Ray {
-    from: f64,
-    to: f64,
-    start: [f64; 2],
-    shear: [f64; 2],
-}
-
-impl Ray {
-    /// The ray of pixel (u, v), clipped at the box: its six faces, one after the other.
-    fn of(model: &Model<'_>, borders: Borders, [u, v]: [usize; 2]) -> Self {
-        let (geometry, lattice) = (model.geometry(), model.lattice());
-        let beyond = if borders == Borders::Cells { 0.5 } else { 0.0 };
-        let faces = |axis: usize| [-beyond, geometry.dims[axis] as f64 - 1.0 + beyond];
-        let pixel = [u, v];
-        let start = [0, 1].map(|a| lattice.origin[a] as f64 + pixel[a] as f64 / geometry.rays_per_voxel as f64);
-        let [mut from, mut to] = faces(2);
-        for (axis, (at, s)) in start.into_iter().zip(geometry.shear).enumerate() {
-            let [low, high] = faces(axis);
-            if s.abs() < 1e-12 {
-                if at < low || at > high {
-                    to = from;
-                }
-                continue;
-            }
-            let [a, b] = [(low - at) / s, (high - at) / s];
-            (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
-        }
-        Self {
-            from,
-            to: to.max(from),
-            start,
-            shear: geometry.shear,
-        }
-    }
-
-    /// Its length, in steps of which there are `rate` a voxel along k.
-    fn steps(&self, rate: usize) -> f64 {
-        (self.to - self.from) * rate as f64
-    }
-
-    /// The value at a place along k, held to the voxels.
-    fn value(&self, model: &Model<'_>, z: f64) -> f64 {
-        let [x, y] = [0, 1].map(|a| self.start[a] + z * self.shear[a]);
-        model.value_at(model.geometry().held([x, y, z]))
-    }
-
-    /// The depth of its part in the box, of extinctions a step at places held to the voxels: a Riemann sum of midpoints.
-    fn depth(&self, model: &Model<'_>, extinction: impl Fn(f64) -> f64) -> f64 {
-        const PARTS: usize = 600;
-        let part = (self.to - self.from) / PARTS as f64;
-        let value = |n: usize| self.value(model, self.from + (n as f64 + 0.5) * part);
-        (0..PARTS).map(|n| extinction(value(n)) * part).sum()
-    }
-}
+use crate::borders::rays::{ALL, checkerboard, rays, seen};
 
 /// Views of all sides: the first along an axis and at 45 degrees, where rays run along faces and through edges.
 fn views(count: usize) -> impl Iterator<Item = View> {
@@ -99,35 +34,6 @@ fn views(count: usize) -> impl Iterator<Item = View> {
             roll: 0.0,
         },
     })
-}
-
-/// The same scene at other rates and borders, in 1.31.
-fn seen(scene: &Scene, view: View, planes: u32, borders: Borders) -> Scene {
-    Scene {
-        view,
-        borders,
-        precision: PrecisionName::Wide,
-        sampling: Sampling {
-            planes_per_voxel: planes,
-            rays_per_voxel: 3,
-        },
-        ..scene.clone()
-    }
-}
-
-/// What is left of light on each ray of a scene, and the rays.
-fn rays<R>(scene: &Scene, volume: &Volume, see: impl Fn(&Model<'_>, &Ray, f64) -> R) -> Result<Vec<R>, RenderError> {
-    let prepared = Prepared::new(scene, volume)?;
-    let model = model(&prepared, ModelPositions::Exact);
-    let base = prepared.render(Layer::Tiles(64), &|_, _| ())?.base;
-    let [width, height] = base.size;
-    let pixels = (0..height).flat_map(|v| (0..width).map(move |u| [u, v]));
-    Ok(pixels
-        .map(|[u, v]| {
-            let left = f64::from(base.planes[3][v * width + u]) / f64::from(base.one);
-            see(&model, &Ray::of(&model, scene.borders, [u, v]), left)
-        })
-        .collect())
 }
 
 /// A homogeneous cube from all sides: what is missing from, or too much of, each ray, in steps.
@@ -160,7 +66,7 @@ fn cube(size: Size) -> Result<Case, RenderError> {
                 let tau = -(-0.1f64).ln_1p() * model.geometry().step_length();
                 (-left.ln() / tau - ray.steps(rate as usize)).abs()
             })?;
-            worst = errors.into_iter().fold(worst, f64::max);
+            worst = errors.values.into_iter().fold(worst, f64::max);
         }
         let allowed = (borders != Borders::Whole).then_some(0.01);
         case.outcome(format!("wide, {kind}, {name}"), worst, allowed);
@@ -192,11 +98,9 @@ fn against_integral(
             let scene = seen(&scene, view, *rate, borders);
             let errors = rays(&scene, volume, |model, ray, left| {
                 let voxel = model.geometry().step_length() * f64::from(*rate);
-                // Opacity, not extinction, is linear in the value.
-                let extinction = |value: f64| -(-alpha * value / 4095.0).ln_1p() * voxel;
-                255.0 * (left - (-ray.depth(model, extinction)).exp()).abs()
+                255.0 * (left - ray.left(model, alpha, voxel)).abs()
             })?;
-            let worst = errors.iter().copied().fold(0.0, f64::max);
+            let worst = errors.values.iter().copied().fold(0.0, f64::max);
             let allowed = allowed.filter(|_| borders != Borders::Whole);
             case.outcome(format!("wide, {name}, {rate} planes"), worst, allowed);
         }
@@ -251,6 +155,7 @@ fn surface(size: Size) -> Result<Case, RenderError> {
                 let expected = if crosses { HALF } else { 1.0 };
                 (known && (left - expected).abs() > 1e-4, known && crosses)
             })?;
+            let seen = seen.values;
             rays_seen += seen.len();
             wrong += seen.iter().filter(|(wrong, _)| *wrong).count();
             crossed += seen.iter().filter(|(_, crosses)| *crosses).count();
@@ -275,14 +180,9 @@ pub fn cases(size: Size) -> Result<Vec<Case>, RenderError> {
         elevation: 17.5,
         roll: 0.0,
     };
-    let checkerboard = volume(
-        [4; 3],
-        [1.0; 3],
-        |[x, y, z]| if (x + y + z) % 2 == 0 { 4095.0 } else { 0.0 },
-    );
     let mut board = against_integral(
         "checkerboard of 4 voxels, opacity 0.5",
-        (&checkerboard, 0.5),
+        (&checkerboard(), 0.5),
         view,
         &[(1, None), (2, None), (4, None), (16, Some(0.25))],
     )?;

@@ -10,7 +10,7 @@ pub mod extremes;
 pub mod gradients;
 pub mod location;
 pub mod sampling;
-mod scenes;
+pub(crate) mod scenes;
 pub mod segments;
 pub mod sphere;
 pub mod surfaces;

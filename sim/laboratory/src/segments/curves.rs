@@ -16,6 +16,8 @@ use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
 use slicecast_volume::{Mapping, Volume};
 
+use crate::clock::{one_thread, worked};
+
 use super::cases::{Case, Random, cases, smooth};
 
 /// Planes per voxel of frames by samples, and by segments.
@@ -258,21 +260,6 @@ pub fn run(reduced: bool, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Ve
     settings.iter().enumerate().map(curve).collect()
 }
 
-/// What a processor has worked for this thread; other programs on the machine do not count.
-#[cfg(target_os = "linux")]
-fn worked() -> Duration {
-    use rustix::time::{ClockId, clock_gettime};
-    let now = clock_gettime(ClockId::ThreadCPUTime);
-    Duration::new(now.tv_sec as u64, now.tv_nsec as u32)
-}
-
-/// The time since the first call, other programs' shares included.
-#[cfg(not(target_os = "linux"))]
-fn worked() -> Duration {
-    static BEGIN: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
-    BEGIN.get_or_init(std::time::Instant::now).elapsed()
-}
-
 /// Times that every frame is rendered, each time after all others.
 const ROUNDS: usize = 7;
 
@@ -294,13 +281,10 @@ fn of_setting(setting: &Setting, rounds: usize) -> Result<Curve, RenderError> {
         image
     };
     let mut found = vec![([0.0; 3], Duration::MAX); frames.len()];
-    // One thread: how well tiles share the processors is another question.
-    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let single = single.unwrap_or_else(|error| unreachable!("a pool of one thread: {error}"));
     for round in 0..rounds {
         for (prepared, (error, least)) in frames.iter().zip(&mut found) {
             let mut rendering = prepared.begun()?;
-            let took = single.install(|| {
+            let took = one_thread(|| {
                 let begin = worked();
                 rendering.fold(&volume, TILE, prepared.simd, &|_, _| ());
                 worked().saturating_sub(begin)
