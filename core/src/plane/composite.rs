@@ -8,7 +8,7 @@ use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kept::{Kept, KeptRows};
 use super::kernels::{ClassifierRows, Kernels, ShaderRows};
-use super::parts::{Parts, Segments};
+use super::parts::{Columns, Parts, Segments};
 use super::probe::Probes;
 use super::scratch::{self, BATCH, BATCH_WIDTH, BatchRows, Scratch, ScratchError};
 use super::slabs::{SlabProbes, Slabs};
@@ -20,6 +20,7 @@ use crate::lanes::Lanes;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
+use crate::seen::Seen;
 use crate::shade::Shader;
 use crate::slice::{Code12, Window};
 use crate::tap::Tap;
@@ -97,18 +98,14 @@ where
     fn fold_extent<V: Lanes>(
         &self,
         at: &At<'_>,
-        (extent, behind): (&Extent, &Window<'_>),
+        (extent, behind, seen): (&Extent, &Window<'_>, Option<Seen<'_>>),
         before: Option<(&Extent, &Window<'_>, [KeptRows<'_>; 2])>,
         rows: Rows<'_, ChannelOf<P>>,
         (scratch, spare): (Scratch<'_, i32>, &mut [i32]),
         tap: Option<&mut dyn Tap>,
     ) {
         let At {
-            plan,
-            plane,
-            seen,
-            reading,
-            ..
+            plan, plane, reading, ..
         } = at;
         let Scratch {
             mut source,
@@ -132,7 +129,7 @@ where
             plane.index,
             (precision.pixel(), self.floor),
         );
-        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fraction(extent.fraction, plan.exact());
+        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fractions(extent, plan.exact());
         let shader = Kernels::<S, P, V>::of(&self.shader, precision);
         let spacing = plan.spacing();
         // Two constants, before which no code for blocks is compiled.
@@ -171,14 +168,7 @@ where
                 }
                 _ => &probes,
             };
-            let mut blocks = Blocks::new(
-                *seen,
-                extent,
-                (first, count),
-                V::COUNT,
-                probes,
-                (lists, samples, stored),
-            );
+            let mut blocks = Blocks::new(seen, extent, (first, count), V::COUNT, probes, (lists, samples, stored));
             fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
             return;
         }
@@ -302,13 +292,20 @@ where
             tap.plane(plane);
         }
         let Rows { first, data } = rows;
-        // Blocks are counted along whole rows.
+        // What is read is told of whole rows.
         let at_rows = |whole: bool| At {
-            seen: seen.filter(|_| whole),
             reading: at.reading.filter(|_| whole),
             ..*at
         };
-        let mut parts = Parts::of(plan, plane);
+        let mut parts = Parts::of(
+            plan,
+            plane,
+            if seen.is_some() {
+                Columns::InBlocks
+            } else {
+                Columns::InRows
+            },
+        );
         // Behind the first plane there is no segment; a constant, without which no code for them is compiled.
         if C::SLABS {
             let mut kept = kept.filter(|_| !V::SMALL);
@@ -325,7 +322,7 @@ where
                 };
                 self.fold_extent::<V>(
                     &at_rows(back.whole_rows),
-                    (&back.extent, &back.window),
+                    (&back.extent, &back.window, seen),
                     Some((&front.extent, &front.window, kept)),
                     rows,
                     (memory, &mut *spare),
@@ -342,7 +339,7 @@ where
             };
             self.fold_extent::<V>(
                 &at_rows(samples.whole_rows),
-                (&samples.extent, &samples.window),
+                (&samples.extent, &samples.window, seen),
                 None,
                 rows,
                 (memory, &mut *spare),

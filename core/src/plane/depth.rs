@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use super::extent::around;
 use super::kept::Kept;
-use super::parts::{Parts, Segments, Way};
+use super::parts::{Columns, Parts, Segments, Way};
 use super::scratch::{self, Scratch, ScratchError};
 use super::source::{Sheared, Source};
 use super::{At, ChannelOf, Pipeline, Rows};
@@ -113,7 +113,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
         let Some(count) = rows.data.len().checked_div(base_width) else {
             return Ok(());
         };
-        let mut parts = Parts::of(plan, plane);
+        let mut parts = Parts::of(plan, plane, Columns::Alone);
         let (spacing, mut kept) = (plan.spacing(), kept.filter(|_| !V::SMALL));
         while let Some(Segments { ends, inner, way }) = parts.segments(&at.window, false) {
             let [front, back] = &ends;

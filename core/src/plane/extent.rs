@@ -18,6 +18,10 @@ pub(super) struct Extent {
     pub(super) height: i32,
     /// What of the pixels' segments lies in the volume, 0.16.
     pub(super) fraction: u32,
+    /// The same of the first and of the last column, where it is less.
+    pub(super) ends: [Option<u32>; 2],
+    /// Whether the samples of the first and of the last column lie beyond the voxels and are held to them.
+    pub(super) held: [bool; 2],
 }
 
 impl Extent {
@@ -33,7 +37,27 @@ impl Extent {
             rows,
             height: height as i32,
             fraction,
+            ends: [None; 2],
+            held: [false; 2],
         }
+    }
+
+    /// The same with columns at both ends that are cut otherwise, or held, in slices of this width.
+    pub(super) fn with_ends(mut self, ends: [Option<u32>; 2], width: u32) -> Self {
+        let last = width as i32 - 1;
+        let behind = self.x.index.wrapping_add(self.columns.end as i32 - 1);
+        let [low, high] = ends;
+        self.held = [
+            low.is_some() && self.x.index.wrapping_add(self.columns.start as i32) < 0,
+            high.is_some() && (behind > last || behind == last && self.x.weight != Weight::ZERO),
+        ];
+        self.ends = ends;
+        self
+    }
+
+    /// Whether rows have places beyond their voxels.
+    pub(super) fn is_wide(&self) -> bool {
+        self.held != [false; 2]
     }
 
     /// The same samples in a window that begins with this column of the volume.

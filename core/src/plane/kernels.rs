@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 
+use super::extent::Extent;
 use super::parts::Exact;
 use crate::borders::{WHOLE, fraction_row};
 use crate::classify::{Classifier, Slab};
@@ -38,16 +39,34 @@ pub(super) trait ShaderRows<W> {
 }
 
 /// A classifier or shader in a precision, compiled for lanes.
-pub(super) struct Kernels<'a, T, P, V>(&'a T, P, (u32, Option<&'static Exact>), PhantomData<V>);
+pub(super) struct Kernels<'a, T, P, V>(&'a T, P, Fractions, PhantomData<V>);
+
+/// What of each step or segment counts: of a row, and of the samples at its ends, where it is less.
+#[derive(Clone, Copy)]
+struct Fractions {
+    row: u32,
+    ends: [Option<u32>; 2],
+    exact: Option<&'static Exact>,
+}
 
 impl<'a, T, P, V> Kernels<'a, T, P, V> {
     pub(super) const fn of(slot: &'a T, precision: P) -> Self {
-        Self(slot, precision, (WHOLE, None), PhantomData)
+        let whole = Fractions {
+            row: WHOLE,
+            ends: [None; 2],
+            exact: None,
+        };
+        Self(slot, precision, whole, PhantomData)
     }
 
-    /// For this fraction of each step or segment.
-    pub(super) fn of_fraction(self, fraction: u32, exact: Option<&'static Exact>) -> Self {
-        Self(self.0, self.1, (fraction, exact), PhantomData)
+    /// For the fractions of an extent.
+    pub(super) fn of_fractions(self, extent: &Extent, exact: Option<&'static Exact>) -> Self {
+        let fractions = Fractions {
+            row: extent.fraction,
+            ends: extent.ends,
+            exact,
+        };
+        Self(self.0, self.1, fractions, PhantomData)
     }
 }
 
@@ -60,21 +79,42 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
 
     #[inline(always)]
     fn opacity_row(&self, slab: Slab<'_>, out: &mut [i32]) {
-        let (fraction, exact) = self.2;
-        V::enter((OpacityRow, self, slab.of_fraction(fraction), &mut *out));
+        let Fractions { row, ends, exact } = self.2;
+        V::enter((OpacityRow, self, slab.of_fraction(row), &mut *out));
         // Segments are shorter themselves.
-        if let Some(exact) = exact.filter(|_| !C::SLABS && fraction < WHOLE) {
+        let Some(exact) = exact.filter(|_| !C::SLABS) else {
+            return;
+        };
+        let last = out.len().saturating_sub(1);
+        let ends = [0, last].into_iter().zip(ends);
+        // Of the whole opacity, which the row's fraction is about to change.
+        let ends = ends.map(|(at, fraction)| match (fraction, out.get(at)) {
+            (Some(fraction), Some(opacity)) if *opacity != 0 => {
+                let mut end = [*opacity];
+                (exact.reduce)(&mut end, fraction);
+                Some((at, end))
+            }
+            _ => None,
+        });
+        let mut reduced = [None; 2];
+        reduced.iter_mut().zip(ends).for_each(|(reduced, end)| *reduced = end);
+        if row < WHOLE {
             if V::SMALL {
-                (exact.reduce)(out, fraction);
+                (exact.reduce)(out, row);
             } else {
-                V::enter((FractionRow, PhantomData::<V>, out, fraction));
+                V::enter((FractionRow, PhantomData::<V>, &mut *out, row));
+            }
+        }
+        for (at, [opacity]) in reduced.into_iter().flatten() {
+            if let Some(out) = out.get_mut(at) {
+                *out = opacity;
             }
         }
     }
 
     #[inline(always)]
     fn colour_row(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
-        V::enter((ColourRow, self, slab.of_fraction(self.2.0), out));
+        V::enter((ColourRow, self, slab.of_fraction(self.2.row), out));
     }
 
     #[inline(always)]

@@ -66,6 +66,12 @@ impl Axis {
         })
     }
 
+    /// Whether each of the pixels that are not inner is the first or the last of a row.
+    fn ends_rows(&self) -> bool {
+        let (touched, inner) = (&self.touched, &self.inner);
+        !inner.is_empty() && inner.start <= touched.start + 1 && touched.end <= inner.end + 1
+    }
+
     /// The cell of a band's samples, held to the voxels, given where that of pixel 0 lies.
     fn cell(&self, band: &Band, at: Position) -> Cell {
         let at = cell(at);
@@ -98,7 +104,7 @@ fn shared(a: Range<u32>, b: Range<u32>) -> Range<u32> {
 pub(super) struct Samples<'w> {
     pub(super) extent: Extent,
     pub(super) window: Window<'w>,
-    /// Whether rows are read as a whole: a column at a border has a window of its own.
+    /// Whether rows are made as a whole: of a column at a border single samples are.
     pub(super) whole_rows: bool,
 }
 
@@ -177,10 +183,22 @@ impl core::fmt::Debug for Exact {
     }
 }
 
+/// How the columns at borders are folded, whose samples are cut or held.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Columns {
+    /// With the rows that they end, as far as these are samples.
+    InRows,
+    /// As parts of their own, whose samples are made one by one.
+    InBlocks,
+    /// As parts of their own, with a window that costs no whole rows.
+    Alone,
+}
+
 /// The way through the parts of a plane. Those of which nothing counts are left out.
 pub(super) struct Parts<'a> {
     plan: &'a Plan,
     plane: &'a Plane,
+    columns: Columns,
     /// Column and row that the next part begins with, or an earlier one.
     next: [u32; 2],
     /// Both sides of exact borders, once they are found.
@@ -188,10 +206,11 @@ pub(super) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    pub(super) fn of(plan: &'a Plan, plane: &'a Plane) -> Self {
+    pub(super) fn of(plan: &'a Plan, plane: &'a Plane, columns: Columns) -> Self {
         Self {
             plan,
             plane,
+            columns,
             next: [0; 2],
             axes: None,
         }
@@ -271,6 +290,35 @@ impl<'a> Parts<'a> {
     }
 }
 
+impl Parts<'_> {
+    /// The next rows of exact borders, with the columns at their ends.
+    fn next_rows(&mut self, [columns, rows]: &[Axis; 2], along: Part, [x, y, z]: [Position; 3]) -> Option<Extent> {
+        loop {
+            let [_, next] = self.next;
+            let row = rows.band(next)?;
+            self.next = [0, row.pixels.end];
+            let part = row.part.and(along);
+            if part.length() == 0 {
+                continue;
+            }
+            let (touched, inner) = (&columns.touched, &columns.inner);
+            let end = |pixel: u32, inside: bool| {
+                let fraction = columns.side.part(pixel).and(part).length();
+                (!inside && fraction > 0).then_some(fraction)
+            };
+            let ends = [
+                end(touched.start, touched.start == inner.start),
+                end(inner.end, touched.end == inner.end),
+            ];
+            let [low, high] = ends.map(|end| u32::from(end.is_some()));
+            let pixels = [inner.start - low..inner.end + high, row.pixels.clone()];
+            let cells = [cell(x), rows.cell(&row, y), cell(z)];
+            let extent = Extent::of(pixels, cells, rows.voxels, part.length());
+            return Some(extent.with_ends(ends, columns.voxels));
+        }
+    }
+}
+
 /// The pixels along one side whose samples lie between the outermost voxels, on both of two planes.
 #[inline(always)]
 fn between(samples: [Position; 2], voxels: u32, pixels: u32) -> Range<u32> {
@@ -286,14 +334,19 @@ fn extent([columns, rows]: &[Axis; 2], [column, row]: &[Band; 2], part: Part, [x
 }
 
 /// Gives the samples of a column windows that hold what gradients look at, and so cost no whole rows.
-fn narrow(samples: &mut [Samples<'_>], voxels: u32) {
+fn narrow(samples: &mut [Samples<'_>], voxels: u32, columns: Columns) {
+    for samples in &mut *samples {
+        samples.whole_rows = false;
+    }
+    if columns == Columns::InBlocks {
+        return;
+    }
     let places = || samples.iter().map(|samples| samples.extent.voxel);
     let (first, last) = (places().fold(usize::MAX, Ord::min), places().fold(0, Ord::max));
     let kept = first.saturating_sub(1)..(last + 3).min(voxels as usize);
     for samples in samples {
         samples.extent.narrow(kept.start);
         samples.window = samples.window.columns(kept.clone());
-        samples.whole_rows = false;
     }
 }
 
@@ -307,6 +360,15 @@ fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Sampl
             Axis::of(Side::of(plan, start_j, 1, index), [y; 2], height, rows),
         ]
     });
+    if parts.columns == Columns::InRows && axes.iter().take(1).all(Axis::ends_rows) {
+        let extent = parts.next_rows(&axes, Part::WHOLE, [x, y, z]);
+        parts.axes = Some(axes);
+        return Some(Samples {
+            extent: extent?,
+            window: *window,
+            whole_rows: true,
+        });
+    }
     let (bands, part) = parts.next_of(&axes, Part::WHOLE)?;
     let mut samples = [Samples {
         extent: extent(&axes, &bands, part, [x, y, z]),
@@ -316,7 +378,7 @@ fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Sampl
     parts.axes = Some(axes);
     let [column, _] = &bands;
     if column.edge {
-        narrow(&mut samples, width);
+        narrow(&mut samples, width, parts.columns);
     }
     let [samples] = samples;
     Some(samples)
@@ -347,7 +409,7 @@ fn exact_segments<'w>(parts: &mut Parts<'_>, window: &Window<'w>, lit: bool) -> 
     parts.axes = Some(axes);
     let [column, row] = &bands;
     if column.edge {
-        narrow(&mut ends, width);
+        narrow(&mut ends, width, parts.columns);
     }
     Some(Segments {
         ends,
@@ -394,18 +456,20 @@ mod tests {
                 let [start_i, start_j] = plan.start(phase);
                 for index in 0..plan.planes() {
                     let at = plane(&plan, phase, index);
-                    let mut parts = Parts::of(&plan, &at);
-                    let mut found = BTreeMap::new();
-                    while let Some(samples) = parts.samples(&window) {
-                        noted(&mut found, &samples)?;
+                    for columns in [Columns::InRows, Columns::InBlocks, Columns::Alone] {
+                        let mut parts = Parts::of(&plan, &at, columns);
+                        let mut found = BTreeMap::new();
+                        while let Some(samples) = parts.samples(&window) {
+                            noted(&mut found, &samples)?;
+                        }
+                        let side = |axis, start| Side::of(&plan, start, axis, index);
+                        let part = |u, v| side(0, start_i).part(u).and(side(1, start_j).part(v));
+                        held(&plan, &found, part, |_| [at.x, at.y, at.z])?;
                     }
-                    let side = |axis, start| Side::of(&plan, start, axis, index);
-                    let part = |u, v| side(0, start_i).part(u).and(side(1, start_j).part(v));
-                    held(&plan, &found, part, |_| [at.x, at.y, at.z])?;
                 }
                 for index in 0..plan.ends() - 1 {
                     let at = end_plane(&plan, phase, index + 1);
-                    let mut parts = Parts::of(&plan, &at);
+                    let mut parts = Parts::of(&plan, &at, Columns::InRows);
                     let mut found = [BTreeMap::new(), BTreeMap::new()];
                     while let Some(Segments { ends, inner, .. }) = parts.segments(&window, true) {
                         for (found, end) in found.iter_mut().zip(&ends) {
@@ -443,19 +507,32 @@ mod tests {
             .flat_map(|v| extent.columns.clone().map(move |u| (v, u)))
         {
             // Columns of a window that is narrower are counted from its first voxel.
-            let first = (column - extent.columns.start) + extent.voxel;
-            prop_assert_eq!(first as i32, column as i32 + extent.x.index);
+            let own = column as i32 + extent.x.index;
+            let last = window.near.width() as i32 - 1;
+            let at_end = [column == extent.columns.start, column + 1 == extent.columns.end];
+            let is_held = at_end.into_iter().zip(extent.held).any(|(at_end, held)| at_end && held);
+            let voxel = if is_held { own.clamp(0, last) } else { own };
+            prop_assert!((0..=last).contains(&voxel));
+            prop_assert!(extent.is_wide() || own - voxel_of(extent, column) == 0);
             prop_assert!(*whole_rows || extent.columns.len() == 1);
-            prop_assert!(first < window.near.width());
-            let [wx, wy, wz] = [extent.x, extent.y, extent.z].map(|cell| cell.weight.to_bits() as i32);
+            let [mut wx, wy, wz] = [extent.x, extent.y, extent.z].map(|cell| cell.weight.to_bits() as i32);
+            if is_held {
+                prop_assert!(own != voxel || wx != 0 && own == last);
+                wx = 0;
+            }
+            let ends = at_end.into_iter().zip(extent.ends);
+            let fraction = ends.filter_map(|(at_end, end)| end.filter(|_| at_end)).next();
+            let fraction = fraction.unwrap_or(extent.fraction);
             let cells = [extent.y.index + row as i32, extent.z.index, wx, wy, wz];
-            let voxel = whole_rows.then_some(first);
-            prop_assert_eq!(
-                found.insert([column as u32, row], (extent.fraction, cells, voxel)),
-                None
-            );
+            let voxel = whole_rows.then_some(voxel as usize);
+            prop_assert_eq!(found.insert([column as u32, row], (fraction, cells, voxel)), None);
         }
         Ok(())
+    }
+
+    /// The voxel under a column, counted from that under the first.
+    fn voxel_of(extent: &Extent, column: usize) -> i32 {
+        ((column - extent.columns.start) + extent.voxel) as i32
     }
 
     /// Holds what was found against every pixel's own part and position.

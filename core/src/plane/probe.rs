@@ -179,24 +179,23 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
         from >= 0 && to + V::COUNT as i32 <= self.width && above >= 0 && below < self.height
     }
 
-    /// The samples at a place.
+    /// The samples at a place. A neighbour that does not exist counts with a weight of 0.
     #[inline(always)]
     fn sample(&self, row: i32, from: i32) -> V {
-        if !self.has([from, from + 1], [row, row + 1]) {
-            V::enter((SampleAtFace, self, row, from))
-        } else if self.in_slice {
-            self.sample_of::<true, true>(row, from)
+        let next = (row + 1).min(self.height - 1);
+        if self.in_slice {
+            self.sample_of::<true>([row, next], from)
         } else {
-            self.sample_of::<false, true>(row, from)
+            self.sample_of::<false>([row, next], from)
         }
     }
 
     #[inline(always)]
-    fn sample_of<const WHOLE: bool, const INNER: bool>(&self, row: i32, from: i32) -> V {
-        let a = self.z::<WHOLE, INNER>(row, from);
-        let b = self.z::<WHOLE, INNER>(row, from + 1);
-        let c = self.z::<WHOLE, INNER>(row + 1, from);
-        let d = self.z::<WHOLE, INNER>(row + 1, from + 1);
+    fn sample_of<const WHOLE: bool>(&self, [row, next]: [i32; 2], from: i32) -> V {
+        let a = self.z::<WHOLE, true>(row, from);
+        let b = self.z::<WHOLE, true>(row, from + 1);
+        let c = self.z::<WHOLE, true>(next, from);
+        let d = self.z::<WHOLE, true>(next, from + 1);
         self.x(self.y::<WHOLE>(a, c), self.y::<WHOLE>(b, d))
     }
 
@@ -322,18 +321,6 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
         } else {
             near.scaled::<V>(from).between16(far.scaled(from), self.wz)
         }
-    }
-}
-
-struct SampleAtFace;
-
-impl<P: Precision, V: Lanes> Kernel for (SampleAtFace, &Probe<'_, P, V>, i32, i32) {
-    type Output = V;
-
-    #[inline(always)]
-    fn run(self) -> V {
-        let (_, probe, row, from) = self;
-        probe.sample_of::<false, false>(row, from)
     }
 }
 

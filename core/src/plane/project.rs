@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use super::kept::{Kept, KeptRows};
-use super::parts::{Parts, Samples};
+use super::parts::{Columns, Parts, Samples};
 use super::scratch::{self, Scratch, ScratchError};
 use super::source::{Sheared, Source};
 use super::{At, ChannelOf, Pipeline, Rows};
@@ -74,7 +74,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             return Ok(());
         };
         // A sample counts as one, however little of its segment lies in the volume.
-        let mut parts = Parts::of(plan, plane);
+        let mut parts = Parts::of(plan, plane, Columns::Alone);
         while let Some(Samples { extent, window, .. }) = parts.samples(&at.window) {
             let Scratch { source, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let mut source = Sheared::<P, V, Unlit>::new(

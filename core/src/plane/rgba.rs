@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use super::canvas::{AllFinished, Canvas as _, Image};
 use super::extent::around;
 use super::kept::{Kept, KeptRows};
-use super::parts::{Parts, Samples};
+use super::parts::{Columns, Parts, Samples};
 use super::scratch::{self, Scratch, ScratchError, SourceRows};
 use super::source::{Sheared, Source as _};
 use super::{At, ChannelOf, Pipeline, Rows, composite};
@@ -62,7 +62,9 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         }
         let windows: [Window<'_>; 4] = [0, 1, 2, 3].map(|run| at.window.run(run));
         // Four runs of the same shape have the same parts.
-        let mut parts = windows.each_ref().map(|_| Parts::of(at.plan, &at.plane));
+        let mut parts = windows
+            .each_ref()
+            .map(|_| Parts::of(at.plan, &at.plane, Columns::Alone));
         loop {
             let [t, r, g, b] = &mut parts;
             let [wt, wr, wg, wb] = &windows;

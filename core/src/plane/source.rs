@@ -12,7 +12,7 @@ use super::extent::Extent;
 use super::kept::KeptRows;
 use super::scratch::SourceRows;
 use crate::classify::Slab;
-use crate::format::Intensity;
+use crate::format::{Intensity, Weight};
 use crate::gradient::{coarsen_row, difference_row, space_row};
 use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, yx_row_in_slice, z_difference_row, z_row};
 use crate::lanes::{Kernel, Lanes};
@@ -50,7 +50,18 @@ struct Samples<'s> {
     rows: [&'s mut [i32]; 3],
     /// Which they are.
     names: [i32; 3],
+    /// What lies beyond the voxels of rows in which samples are held to them.
+    beyond: [[Beyond; 2]; 3],
     kept: KeptRows<'s>,
+}
+
+/// What lies about the face voxel of a lit row, at one of its ends, whose sample is held there.
+#[derive(Clone, Copy, Default)]
+struct Beyond {
+    /// Samples at the voxel before the face voxel, at it and behind it, along x.
+    held: [i32; 3],
+    /// The sample that would lie where the held one is stored.
+    free: i32,
 }
 
 impl Samples<'_> {
@@ -89,10 +100,13 @@ impl Samples<'_> {
 /// Sheared rays: all samples of a plane share their weights, and rows are contiguous.
 ///
 /// In lit scenes every buffer has a place for the voxel before the first and one for the voxel behind the last (the volume
-/// continued linearly), because gradients look one sample beyond the row.
+/// continued linearly), because gradients look one sample beyond the row. So it has where samples at an end lie beyond the voxels
+/// and are held to them: there the last voxel stands behind itself, whatever the weight.
 pub(super) struct Sheared<'s, 'w, P, V, S> {
     extent: &'s Extent,
     window: &'s Window<'w>,
+    /// Place of the first voxel, and of the sample behind it, in a row.
+    first: usize,
     spacing: [Intensity; 3],
     z: [&'s mut [i32]; 2],
     z_row: [i32; 2],
@@ -106,9 +120,6 @@ pub(super) struct Sheared<'s, 'w, P, V, S> {
 }
 
 impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
-    /// Place of the first voxel, and of the sample behind it, in a row.
-    const FIRST: usize = S::LIT as usize;
-
     #[inline(always)]
     pub(super) fn new(
         precision: P,
@@ -118,7 +129,8 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         rows: SourceRows<'s, i32>,
         kept: KeptRows<'s>,
     ) -> Self {
-        let len = window.near.width() + 2 * Self::FIRST;
+        let first = usize::from(S::LIT || extent.is_wide());
+        let len = window.near.width() + 2 * first;
         let cut = |row: &'s mut [i32]| {
             let len = len.min(row.len());
             part_mut(row, 0..len)
@@ -127,6 +139,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         Self {
             extent,
             window,
+            first,
             spacing,
             z: [cut(near), cut(far)],
             z_row: [NO_ROW; 2],
@@ -134,6 +147,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
             samples: Samples {
                 rows: three(rows.samples, cut),
                 names: [NO_ROW; 3],
+                beyond: [[Beyond::default(); 2]; 3],
                 kept: kept.of_len(len),
             },
             derivatives: rows.derivatives,
@@ -152,8 +166,17 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
     /// Places of the samples of a plane's extent.
     #[inline(always)]
     fn places(&self) -> Range<usize> {
-        let first = self.extent.voxel + Self::FIRST;
+        let first = (self.extent.x.index as isize)
+            .wrapping_add_unsigned(self.extent.columns.start)
+            .wrapping_add_unsigned(self.first);
+        let first = first.max(0) as usize;
         first..first + self.extent.columns.len()
+    }
+
+    /// Places of the face voxels at both ends.
+    #[inline(always)]
+    fn faces(&self) -> [usize; 2] {
+        [self.first, (self.first + self.window.near.width()).saturating_sub(1)]
     }
 
     #[inline(always)]
@@ -183,26 +206,62 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         let next = if row < beyond { row + 1 } else { row };
         if !S::LIT && !V::SMALL && extent.in_slice() {
             let voxels = |row: i32| self.window.near.row(row.max(0) as usize);
+            let (a, b) = (voxels(row), voxels(next));
+            let (p, first, places) = (self.precision, self.first, self.places());
             if let Some((key, out)) = self.samples.at_mut::<V>(row, S::LIT) {
-                yx_row_in_slice::<P, V>(self.precision, voxels(row), voxels(next), extent.weights(), out);
+                yx_row_in_slice::<P, V>(p, a, b, extent.weights(), part_mut(out, first..first + a.len()));
+                let at = |place: usize, (a, b): (Option<&u16>, Option<&u16>), out: &mut [i32]| {
+                    if let (Some(a), Some(b)) = (a, b) {
+                        let weights = [Weight::ZERO, extent.y.weight];
+                        yx_row_in_slice::<P, i32>(p, &[*a], &[*b], weights, part_mut(out, place..place + 1));
+                    }
+                };
+                let [low, high] = extent.held;
+                if low {
+                    at(places.start, (a.first(), b.first()), out);
+                }
+                if high {
+                    at(places.end - 1, (a.last(), b.last()), out);
+                }
                 *key = row;
             }
             return;
         }
         self.make_z(row);
         self.make_z(next);
+        let (p, places, faces) = (self.precision, self.places(), self.faces());
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
+        let (a, b, in_slice) = (pick(row), pick(next), extent.in_slice());
+        let slot = Samples::slot(row, S::LIT);
         if let Some((key, out)) = self.samples.at_mut::<V>(row, S::LIT) {
-            yx_row::<P, V>(
-                self.precision,
-                pick(row),
-                pick(next),
-                extent.in_slice(),
-                extent.weights(),
-                out,
-            );
+            yx_row::<P, V>(p, a, b, in_slice, extent.weights(), out);
             *key = row;
+            if !S::LIT || extent.held == [false; 2] {
+                return;
+            }
+            let ends = [places.start, places.end - 1].into_iter().zip(faces).zip(extent.held);
+            let mut beyond = [Beyond::default(); 2];
+            for (((place, face), held), beyond) in ends.zip(&mut beyond) {
+                if let Some(out) = out.get_mut(place).filter(|_| held) {
+                    let about = face.saturating_sub(1)..face + 2;
+                    let weights = [Weight::ZERO, extent.y.weight];
+                    yx_row::<P, V>(
+                        p,
+                        part(a, about.clone()),
+                        part(b, about),
+                        in_slice,
+                        weights,
+                        &mut beyond.held,
+                    );
+                    beyond.free = *out;
+                    let [_, held, _] = beyond.held;
+                    *out = held;
+                }
+            }
+            if let Some(slot) = self.samples.beyond.get_mut(slot) {
+                *slot = beyond;
+            }
         }
     }
 
@@ -217,7 +276,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         }
         *key = row;
         let (window, weight) = (self.window, self.extent.z.weight);
-        let voxels = Self::FIRST..out.len().saturating_sub(Self::FIRST);
+        let voxels = self.first..out.len().saturating_sub(self.first);
         let far = window.far_or_near();
         let last = self.extent.height - 1;
         let edge = row.min(last).max(0);
@@ -239,6 +298,11 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
                 extend_row(part_mut(out, voxels.clone()), part(self.inner, voxels));
             }
             extend_ends(out);
+        } else if self.first > 0
+            && let [before, inner @ .., after] = &mut **out
+            && let (Some(low), Some(high)) = (inner.first(), inner.last())
+        {
+            (*before, *after) = (*low, *high);
         }
     }
 
@@ -266,30 +330,90 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         );
     }
 
+    /// Makes the gradients of held samples in some places of a row those at the face voxels, and mends those beside them, which
+    /// look at the sample that would lie where the held one is stored.
+    #[inline(always)]
+    fn hold_gradients(&self, row: i32, places: Range<usize>, [gx, gy, gz]: [&mut [i32]; 3], [this, next]: [&[i32]; 2]) {
+        let all = self.places();
+        let here = self.whole(row);
+        let beyond = |row: i32, end: usize| {
+            let slot = Samples::slot(row, true);
+            let ends = self.samples.beyond.get(slot).and_then(|ends| ends.get(end));
+            ends.copied().unwrap_or_default()
+        };
+        let ends = [all.start, all.end - 1]
+            .into_iter()
+            .zip(self.faces())
+            .zip(self.extent.held);
+        for (end, ((place, face), _)) in ends.enumerate().filter(|(_, (_, held))| *held) {
+            let Beyond {
+                held: [before, _, after],
+                free,
+            } = beyond(row, end);
+            let at = |place: usize| place.checked_sub(places.start).filter(|_| place < places.end);
+            let beside = if end == 0 { place + 1 } else { place.saturating_sub(1) };
+            if let Some(gx) = at(beside).and_then(|at| gx.get_mut(at)) {
+                *gx = if end == 0 {
+                    here.get(beside + 1).map_or(0, |right| right - free)
+                } else {
+                    here.get(beside.saturating_sub(1)).map_or(0, |left| free - left)
+                };
+            }
+            let Some(at) = at(place) else { continue };
+            let ([_, below, _], [_, above, _]) = (beyond(row + 1, end).held, beyond(row - 1, end).held);
+            let voxel = face - self.first;
+            if let (Some(gx), Some(gy), Some(gz)) = (gx.get_mut(at), gy.get_mut(at), gz.get_mut(at)) {
+                *gx = after - before;
+                *gy = below - above;
+                let one = |row| part(row, voxel..voxel + 1);
+                let (whole, weights) = (self.extent.in_slice(), [Weight::ZERO, self.extent.y.weight]);
+                let mut out = [0];
+                yx_row::<P, V>(self.precision, one(this), one(next), whole, weights, &mut out);
+                [*gz] = out;
+            }
+        }
+    }
+
     #[inline(always)]
     fn make_gradients(&mut self, row: i32, span: Range<usize>, [gx, gy, gz]: [&mut [i32]; 3]) {
         self.make_row(row - 1);
         self.make_row(row + 1);
-        let first = self.places().start;
-        let places = first + span.start..first + span.end;
-        // Along z: derivatives in place of voxels, one column more than the span where there is one.
-        let columns = places.start.saturating_sub(1)..places.end.min(self.window.near.width());
+        let all = self.places();
+        let places = all.start + span.start..all.start + span.end;
+        // Along z: derivatives in place of voxels, one column more than the span where there is one; none before the first.
+        let before = usize::from(places.start == 0);
+        let last = self.window.near.width();
+        let columns = (places.start + before - 1).min(last - 1)..places.end.min(last);
         let (this, next) = self.extent.voxel_rows(row);
         self.make_derivatives(this, &columns);
         self.make_derivatives(next, &columns);
         let [even, odd] = &self.derivatives;
-        let pick = |row: usize| part(if row & 1 == 0 { even } else { odd }, columns.clone());
+        let whole_row = |row: usize| if row & 1 == 0 { &**even } else { &**odd };
+        let pick = |row: usize| part(whole_row(row), columns.clone());
         let (whole, weights) = (self.extent.in_slice(), self.extent.weights());
-        yx_row::<P, V>(self.precision, pick(this), pick(next), whole, weights, gz);
-        let here = self.whole(row);
-        // A row has a place before its first voxel, so there is one to the left of every sample.
-        let (right, left) = (
-            places.start + 1..places.end + 1,
-            places.start.saturating_sub(1)..places.end - 1,
+        let behind = before..gz.len();
+        yx_row::<P, V>(
+            self.precision,
+            pick(this),
+            pick(next),
+            whole,
+            weights,
+            part_mut(gz, behind),
         );
-        difference_row::<V>(part(here, right), part(here, left), gx);
-        let (next, previous) = (self.whole(row + 1), self.whole(row - 1));
-        difference_row::<V>(part(next, places.clone()), part(previous, places), gy);
+        let here = self.whole(row);
+        // A row has a place before its first voxel, so there is one to the left of every sample but one that is held.
+        let (right, left) = (
+            places.start + before + 1..places.end + 1,
+            places.start + before - 1..places.end - 1,
+        );
+        let behind = before..gx.len();
+        difference_row::<V>(part(here, right), part(here, left), part_mut(gx, behind));
+        let (below, above) = (self.whole(row + 1), self.whole(row - 1));
+        difference_row::<V>(part(below, places.clone()), part(above, places.clone()), gy);
+        if self.extent.held != [false; 2] {
+            let derivatives = [whole_row(this), whole_row(next)];
+            self.hold_gradients(row, places, [&mut *gx, &mut *gy, &mut *gz], derivatives);
+        }
         spaced::<P, V>(self.precision, [gx, gy, gz], self.spacing);
     }
 }
