@@ -341,23 +341,23 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
             let ends = self.samples.beyond.get(slot).and_then(|ends| ends.get(end));
             ends.copied().unwrap_or_default()
         };
-        let ends = [all.start, all.end - 1]
-            .into_iter()
-            .zip(self.faces())
-            .zip(self.extent.held);
-        for (end, ((place, face), _)) in ends.enumerate().filter(|(_, (_, held))| *held) {
+        let (held, ends) = (self.extent.held, [all.start, all.end - 1]);
+        // A row's own sample at a place, also where a held one is stored.
+        let own = |place: usize| {
+            let stored = ends.iter().zip(held).position(|(end, held)| held && *end == place);
+            let sample = here.get(place).copied().unwrap_or(0);
+            stored.map_or(sample, |end| beyond(row, end).free)
+        };
+        let faces = ends.into_iter().zip(self.faces()).zip(held);
+        for (end, ((place, face), _)) in faces.enumerate().filter(|(_, (_, held))| *held) {
             let Beyond {
                 held: [before, _, after],
-                free,
+                ..
             } = beyond(row, end);
             let at = |place: usize| place.checked_sub(places.start).filter(|_| place < places.end);
             let beside = if end == 0 { place + 1 } else { place.saturating_sub(1) };
             if let Some(gx) = at(beside).and_then(|at| gx.get_mut(at)) {
-                *gx = if end == 0 {
-                    here.get(beside + 1).map_or(0, |right| right - free)
-                } else {
-                    here.get(beside.saturating_sub(1)).map_or(0, |left| free - left)
-                };
+                *gx = own(beside + 1) - own(beside.saturating_sub(1));
             }
             let Some(at) = at(place) else { continue };
             let ([_, below, _], [_, above, _]) = (beyond(row + 1, end).held, beyond(row - 1, end).held);
