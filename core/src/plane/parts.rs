@@ -135,14 +135,12 @@ impl Way {
     }
 }
 
-/// What exact borders are to the plane layer. A plan holds a reference: a program whose plans have whole borders does not
-/// link it.
+/// What samples of exact borders are to the plane layer. A plan holds a reference: a program whose plans have whole borders
+/// does not link it. Segments need none: only their drivers call [`exact_segments`].
 pub(crate) struct Exact {
     pub(crate) borders: Borders,
     /// The next part of a plane of samples.
     samples: for<'w> fn(&mut Parts<'_>, &Window<'w>) -> Option<Samples<'w>>,
-    /// The next part of the segments that end at a plane; lit or not.
-    segments: for<'w> fn(&mut Parts<'_>, &Window<'w>, bool) -> Option<Segments<'w>>,
     /// Makes opacities those of a fraction, on a small machine.
     pub(super) reduce: fn(&mut [i32], u32),
 }
@@ -152,7 +150,6 @@ impl Exact {
         Self {
             borders,
             samples: exact_samples,
-            segments: exact_segments,
             reduce: fraction_row::<Small>,
         }
     }
@@ -215,8 +212,8 @@ impl<'a> Parts<'a> {
     /// The next segments that end at the plane, given the window of their front ends; none end at the first.
     #[inline(always)]
     pub(super) fn segments<'w>(&mut self, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
-        if let Some(exact) = self.plan.exact() {
-            return (exact.segments)(self, window, lit);
+        if self.plan.exact().is_some() {
+            return exact_segments(self, window, lit);
         }
         let index = self.plane.index.checked_sub(1)?;
         let front = end_plane(self.plan, self.plane.phase, index);
@@ -322,6 +319,8 @@ fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Sampl
     Some(samples)
 }
 
+/// A pipeline's tiles, lanes and orders share one.
+#[inline(never)]
 fn exact_segments<'w>(parts: &mut Parts<'_>, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
     let (plan, back) = (parts.plan, *parts.plane);
     let (index, phase) = (back.index.checked_sub(1)?, back.phase);
