@@ -136,7 +136,7 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`RenderError`]; nothing is rendered then.
     pub fn render(&self, layer: Layer, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
-        let mut turned = Turned::new(self.volume, self.setup.plan.view());
+        let mut turned = Turned::new(self.volume, &self.setup.plan);
         self.render_oriented(&Oriented::of(&turned.slices()?), layer, progress)
     }
 
@@ -149,7 +149,7 @@ impl<'a> Prepared<'a> {
         shard: Shard,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<BaseImage, RenderError> {
-        let mut turned = Turned::new(self.volume, self.setup.plan.view());
+        let mut turned = Turned::new(self.volume, &self.setup.plan);
         let mut rendering = self.begun()?;
         let slices = turned.slices()?;
         for part in rendering.parts(slices.len()) {

@@ -116,7 +116,7 @@ pub fn sets(prepared: &Prepared<'_>, part: &Part) -> Result<FrameSets, RenderErr
     prepared.check_points()?;
     prepared.check_whole()?;
     let plan = &prepared.setup.plan;
-    let mut turned = Turned::new(prepared.volume, plan.view());
+    let mut turned = Turned::new(prepared.volume, plan);
     let slices = turned.slices()?;
     let mut rendering = prepared.begun()?;
     let mut sets = Sets::of(prepared);
