@@ -18,19 +18,31 @@ const ALL: [(&str, Borders); 3] = [
 ];
 
 /// A ray of the base plane: from where to where it runs in the box, along k, and its voxel there.
-struct Ray {
+pub(super) struct Ray {
     from: f64,
     to: f64,
-    start: [f64; 2],
+    /// Voxels along i and j at k = 0.
+    pub(super) start: [f64; 2],
     shear: [f64; 2],
 }
 
 impl Ray {
-    /// The ray of pixel (u, v), clipped at the box: its six faces, one after the other.
-    fn of(model: &Model<'_>, borders: Borders, [u, v]: [usize; 2]) -> Self {
+    /// The ray of pixel (u, v), clipped at the volume's box and at the scene's: their faces, one after the other.
+    fn of(model: &Model<'_>, scene: &Scene, [u, v]: [usize; 2]) -> Self {
         let (geometry, lattice) = (model.geometry(), model.lattice());
-        let beyond = if borders == Borders::Cells { 0.5 } else { 0.0 };
-        let faces = |axis: usize| [-beyond, geometry.dims[axis] as f64 - 1.0 + beyond];
+        let beyond = if scene.borders == Borders::Cells { 0.5 } else { 0.0 };
+        let faces = |axis: usize| {
+            let last = geometry.dims[axis] as f64 - 1.0;
+            let [mut low, mut high] = [-beyond, last + beyond];
+            if let Some(crop) = scene.crop {
+                // Voxels are the unit of these volumes.
+                let [from, to] = crop.ranges[geometry.order[axis]];
+                let reversed = axis == 2 && geometry.flipped;
+                let [from, to] = if reversed { [last - to, last - from] } else { [from, to] };
+                (low, high) = (low.max(from), high.min(to));
+            }
+            [low, high]
+        };
         let pixel = [u, v];
         let start = [0, 1].map(|a| lattice.origin[a] as f64 + pixel[a] as f64 / geometry.rays_per_voxel as f64);
         let [mut from, mut to] = faces(2);
@@ -54,7 +66,7 @@ impl Ray {
     }
 
     /// Its length, in steps of which there are `rate` a voxel along k.
-    fn steps(&self, rate: usize) -> f64 {
+    pub(super) fn steps(&self, rate: usize) -> f64 {
         (self.to - self.from) * rate as f64
     }
 
@@ -74,7 +86,7 @@ impl Ray {
 }
 
 /// Views of all sides: the first along an axis and at 45 degrees, where rays run along faces and through edges.
-fn views(count: usize) -> impl Iterator<Item = View> {
+pub(super) fn views(count: usize) -> impl Iterator<Item = View> {
     let mut state = 2026u64;
     let mut random = move |span: f64| {
         state = state
@@ -102,7 +114,7 @@ fn views(count: usize) -> impl Iterator<Item = View> {
 }
 
 /// The same scene at other rates and borders, in 1.31.
-fn seen(scene: &Scene, view: View, planes: u32, borders: Borders) -> Scene {
+pub(super) fn seen(scene: &Scene, view: View, planes: u32, borders: Borders) -> Scene {
     Scene {
         view,
         borders,
@@ -116,7 +128,11 @@ fn seen(scene: &Scene, view: View, planes: u32, borders: Borders) -> Scene {
 }
 
 /// What is left of light on each ray of a scene, and the rays.
-fn rays<R>(scene: &Scene, volume: &Volume, see: impl Fn(&Model<'_>, &Ray, f64) -> R) -> Result<Vec<R>, RenderError> {
+pub(super) fn rays<R>(
+    scene: &Scene,
+    volume: &Volume,
+    see: impl Fn(&Model<'_>, &Ray, f64) -> R,
+) -> Result<Vec<R>, RenderError> {
     let prepared = Prepared::new(scene, volume)?;
     let model = model(&prepared, ModelPositions::Exact);
     let base = prepared.render(Layer::Tiles(64), &|_, _| ())?.base;
@@ -125,7 +141,7 @@ fn rays<R>(scene: &Scene, volume: &Volume, see: impl Fn(&Model<'_>, &Ray, f64) -
     Ok(pixels
         .map(|[u, v]| {
             let left = f64::from(base.planes[3][v * width + u]) / f64::from(base.one);
-            see(&model, &Ray::of(&model, scene.borders, [u, v]), left)
+            see(&model, &Ray::of(&model, scene, [u, v]), left)
         })
         .collect())
 }
