@@ -396,7 +396,7 @@ fn misused_arguments_are_named_with_numbers() {
         let other = SlicecastScene { version: 1, ..scene };
         assert_eq!(
             open(memory, needs.bytes, &other, 0, 0),
-            (SLICECAST_VERSION_MISMATCH, 0, 4, 1)
+            (SLICECAST_VERSION_MISMATCH, 0, 5, 1)
         );
         let rows = i64::from(needs.rows);
         assert_eq!(
