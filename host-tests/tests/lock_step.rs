@@ -169,6 +169,8 @@ fn wide_frame() -> impl Strategy<Value = Frame> {
         cropped(Frame {
             volume: Arc::new(volume(dims, filling, seed)),
             borders: borders_of(frame.borders, dims),
+            // Boxes leave few rows of several blocks: half of them are left out.
+            crop: frame.crop.filter(|_| seed & 1 == 0),
             ..frame
         })
     })

@@ -53,7 +53,7 @@ fn cube(size: Size) -> Result<Case, RenderError> {
         .into_iter()
         .flat_map(|kind| borders.map(|borders| (kind, borders)))
     {
-        let (mut worst, mut longest): (f64, f64) = (0.0, 0.0);
+        let (mut worst, mut longest) = ([0.0f64; 2], 0.0f64);
         for (n, view) in views(count).enumerate() {
             let rate = [1, 2, 3, 5, 16][n % 5];
             let scene = Scene {
@@ -65,16 +65,22 @@ fn cube(size: Size) -> Result<Case, RenderError> {
                 let steps = ray.steps(rate as usize);
                 ((-left.ln() / tau - steps).abs(), steps / f64::from(rate))
             })?;
-            worst = found.iter().fold(worst, |worst, (error, _)| worst.max(*error));
+            let fine = usize::from(rate == 16);
+            worst[fine] = found.iter().fold(worst[fine], |worst, (error, _)| worst.max(*error));
             longest = found.iter().fold(longest, |longest, (_, voxels)| longest.max(*voxels));
         }
-        case.outcome(
-            format!("wide, {kind}, {name}, rays of up to {longest:.2} voxels"),
-            worst,
-            Some(0.01),
-        );
+        let [few, fine] = worst;
+        let who = format!("wide, {kind}, {name}, rays of up to {longest:.2} voxels");
+        case.outcome(format!("{who}, 1 to 5 planes"), few, Some(0.01));
+        // Segments have no table of a step's opacities.
+        let allowed = (kind == "segments").then_some(0.01);
+        case.outcome(format!("{who}, 16 planes"), fine, allowed);
     }
-    case.note = Some("limit: that of whole volumes (group borders)".into());
+    case.note = Some(
+        "limit: that of whole volumes (group borders), at their planes; the opacity of 1/16 voxel has a root of 0.081, whose rounding to 16 \
+         bits, half of 2^-16, is 1.9e-4 of the opacity, the same way in each of 80 steps: 0.015 steps"
+            .into(),
+    );
     Ok(case)
 }
 
