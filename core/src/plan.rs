@@ -150,7 +150,7 @@ impl core::fmt::Display for PlanError {
                 )
             }
             Self::Beside { axis } => {
-                write!(f, "a crop box that holds nothing of the volume along axis {axis}")
+                write!(f, "a crop box that holds nothing of the volume along {}", name(*axis))
             }
             Self::WholeCropped => {
                 f.write_str("a crop box with whole borders, which cut no step; accepted with a crop box: cells, nodes")
@@ -383,6 +383,15 @@ impl Plan {
             Step::from_bits(((oi as i64) << 32) + ratio(phase.u as u64, 1, n) as i64),
             Step::from_bits(((oj as i64) << 32) + ratio(phase.v as u64, 1, n) as i64),
         ]
+    }
+}
+
+/// The name of an axis by its number.
+const fn name(axis: u32) -> &'static str {
+    match axis {
+        0 => "x",
+        1 => "y",
+        _ => "z",
     }
 }
 
