@@ -60,7 +60,7 @@ fn warp(plan: &Plan, pixel: f32) -> Warp {
     // Where a point meets the first slice along its ray.
     let meet = |[i, j, k]: [f32; 3]| [i - si * k, j - sj * k];
     let (right, down) = (meet(right).map(|c| c * pixel), meet(down).map(|c| c * pixel));
-    let [u, v] = meet(plan.dims().map(|side| (side - 1) as f32 / 2.0));
+    let [u, v] = meet(plan.volume().map(|side| (side - 1) as f32 / 2.0));
     let middle = [u - oi as f32, v - oj as f32];
     let half = (SIDE - 1) as f32 / 2.0;
     let origin = [0, 1].map(|axis| middle[axis] - half * (right[axis] + down[axis]));

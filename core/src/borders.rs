@@ -18,8 +18,9 @@
 
 use core::ops::Range;
 
+use crate::crop::Faces;
 use crate::exp2::absorbed;
-use crate::format::{Opacity, Step};
+use crate::format::{Opacity, Position, Step};
 use crate::lanes::{Lanes, Small, Wide as _, places};
 use crate::plan::Plan;
 
@@ -74,7 +75,7 @@ impl Part {
     }
 }
 
-/// The segments of a plane along one axis, in units of 2^-33 voxel: pixel (0, 0)'s, and the box.
+/// The segments of a plane along one axis, in units of 2^-33 voxel: pixel (0, 0)'s, and the box, of the volume or cropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Side {
     /// The front end of pixel 0's segment, from the box's low face.
@@ -86,7 +87,7 @@ pub struct Side {
 }
 
 impl Side {
-    /// Along i (axis 0) or j (axis 1), for a phase that starts at `start`: the segments about the samples of the plane with
+    /// Along i (axis 0) or j (axis 1), for a phase that starts at `start` ([`Plan::start`]): the segments about the samples of the plane with
     /// this number.
     pub fn of(plan: &Plan, start: Step, axis: usize, index: u32) -> Self {
         let halves = match plan.borders() {
@@ -107,17 +108,19 @@ impl Side {
 
     /// Segments that begin so many half steps behind the first slice.
     fn from(plan: &Plan, start: Step, axis: usize, halves: i64) -> Self {
-        let (steps, dims) = (plan.step(), plan.dims());
-        let (step, side) = match (steps.get(axis), dims.get(axis)) {
-            (Some(step), Some(side)) => (step.to_bits(), i64::from(*side)),
-            _ => (0, 0),
+        let (steps, faces) = (plan.step(), plan.faces());
+        let (Some(step), Some(Faces { low, high })) = (steps.get(axis), faces.get(axis)) else {
+            return Self {
+                begin: 0,
+                length: 0,
+                side: 0,
+            };
         };
-        // And half a voxel before the first voxel.
-        let cells = plan.borders() == Borders::Cells;
+        let [low, high] = [low, high].map(|face| i64::from(face.to_bits()) << 17);
         Self {
-            begin: 2 * start.to_bits() + halves * step + (i64::from(cells) << 32),
-            length: 2 * step,
-            side: (side - i64::from(!cells)) << 33,
+            begin: 2 * start.to_bits() + halves * step.to_bits() - low,
+            length: 2 * step.to_bits(),
+            side: high - low,
         }
     }
 
@@ -145,17 +148,33 @@ impl Side {
     }
 }
 
-/// The part of the segments behind an end plane that lies between the front and the back face of the box: half of the first
-/// and of the last where the faces of cells lie in the middle between two planes.
+/// The part of the segments about the samples of a plane that lies between the front and the back face of the box.
+pub fn about_k(plan: &Plan, index: u32) -> Part {
+    // Cells begin half a voxel before the first slice.
+    let halves = match plan.borders() {
+        Borders::Cells => plan.sampling().planes_per_voxel,
+        Borders::Whole | Borders::Nodes => 0,
+    };
+    from_front(plan, index, halves)
+}
+
+/// The part of the segments behind an end plane that lies between the front and the back face of the box.
 pub fn along_k(plan: &Plan, index: u32) -> Part {
-    let halved = plan.borders() == Borders::Cells && plan.sampling().planes_per_voxel & 1 == 1;
+    from_front(plan, index, 2 * plan.ends_before())
+}
+
+/// The part of the segments with this number, the first of which begins so many half segments before the first slice. Exact: a
+/// face times the planes per voxel is a whole number of 2^-16 segment.
+fn from_front(plan: &Plan, index: u32, halves: u32) -> Part {
+    let [_, _, Faces { low, high }] = plan.faces();
+    let begin = (i64::from(index) << 16) - (i64::from(halves) << 15);
+    let place = |face: Position| {
+        let way = i64::from(face.to_bits()) * i64::from(plan.sampling().planes_per_voxel) - begin;
+        way.max(0).min(i64::from(WHOLE)) as u32
+    };
     Part {
-        from: if halved && index == 0 { WHOLE >> 1 } else { 0 },
-        to: if halved && index + 2 == plan.ends() {
-            WHOLE >> 1
-        } else {
-            WHOLE
-        },
+        from: place(low),
+        to: place(high),
     }
 }
 

@@ -19,7 +19,7 @@ use core::iter::zip;
 
 pub use self::factor::{Absorption, DEPTH_MAX, Medium, MediumError, PHI, phi};
 use crate::rows::take;
-use crate::slice::{RowRange, Slice, SliceError, Voxel};
+use crate::slice::{Region, RowRange, Slice, SliceError, Voxel};
 
 /// The code of the largest extinction.
 pub const MAX_CODE: u16 = 32767;
@@ -73,12 +73,8 @@ impl Voxel for Rgba15 {
         Given::Codes(words)
     }
 
-    fn keep(
-        given: Given<'_>,
-        [width, height]: [usize; 2],
-        words: &mut [u16],
-        ranges: &mut [RowRange],
-    ) -> Result<(), SliceError> {
+    fn keep(given: Given<'_>, region: Region, words: &mut [u16], ranges: &mut [RowRange]) -> Result<(), SliceError> {
+        let [width, height] = region.size;
         match given {
             Given::Codes(codes) => {
                 Slice::of_codes(codes, width, height, ranges)?;
@@ -87,29 +83,23 @@ impl Voxel for Rgba15 {
                 }
             }
             Given::Entries { entries, low } => {
-                let needed = width * height;
-                for given in [entries.len(), low.map_or(needed, <[u8]>::len)] {
-                    if given != needed {
-                        return Err(SliceError::Voxels { needed, given });
-                    }
+                let (start, stride) = region.within(entries.len())?;
+                if let Some(low) = low
+                    && low.len() != entries.len()
+                {
+                    let (needed, given) = (entries.len(), low.len());
+                    return Err(SliceError::Voxels { needed, given });
                 }
-                let (mut entries, mut low) = (entries, low);
-                for (words, range) in words.chunks_exact_mut((4 * width).max(1)).zip(ranges) {
-                    let row = part_of(&mut entries, width);
-                    let row_low = low.as_mut().map(|low| part_of(low, width));
-                    *range = decode_row(row, row_low, words);
+                for ((row, words), range) in words.chunks_exact_mut((4 * width).max(1)).enumerate().zip(ranges) {
+                    let first = start + row * stride;
+                    let entries = entries.get(first..first + width).unwrap_or(&[]);
+                    let low = low.map(|low| low.get(first..first + width).unwrap_or(&[]));
+                    *range = decode_row(entries, low, words);
                 }
             }
         }
         Ok(())
     }
-}
-
-/// Cuts the first `len` elements off.
-fn part_of<'a, T>(rest: &mut &'a [T], len: usize) -> &'a [T] {
-    let (head, tail) = rest.split_at_checked(len).unwrap_or((&[], &[]));
-    *rest = tail;
-    head
 }
 
 /// Decodes a row into its four runs; the range of its extinctions.
@@ -207,7 +197,7 @@ mod tests {
         let low: Vec<u8> = entries.iter().map(|entry| (entry >> 24) as u8).collect();
         let (mut words, mut ranges) = (vec![7; 96], vec![RowRange::EMPTY; 4]);
         let given = |low| Given::Entries { entries: &entries, low };
-        Rgba15::keep(given(None), [6, 4], &mut words, &mut ranges).unwrap();
+        Rgba15::keep(given(None), Region::all([6, 4]), &mut words, &mut ranges).unwrap();
         for (index, entry) in entries.iter().enumerate() {
             let [red, green, blue, root] = entry.to_le_bytes();
             let tau = extinction(257 * u16::from(root));
@@ -217,9 +207,9 @@ mod tests {
             assert!((ranges[row].low..=ranges[row].high).contains(&tau));
         }
         let (mut again, mut measured) = (vec![9; 96], vec![RowRange::EMPTY; 4]);
-        Rgba15::keep(given(Some(&low)), [6, 4], &mut again, &mut measured).unwrap();
+        Rgba15::keep(given(Some(&low)), Region::all([6, 4]), &mut again, &mut measured).unwrap();
         assert_eq!((&again, &measured), (&words, &ranges));
-        Rgba15::keep(Given::Codes(&words), [6, 4], &mut again, &mut measured).unwrap();
+        Rgba15::keep(Given::Codes(&words), Region::all([6, 4]), &mut again, &mut measured).unwrap();
         assert_eq!((&again, &measured), (&words, &ranges));
     }
 
@@ -244,7 +234,7 @@ mod tests {
             entries: &entries,
             low: Some(&[1]),
         };
-        let refused = Rgba15::keep(short, [2, 1], &mut words, &mut ranges);
+        let refused = Rgba15::keep(short, Region::all([2, 1]), &mut words, &mut ranges);
         assert_eq!(refused, Err(SliceError::Voxels { needed: 2, given: 1 }));
     }
 }

@@ -78,6 +78,7 @@ extern crate std;
 pub mod borders;
 pub mod classify;
 pub mod composite;
+pub mod crop;
 pub mod cut;
 #[cfg(feature = "embedded-graphics")]
 pub mod display;

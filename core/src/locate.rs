@@ -16,7 +16,8 @@ use crate::borders::Borders;
 use crate::format::{Position, Step, Weight};
 use crate::plan::{Phase, Plan};
 
-/// One sample plane of one phase: where the sample of pixel (0, 0) lies. Pixel (i, j) lies (i, j) voxels further.
+/// One sample plane of one phase: where the sample of pixel (0, 0) lies, counted from the first voxel that is held
+/// ([`Plan::first`]). Pixel (i, j) lies (i, j) voxels further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plane {
     /// Number of the plane, 0 nearest to the eye.
@@ -97,11 +98,7 @@ pub fn cut(plan: &Plan, phase: Phase, index: u32, part: u32) -> [Position; 3] {
         let exact = start.to_bits() + steps * step.to_bits() + way;
         settled(plan, Position::from_bits(((exact + (1 << 15)) >> 16) as i32))
     };
-    [
-        at(start_i, step_i),
-        at(start_j, step_j),
-        slices(plan, at(Step::ZERO, step_k)),
-    ]
+    in_held(plan, [at(start_i, step_i), at(start_j, step_j), at(Step::ZERO, step_k)])
 }
 
 /// The plane with this number at which segments end, 0 to [`Plan::ends`] - 1.
@@ -110,11 +107,17 @@ pub fn end_plane(plan: &Plan, phase: Phase, index: u32) -> Plane {
     Plane { index, phase, x, y, z }
 }
 
-/// A position along k held to the slices.
-fn slices(plan: &Plan, z: Position) -> Position {
-    let [_, _, depth] = plan.dims();
+/// A position in the volume, its place along k held to the slices, counted from the first voxel that is held.
+fn in_held(plan: &Plan, [x, y, z]: [Position; 3]) -> [Position; 3] {
+    let ([_, _, depth], [i, j, k]) = (plan.volume(), plan.first());
     let last = (depth as i32 - 1) << 16;
-    Position::from_bits(z.to_bits().min(last).max(0))
+    let from = |bits: i32, first: u32| Position::from_bits(bits.wrapping_sub((first as i32) << 16));
+    [
+        from(x.to_bits(), i),
+        from(y.to_bits(), j),
+        // Only cells reach beyond the slices.
+        from(z.to_bits().min(last).max(0), k),
+    ]
 }
 
 /// The sample plane with this number.
@@ -122,14 +125,8 @@ pub fn plane(plan: &Plan, phase: Phase, index: u32) -> Plane {
     let [start_i, start_j] = plan.start(phase);
     let [step_i, step_j, step_k] = plan.step();
     let at = |start, step| settled(plan, on_plane(plan, start, step, index));
-    Plane {
-        index,
-        phase,
-        x: at(start_i, step_i),
-        y: at(start_j, step_j),
-        // Only cells reach beyond the slices.
-        z: slices(plan, at(Step::ZERO, step_k)),
-    }
+    let [x, y, z] = in_held(plan, [at(start_i, step_i), at(start_j, step_j), at(Step::ZERO, step_k)]);
+    Plane { index, phase, x, y, z }
 }
 
 /// The pixels along one side whose samples lie inside `side` voxels: `first .. end`, both within `0 ..= pixels`.

@@ -3,7 +3,10 @@
 //! Everything behind a [`Plan`] can rely on it: sizes are within their limits, positions cannot overflow, and the
 //! base plane covers the volume. Kernels therefore have no errors of their own.
 
+mod faces;
+
 use crate::borders::Borders;
+use crate::crop::Faces;
 use crate::format::{Intensity, Step};
 use crate::plane::parts::{CELLS, Exact, NODES};
 use crate::view::{View, ratio};
@@ -61,6 +64,9 @@ pub struct Phase {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     view: View,
+    volume: [u32; 3],
+    faces: [Faces; 3],
+    first: [u32; 3],
     dims: [u32; 3],
     spacing: [Intensity; 3],
     sampling: Sampling,
@@ -103,6 +109,18 @@ pub enum PlanError {
     },
     /// A volume one voxel thin between whose first and last voxel ([`Borders::Nodes`]) there is nothing.
     Thin,
+    /// A crop box whose low face is not below its high one.
+    Reversed {
+        /// The axis: 0 is x, 1 is y, 2 is z.
+        axis: u32,
+    },
+    /// A crop box that holds nothing of the volume.
+    Beside {
+        /// The axis along which it lies beside it.
+        axis: u32,
+    },
+    /// A crop box in a volume with whole borders ([`Borders::Whole`]), of which a sample counts as a step or not at all.
+    WholeCropped,
 }
 
 impl core::fmt::Display for PlanError {
@@ -124,6 +142,18 @@ impl core::fmt::Display for PlanError {
             Self::Spacing { bits } => write!(f, "a spacing factor of {bits}/32768; accepted: 1 to 32768"),
             Self::Thin => {
                 f.write_str("borders at the outermost voxels of a side of 1 voxel; accepted: 2 voxels or more")
+            }
+            Self::Reversed { axis } => {
+                write!(
+                    f,
+                    "a crop box whose low face is not below its high one along axis {axis}"
+                )
+            }
+            Self::Beside { axis } => {
+                write!(f, "a crop box that holds nothing of the volume along {}", name(*axis))
+            }
+            Self::WholeCropped => {
+                f.write_str("a crop box with whole borders, which cut no step; accepted with a crop box: cells, nodes")
             }
         }
     }
@@ -199,8 +229,8 @@ impl Plan {
         if let Some(bits) = first_bad(factors, Intensity::ONE.to_bits() as u32) {
             return Err(PlanError::Spacing { bits: bits as u16 });
         }
-        let dims = view.arrange(dims);
-        let [width, height, depth] = dims;
+        let volume = view.arrange(dims);
+        let [width, height, depth] = volume;
         if matches!(borders, Borders::Nodes) && (width == 1 || height == 1 || depth == 1) {
             return Err(PlanError::Thin);
         }
@@ -209,19 +239,32 @@ impl Plan {
             return Err(PlanError::Planes { given: planes - 1 });
         }
         let [si, sj] = view.shear(rate);
-        let (columns, origin_i) = reach(si, width, planes, sampling, borders);
-        let (rows, origin_j) = reach(sj, height, planes, sampling, borders);
-        Ok(Self {
+        let mut plan = Self {
             view,
-            dims,
+            volume,
+            faces: [
+                Faces::of(width, borders),
+                Faces::of(height, borders),
+                Faces::of(depth, borders),
+            ],
+            first: [0; 3],
+            dims: volume,
             spacing: view.arrange(spacing.0),
             sampling,
-            base: [columns, rows],
-            origin: [origin_i, origin_j],
+            base: [0; 2],
+            origin: [0; 2],
             step: [si, sj, Step::from_bits(ratio(1, 1, rate) as i64)],
             nearest: false,
             exact,
-        })
+        };
+        if matches!(borders, Borders::Whole) {
+            let (columns, origin_i) = whole_reach(si, width, planes - 1);
+            let (rows, origin_j) = whole_reach(sj, height, planes - 1);
+            (plan.base, plan.origin) = ([columns, rows], [origin_i, origin_j]);
+        } else {
+            plan.reach();
+        }
+        Ok(plan)
     }
 
     /// The same plan with steps of fewer fraction bits, each rounded to nearest: for studies of what a machine loses that
@@ -264,9 +307,20 @@ impl Plan {
         &self.view
     }
 
-    /// Voxels along i, j, k: a slice's width and height, and the number of slices.
+    /// Voxels along i, j, k that are held: a slice's width and height, and the number of slices. Of a cropped plan these are
+    /// the voxels that its box looks at; else all.
     pub const fn dims(&self) -> [u32; 3] {
         self.dims
+    }
+
+    /// The first voxel that is held, along i, j, k, counted in the whole volume.
+    pub const fn first(&self) -> [u32; 3] {
+        self.first
+    }
+
+    /// Voxels along i, j, k of the whole volume.
+    pub const fn volume(&self) -> [u32; 3] {
+        self.volume
     }
 
     /// Spacing factors along i, j, k, 1.15.
@@ -284,7 +338,7 @@ impl Plan {
         self.base
     }
 
-    /// Where the ray of pixel (0, 0), phase (0, 0) starts on the first slice: whole voxels along i and j.
+    /// Where the ray of pixel (0, 0), phase (0, 0) starts on the whole volume's first slice: whole voxels along i and j.
     pub const fn origin(&self) -> [i32; 2] {
         self.origin
     }
@@ -294,16 +348,16 @@ impl Plan {
         self.step
     }
 
-    /// Number of sample planes.
+    /// Number of sample planes of the whole volume.
     pub const fn planes(&self) -> u32 {
-        let [_, _, depth] = self.dims;
+        let [_, _, depth] = self.volume;
         planes(depth, self.sampling.planes_per_voxel, self.borders())
     }
 
-    /// Number of planes at which segments between samples end, one more than there are segments along a ray: those of whole
-    /// borders, and of cells [`Plan::ends_before`] more at each end.
+    /// Number of planes at which segments between samples end, one more than there are segments along a ray of the whole volume:
+    /// those of whole borders, and of cells [`Plan::ends_before`] more at each end.
     pub const fn ends(&self) -> u32 {
-        let [_, _, depth] = self.dims;
+        let [_, _, depth] = self.volume;
         planes(depth, self.sampling.planes_per_voxel, Borders::Whole) + 2 * self.ends_before()
     }
 
@@ -340,6 +394,15 @@ impl Plan {
     }
 }
 
+/// The name of an axis by its number.
+const fn name(axis: u32) -> &'static str {
+    match axis {
+        0 => "x",
+        1 => "y",
+        _ => "z",
+    }
+}
+
 /// The borders that a plan's reference stands for.
 const fn borders(exact: Option<&'static Exact>) -> Borders {
     match exact {
@@ -368,26 +431,6 @@ const fn planes(depth: u32, rate: u32, borders: Borders) -> u32 {
         Borders::Cells => depth * rate,
         Borders::Nodes => (depth - 1) * rate,
     }
-}
-
-/// Pixels of the base plane along a side of so many voxels, and where the first of them starts.
-const fn reach(step: Step, side: u32, planes: u32, sampling: Sampling, borders: Borders) -> (u32, i32) {
-    let cells = match borders {
-        Borders::Whole => return whole_reach(step, side, planes - 1),
-        Borders::Cells => true,
-        Borders::Nodes => false,
-    };
-    // In units of 2^-33 voxel: where the ray that starts at 0 begins, from the box's low face, how far it goes, and the box.
-    let (step, rate, n) = (step.to_bits(), sampling.planes_per_voxel, sampling.rays_per_voxel);
-    let begin = if cells { (1 << 32) - rate as i64 * step } else { 0 };
-    let total = 2 * step * planes as i64;
-    let side = (side as i64 - !cells as i64) << 33;
-    let (up, down) = if total > 0 { (total, 0) } else { (0, total) };
-    // The last phase of the first pixel, and the first of the last one, meet the box.
-    let last_phase = 2 * ratio(n as u64 - 1, 1, n) as i64;
-    let first = -((begin + up + last_phase) >> 33);
-    let last = (side - begin - down) >> 33;
-    ((last - first + 1) as u32, first as i32)
 }
 
 /// A pixel per voxel, and one per whole voxel that a ray travels, rounded up; the first starts back by as much where it

@@ -36,6 +36,7 @@ mod slabs;
 mod source;
 
 use core::fmt::Debug;
+use core::ops::Range;
 
 pub use self::composite::Composite;
 pub use self::depth::{Depth, NO_DEPTH};
@@ -182,9 +183,10 @@ pub struct At<'a, X = Code12> {
     pub reading: Option<&'a dyn Reading>,
 }
 
-/// Planes of a plan that a pipeline folds: those of its samples, or those at which segments end, of which the first ends none.
-pub const fn planes<L: Pipeline>(plan: &Plan) -> u32 {
-    if L::SLABS { plan.ends() } else { plan.planes() }
+/// Numbers of the planes of a plan that a pipeline folds: those of its samples, or those at which segments end, of which the
+/// first ends none.
+pub const fn planes<L: Pipeline>(plan: &Plan) -> Range<u32> {
+    if L::SLABS { plan.ends_met() } else { plan.planes_met() }
 }
 
 /// The one with this number.
@@ -196,10 +198,14 @@ pub fn plane<L: Pipeline>(plan: &Plan, phase: Phase, index: u32) -> Plane {
     }
 }
 
-/// Number of the slice that is nearest in the window of a plane: the one before the plane, or before the one in front of it
-/// where both are folded together.
+/// Number, among those held, of the slice that is nearest in the window of a plane: the one before the plane, or before the one
+/// in front of it where both are folded together.
 pub fn near_slice<L: Pipeline>(plan: &Plan, index: u32) -> i32 {
-    let first = if L::SLABS { index.saturating_sub(1) } else { index };
+    let first = if L::SLABS {
+        index.saturating_sub(1).max(plan.ends_met().start)
+    } else {
+        index
+    };
     cell(plane::<L>(plan, Phase::default(), first).z).index
 }
 

@@ -96,7 +96,7 @@ impl Screen {
         let ([ri, rj, rk], [di, dj, dk]) = (right, down);
         let ([si, sj], [oi, oj]) = (plan.view().shear(1), plan.origin());
         let rays = plan.sampling().rays_per_voxel as i64;
-        let [ni, nj, nk] = plan.dims();
+        let [ni, nj, nk] = plan.volume();
         let (ru, rv) = (step(ri, rk, si, rays), step(rj, rk, sj, rays));
         let (du, dv) = (step(di, dk, si, rays), step(dj, dk, sj, rays));
         let (across, high) = (width as i64 - 1, height as i64 - 1);

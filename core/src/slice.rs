@@ -21,16 +21,52 @@ pub trait Voxel: Copy + Debug + Send + Sync + 'static {
     /// A slice given as the words that a ring keeps.
     fn given(words: &[u16]) -> Self::Given<'_>;
 
-    /// Checks a slice of some width and height, and keeps its words and the range of each row.
+    /// Checks what is kept of a slice, and keeps its words and the range of each row.
     ///
     /// # Errors
     /// [`SliceError`]; what is kept may then be anything.
     fn keep(
         given: Self::Given<'_>,
-        size: [usize; 2],
+        region: Region,
         words: &mut [u16],
         ranges: &mut [RowRange],
     ) -> Result<(), SliceError>;
+}
+
+/// What is kept of a slice of a volume.
+#[derive(Clone, Copy, Debug)]
+pub struct Region {
+    /// Width and height of the slice.
+    pub whole: [usize; 2],
+    /// The first column and the first row that are kept.
+    pub first: [usize; 2],
+    /// How many.
+    pub size: [usize; 2],
+}
+
+impl Region {
+    /// All of a slice.
+    pub const fn all(size: [usize; 2]) -> Self {
+        Self {
+            whole: size,
+            first: [0; 2],
+            size,
+        }
+    }
+
+    /// Where the kept voxels begin among so many that are given, and how far their rows are apart: among those of the whole
+    /// slice, or among themselves alone.
+    pub(crate) fn within(&self, given: usize) -> Result<(usize, usize), SliceError> {
+        let ([width, height], [columns, rows], [column, row]) = (self.whole, self.size, self.first);
+        let needed = columns * rows;
+        if given == needed {
+            Ok((0, columns))
+        } else if given == width * height {
+            Ok((row * width + column, width))
+        } else {
+            Err(SliceError::Voxels { needed, given })
+        }
+    }
 }
 
 /// A value of 12 bits, which a transfer function classifies.
@@ -47,20 +83,14 @@ impl Voxel for Code12 {
     }
 
     #[inline(always)]
-    fn keep(
-        given: &[u16],
-        [width, height]: [usize; 2],
-        words: &mut [u16],
-        ranges: &mut [RowRange],
-    ) -> Result<(), SliceError> {
-        let needed = width * height;
-        if given.len() != needed {
-            let given = given.len();
-            return Err(SliceError::Voxels { needed, given });
-        }
-        Slice::measure(given, width, height, width, ranges)?;
-        if words.len() == needed {
-            words.copy_from_slice(given);
+    fn keep(given: &[u16], region: Region, words: &mut [u16], ranges: &mut [RowRange]) -> Result<(), SliceError> {
+        let ([width, height], (start, stride)) = (region.size, region.within(given.len())?);
+        let given = given.get(start..).unwrap_or(&[]);
+        Slice::measure(given, width, height, stride, ranges)?;
+        for (kept, row) in words.chunks_exact_mut(width.max(1)).zip(given.chunks(stride.max(1))) {
+            if let Some(row) = row.get(..kept.len()) {
+                kept.copy_from_slice(row);
+            }
         }
         Ok(())
     }
@@ -144,9 +174,9 @@ pub enum SliceError {
     },
     /// A voxel has more than 12 bits.
     Voxel {
-        /// Row of the first such voxel.
+        /// Row of the first such voxel, of those that are kept.
         row: usize,
-        /// Its column.
+        /// Its column, likewise.
         column: usize,
         /// Its value.
         value: u16,

@@ -3,8 +3,9 @@
 //! Slices are copied into a ring of as many as the pipeline looks at (2, or 4 where gradients are needed); every sample
 //! plane is folded as soon as its slices are there. The same bits as the plane layer on the whole volume.
 //!
-//! A slice has `plan.dims()[0]` x `plan.dims()[1]` voxels, rows of i. Slices are pushed nearest first ([`Stream::wanted`]
-//! says which); a back-to-front pipeline wants them farthest first.
+//! A slice has `plan.dims()[0]` x `plan.dims()[1]` voxels, rows of i: of a cropped plan those that it holds, which begin at
+//! `plan.first()`. Slices are pushed nearest first ([`Stream::wanted`] says which); a back-to-front pipeline wants them farthest
+//! first.
 //!
 //! An image that does not fit is rendered in bands of rows ([`Stream::band`]), each with a stream of its own over the
 //! same slices and the same memory: the same bits again, for one more reading of the volume a band.
@@ -20,7 +21,7 @@ use crate::plan::Plan;
 use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, near_slice, plane, planes, scratch_len};
 use crate::precision::Precision as _;
 use crate::rows::three;
-use crate::slice::{RowRange, Slice, SliceError, Voxel, Window};
+use crate::slice::{Region, RowRange, Slice, SliceError, Voxel, Window};
 use crate::tap::Tap;
 
 /// Memory that a stream needs, in elements.
@@ -245,14 +246,21 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         Ok(stream)
     }
 
-    /// The number, along k, of the slice that is wanted next; `None` when the frame is complete.
+    /// The number, along k in the whole volume, of the slice that is wanted next; `None` when the frame is complete.
     pub fn wanted(&self) -> Option<u32> {
+        let [_, _, first] = self.plan.first();
+        Some(first + self.wanted_of_held()?)
+    }
+
+    /// The same, counted from the first slice that is held.
+    fn wanted_of_held(&self) -> Option<u32> {
         let [_, _, depth] = self.plan.dims();
         let left = depth.checked_sub(self.pushed + 1)?;
         Some(if L::BACK_TO_FRONT { left } else { self.pushed })
     }
 
-    /// Takes a slice (rows one after the other) and folds all planes that it completes.
+    /// Takes a slice (rows one after the other) and folds all planes that it completes. Of a cropped plan: what it holds of the
+    /// slice, or the whole slice, of which nothing else is looked at (codes of colours: what it holds).
     ///
     /// # Errors
     /// [`StreamError::Slice`] if the slice is not of the plan's size or holds a voxel above 4095: the slice is then not
@@ -271,19 +279,20 @@ impl<'m, L: Pipeline> Stream<'m, L> {
 
     #[inline(always)]
     fn take(&mut self, slice: Given<'_, L>, tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
-        let number = self.wanted().ok_or(StreamError::Complete)?;
+        let number = self.wanted_of_held().ok_or(StreamError::Complete)?;
         let [width, height, _] = three(self.plan.dims(), |side| side as usize);
+        let ([whole_width, whole_height, _], [column, row, _]) = (self.plan.volume(), self.plan.first());
+        let region = Region {
+            whole: [whole_width as usize, whole_height as usize],
+            first: [column as usize, row as usize],
+            size: [width, height],
+        };
         let len = L::Voxel::WORDS * width * height;
         let slot = (number as usize).checked_rem(L::SLICES).unwrap_or(0);
         let ranges = self.memory.ranges.get_mut(slot * height..(slot + 1) * height);
         let kept = self.memory.slices.get_mut(slot * len..(slot + 1) * len);
         // Where a slice is refused its slot is left with wrong ranges, but the next good one overwrites them.
-        L::Voxel::keep(
-            slice,
-            [width, height],
-            kept.unwrap_or(&mut []),
-            ranges.unwrap_or(&mut []),
-        )?;
+        L::Voxel::keep(slice, region, kept.unwrap_or(&mut []), ranges.unwrap_or(&mut []))?;
         self.pushed += 1;
         self.fold_ready(tap)
     }
@@ -297,11 +306,11 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         let planes = planes::<L>(&self.plan);
         // How far a plane looks beyond its two slices.
         let reach = i64::from(L::SLICES > 2);
-        while self.folded < planes {
+        while self.folded < planes.end - planes.start {
             let index = if L::BACK_TO_FRONT {
-                planes - 1 - self.folded
+                planes.end - 1 - self.folded
             } else {
-                self.folded
+                planes.start + self.folded
             };
             let z = near_slice::<L>(&self.plan, index);
             let last = i64::from(depth) - 1;

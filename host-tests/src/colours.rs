@@ -1,6 +1,7 @@
 //! A frame of colour and extinction stated in integers, and its way through the pipeline.
 
 use slicecast::borders::Borders;
+use slicecast::crop::Crop;
 use slicecast::extinction::Medium;
 use slicecast::format::Direction;
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
@@ -30,6 +31,8 @@ pub struct ColourFrame {
     pub precision: PrecisionName,
     /// Where the volume ends.
     pub borders: Borders,
+    /// The box that the volume is cropped to.
+    pub crop: Option<Crop>,
     /// M and N of the scale of extinctions.
     pub medium: [u32; 2],
     /// Threshold of early termination.
@@ -46,6 +49,7 @@ impl ColourFrame {
             rays_per_voxel: 1,
             precision: PrecisionName::Compact,
             borders: Borders::Whole,
+            crop: None,
             // 4 · 2^28 / 32767 · 2^15.
             medium: [1_073_774_593, 15],
             early_termination: None,
@@ -66,7 +70,8 @@ impl ColourFrame {
             planes_per_voxel: self.planes_per_voxel,
             rays_per_voxel: self.rays_per_voxel,
         };
-        Plan::with_borders(view, dims, Spacing::CUBIC, sampling, self.borders)
+        let plan = Plan::with_borders(view, dims, Spacing::CUBIC, sampling, self.borders)?;
+        self.crop.map_or(Ok(plan), |crop| plan.with_crop(crop))
     }
 
     /// Gives the prepared frame to `run`.

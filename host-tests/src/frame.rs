@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use slicecast::borders::Borders;
 use slicecast::classify::{colour_of_word, entry};
+use slicecast::crop::Crop;
 use slicecast::cut::Cut;
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::integral::{Colours, Length};
@@ -49,6 +50,8 @@ pub struct Frame {
     pub nearest: bool,
     /// Where the volume ends.
     pub borders: Borders,
+    /// The box that the volume is cropped to.
+    pub crop: Option<Crop>,
     /// Table coding; `None` takes the precision's own.
     pub code: Option<AlphaCodeName>,
     /// Table look-up; `None` takes the precision's own.
@@ -99,6 +102,7 @@ impl Frame {
             precision: PrecisionName::Compact,
             nearest: false,
             borders: Borders::Whole,
+            crop: None,
             code: None,
             lookup: None,
             early_termination: None,
@@ -135,6 +139,7 @@ impl Frame {
             classification: slicecast_scene::Classification::Point,
             pieces: 1,
             colours: None,
+            crop: None,
             surfaces: Vec::new(),
         }
     }
@@ -152,6 +157,10 @@ impl Frame {
             rays_per_voxel: self.rays_per_voxel,
         };
         let plan = Plan::with_borders(view, dims, spacing, sampling, self.borders)?;
+        let plan = match self.crop {
+            None => plan,
+            Some(crop) => plan.with_crop(crop)?,
+        };
         Ok(if self.nearest { plan.with_nearest() } else { plan })
     }
 
@@ -245,7 +254,7 @@ impl Frame {
             finest: None,
             simd: Simd::widest(),
         };
-        let mut turned = Turned::new(&self.volume, plan.view());
+        let mut turned = Turned::new(&self.volume, &plan);
         run(&prepared, &turned.slices().expect("12-bit voxels"))
     }
 }

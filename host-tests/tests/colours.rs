@@ -1,8 +1,10 @@
 //! Volumes of colour and extinction: one answer whichever way the slices go, exact answers, and errors against f64.
 
+use super::frames::crop;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use slicecast::borders::Borders;
+use slicecast::plan::PlanError;
 use slicecast_compare::ModelPositions;
 use slicecast_compare::colours::compare_colours;
 use slicecast_compare::image::ImageFigures;
@@ -50,20 +52,26 @@ prop_compose! {
         ].prop_filter("a direction", |d| *d != [0; 3]),
         rates in (1u32..=3, 1u32..=2), wide in any::<bool>(),
         borders in prop_oneof![Just(Borders::Whole), Just(Borders::Cells), Just(Borders::Nodes)],
+        crop in prop::option::weighted(0.4, crop()),
         medium in prop_oneof![(1u32 << 30..1 << 31, 15u32..=30).prop_map(|(m, n)| [m, n]), Just([2_013_327_358, 14])],
         early_termination in prop::option::of(1u32..=12),
     ) -> ColourFrame {
         let mut dims = dims;
         dims.rotate_right(turn);
-        ColourFrame {
+        let frame = ColourFrame {
             direction,
             planes_per_voxel: rates.0,
             rays_per_voxel: rates.1,
             precision: if wide { PrecisionName::Wide } else { PrecisionName::Compact },
             borders,
+            crop,
             medium,
             early_termination,
             ..ColourFrame::new(colour_volume(dims, filling, seed, colours))
+        };
+        match frame.plan() {
+            Err(PlanError::Beside { .. } | PlanError::WholeCropped) => ColourFrame { crop: None, ..frame },
+            _ => frame,
         }
     }
 }

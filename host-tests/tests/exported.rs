@@ -25,7 +25,7 @@ fn the_exported_head_has_the_engines_bits() {
 
     let mut memory = Box::new(head::memory());
     let mut stream: Stream<'_, head::Pipeline> = head::stream(&mut memory).unwrap();
-    let mut turned = Turned::new(&volume, &head::VIEW);
+    let mut turned = Turned::new(&volume, &head::PLAN);
     let slices = turned.slices().unwrap();
     while let Some(number) = stream.wanted() {
         stream.push(&packed(&slices[number as usize])).unwrap();

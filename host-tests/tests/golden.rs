@@ -19,7 +19,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use slicecast::borders::Borders;
-use slicecast::format::{Coefficient, Vector};
+use slicecast::crop::Crop;
+use slicecast::format::{Coefficient, Position, Vector};
 use slicecast::shade::{Highlight, Light};
 use slicecast_engine::camera::Material;
 use slicecast_engine::frame::Layer;
@@ -195,6 +196,41 @@ fn frames() -> Vec<(&'static str, Frame)> {
             },
         ),
         (
+            "head-cropped",
+            Frame {
+                rays_per_voxel: 2,
+                ..cropped(lit([500, 866, -174]), [[5.25, 11.0, 3.5], [40.75, 33.0, 60.0]])
+            },
+        ),
+        (
+            "noise-cropped-maximum",
+            Frame {
+                blend: Blend::Maximum,
+                direction: [300, -200, 1000],
+                ..cropped(noise.clone(), [[2.0, -9.0, 7.5], [2.625, 20.0, 99.0]])
+            },
+        ),
+        (
+            "head-cropped-segments",
+            Frame {
+                segments: Some(Stated::whole(SEGMENT)),
+                planes_per_voxel: 3,
+                blend: Blend::BackToFront,
+                direction: [-500, -866, 174],
+                ..cropped(head.clone(), [[10.0, 8.125, 20.0], [50.0, 60.5, 80.3]])
+            },
+        ),
+        (
+            "head-cropped-surfaces",
+            Frame {
+                segments: Some(Stated {
+                    surfaces: SURFACES.to_vec(),
+                    ..Stated::whole(SEGMENT)
+                }),
+                ..cropped(lit([300, 500, 1000]), [[12.0, 30.3, 15.5], [99.0, 99.0, 70.0]])
+            },
+        ),
+        (
             "ripples-nodes",
             Frame {
                 borders: Borders::Nodes,
@@ -366,6 +402,21 @@ fn frames() -> Vec<(&'static str, Frame)> {
     ]
 }
 
+/// A box in voxels along x, y and z, its low faces and its high ones.
+fn crop_of(faces: [[f64; 3]; 2]) -> Option<Crop> {
+    let [low, high] = faces.map(|face| face.map(|at| Position::from_bits((at * 65536.0) as i32)));
+    Some(Crop { low, high })
+}
+
+/// A frame of cells, cropped.
+fn cropped(frame: Frame, faces: [[f64; 3]; 2]) -> Frame {
+    Frame {
+        borders: Borders::Cells,
+        crop: crop_of(faces),
+        ..frame
+    }
+}
+
 /// The named frames of colour and extinction.
 fn colour_frames() -> Vec<(&'static str, ColourFrame)> {
     let ball = ColourFrame {
@@ -381,6 +432,14 @@ fn colour_frames() -> Vec<(&'static str, ColourFrame)> {
                 borders: Borders::Cells,
                 planes_per_voxel: 2,
                 early_termination: Some(8),
+                ..ball.clone()
+            },
+        ),
+        (
+            "colours-ball-cropped",
+            ColourFrame {
+                borders: Borders::Cells,
+                crop: crop_of([[3.0, 9.5, 20.5], [30.25, 28.0, 21.0]]),
                 ..ball
             },
         ),

@@ -1,6 +1,8 @@
 //! The arithmetic of small machines, on the host: whole frames by the lane that Cortex-M and RV32 run, with the point table
 //! that firmware reads, against the scalar definitions.
 
+use std::ops::Range;
+
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use slicecast::classify::Classifier;
@@ -29,12 +31,9 @@ fn folded<L: Pipeline<Voxel = Code12>>(plan: &Plan, slices: &[Slice<'_>], pipeli
     clear(pipeline, plan, &mut image);
     let mut scratch = vec![0; scratch_len::<L>(plan.dims()[0])];
     for (number, data) in image.chunks_mut(phase_len::<L>(plan)).enumerate() {
-        for step in 0..planes::<L>(plan) {
-            let index = if L::BACK_TO_FRONT {
-                planes::<L>(plan) - 1 - step
-            } else {
-                step
-            };
+        let Range { start, end } = planes::<L>(plan);
+        for step in 0..end - start {
+            let index = if L::BACK_TO_FRONT { end - 1 - step } else { start + step };
             let plane = plane::<L>(plan, plan.phase(number as u32), index);
             let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
             let Some(window) = Window::at(near_slice::<L>(plan, index), slice) else {

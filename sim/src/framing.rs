@@ -123,7 +123,7 @@ impl Framing {
         scenes.iter().try_fold(0, |most, scene| {
             let plan = plan(&self.scene(scene, volume), volume.dims, volume.spacing)?;
             let [width, height] = plan.base().map(u64::from);
-            Ok(most.max(width * height * u64::from(plan.phases()) * u64::from(plan.planes())))
+            Ok(most.max(width * height * u64::from(plan.phases()) * plan.planes_met().len() as u64))
         })
     }
 }

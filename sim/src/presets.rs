@@ -125,6 +125,7 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Sce
         classification: slicecast_scene::Classification::Point,
         pieces: 1,
         colours: None,
+        crop: None,
         surfaces: Vec::new(),
     };
     scene.check().map_err(|error| SceneError {

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 // Version of the structures in this header. Write it to `slicecast_scene.version`.
-#define SLICECAST_VERSION 4
+#define SLICECAST_VERSION 5
 
 // Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 // ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
@@ -118,6 +118,10 @@
 // the largest accepted.
 #define SLICECAST_BORDERS -32
 
+// A crop box whose low face is not below its high one (`needed` 0), or that holds nothing of the volume (`needed` 1), along axis
+// `given` (0 x, 1 y, 2 z); or one with borders 0, which cut no step (`needed` 2).
+#define SLICECAST_CROP -33
+
 // `precision` of the stages: widths and roundings of `paper`.
 #define SLICECAST_PAPER 0
 
@@ -219,6 +223,11 @@ typedef struct SlicecastScene {
   // 0: the volume ends at its outermost voxels, and every sample counts as a whole step; 1: it ends half a voxel beyond
   // them, and a sample counts by the part of its step inside; 2: likewise, but at the outermost voxels.
   uint32_t borders;
+  // The box along x, y, z that is drawn, in voxels from the centre of the first one, s15.16: its low faces. Both faces of an axis
+  // 0: all of it along that axis. A box needs borders 1 or 2; beyond the volume it ends where that does.
+  int32_t crop_low[3];
+  // Its high faces.
+  int32_t crop_high[3];
   // The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
   // opacity of one step along a ray in the highest (the high bytes of those that have a plane of low bytes).
   const uint32_t *entries;
@@ -244,12 +253,14 @@ typedef struct SlicecastNeeds {
   size_t bytes;
   // Alignment of that memory, bytes.
   size_t align;
-  // Voxels in a slice, rows one after the other.
+  // Voxels in a slice, rows one after the other: of those that a cropped scene looks at.
   size_t slice_voxels;
   // Voxels in a row of a slice.
   uint32_t slice_width;
   // Number of slices.
   uint32_t slices;
+  // The first voxel, row and slice of them, counted in the whole volume.
+  uint32_t first[3];
   // Columns of the base-plane image, of one phase.
   uint32_t columns;
   // Rows of the base-plane image, of one phase; of the whole image, also where a band was asked for.
@@ -350,7 +361,7 @@ int32_t slicecast_open(const struct SlicecastPipeline *pipeline,
                        struct SlicecastStream **stream,
                        struct SlicecastError *error);
 
-// Tells the number of the slice, along the viewing axis, that is wanted next: written to `number`.
+// Tells the number of the slice, along the viewing axis of the whole volume, that is wanted next: written to `number`.
 //
 // Returns SLICECAST_OK, SLICECAST_COMPLETE when the frame is complete (`number` is then untouched), or an error code.
 //
@@ -362,7 +373,8 @@ int32_t slicecast_wanted(const struct SlicecastStream *stream,
 
 // Takes the slice that is wanted next and folds every sample plane that it completes.
 //
-// `voxels`: `count` = `needs.slice_voxels` values of 0 to 4095, row after row; they are copied. Returns SLICECAST_OK,
+// `voxels`: `count` = `needs.slice_voxels` values of 0 to 4095, row after row; they are copied. To a scene that is cropped a
+// slice may be given whole, as one that is not cropped takes it: what the box looks at is copied. Returns SLICECAST_OK,
 // SLICECAST_COMPLETE if no slice is wanted any more, or an error code; the slice is then not taken, and a good one may
 // follow.
 //

@@ -81,6 +81,9 @@ pub const SLICECAST_FACE: i32 = -31;
 /// The borders are none of 0 (whole), 1 (cells), 2 (nodes), or 2 and a side of the volume is one voxel: `given`; `needed` is
 /// the largest accepted.
 pub const SLICECAST_BORDERS: i32 = -32;
+/// A crop box whose low face is not below its high one (`needed` 0), or that holds nothing of the volume (`needed` 1), along axis
+/// `given` (0 x, 1 y, 2 z); or one with borders 0, which cut no step (`needed` 2).
+pub const SLICECAST_CROP: i32 = -33;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]
@@ -160,6 +163,9 @@ impl From<PlanError> for SlicecastError {
             PlanError::Planes { given } => (SLICECAST_PLANES, PLANES_MAX, given),
             PlanError::Spacing { bits } => (SLICECAST_SPACING, 1 << 15, bits.into()),
             PlanError::Thin => (SLICECAST_BORDERS, 1u16.into(), 2),
+            PlanError::Reversed { axis } => (SLICECAST_CROP, 0, axis),
+            PlanError::Beside { axis } => (SLICECAST_CROP, 1, axis),
+            PlanError::WholeCropped => (SLICECAST_CROP, 2, 0),
         };
         Self::numbers(code, needed.into(), given.into())
     }

@@ -209,6 +209,7 @@ impl SlicecastPipeline {
             slice_voxels: width as usize * height as usize,
             slice_width: width,
             slices,
+            first: plan.first(),
             columns,
             rows,
             phases: plan.phases(),

@@ -42,7 +42,7 @@ use core::ffi::c_void;
 use crate::instance::{Handle, Header};
 
 /// Version of the structures in this header. Write it to `slicecast_scene.version`.
-pub const SLICECAST_VERSION: u32 = 4;
+pub const SLICECAST_VERSION: u32 = 5;
 
 /// Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 /// ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
@@ -126,7 +126,7 @@ pub unsafe extern "C" fn slicecast_open(
     unsafe { report(work(), error) }
 }
 
-/// Tells the number of the slice, along the viewing axis, that is wanted next: written to `number`.
+/// Tells the number of the slice, along the viewing axis of the whole volume, that is wanted next: written to `number`.
 ///
 /// Returns SLICECAST_OK, SLICECAST_COMPLETE when the frame is complete (`number` is then untouched), or an error code.
 ///
@@ -150,7 +150,8 @@ pub unsafe extern "C" fn slicecast_wanted(
 
 /// Takes the slice that is wanted next and folds every sample plane that it completes.
 ///
-/// `voxels`: `count` = `needs.slice_voxels` values of 0 to 4095, row after row; they are copied. Returns SLICECAST_OK,
+/// `voxels`: `count` = `needs.slice_voxels` values of 0 to 4095, row after row; they are copied. To a scene that is cropped a
+/// slice may be given whole, as one that is not cropped takes it: what the box looks at is copied. Returns SLICECAST_OK,
 /// SLICECAST_COMPLETE if no slice is wanted any more, or an error code; the slice is then not taken, and a good one may
 /// follow.
 ///

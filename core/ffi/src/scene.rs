@@ -1,7 +1,8 @@
 //! Scenes as C structures.
 
 use slicecast::borders::Borders;
-use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
+use slicecast::crop::Crop;
+use slicecast::format::{Coefficient, Direction, Intensity, Position, Step, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::precision::Precision;
 use slicecast::screen::Screen;
@@ -41,6 +42,11 @@ pub struct SlicecastScene {
     /// 0: the volume ends at its outermost voxels, and every sample counts as a whole step; 1: it ends half a voxel beyond
     /// them, and a sample counts by the part of its step inside; 2: likewise, but at the outermost voxels.
     pub borders: u32,
+    /// The box along x, y, z that is drawn, in voxels from the centre of the first one, s15.16: its low faces. Both faces of an axis
+    /// 0: all of it along that axis. A box needs borders 1 or 2; beyond the volume it ends where that does.
+    pub crop_low: [i32; 3],
+    /// Its high faces.
+    pub crop_high: [i32; 3],
     /// The table: 4096 entries, one per voxel value: red in the lowest byte, green, blue, and the square root of the
     /// opacity of one step along a ray in the highest (the high bytes of those that have a plane of low bytes).
     pub entries: *const u32,
@@ -112,12 +118,14 @@ pub struct SlicecastNeeds {
     pub bytes: usize,
     /// Alignment of that memory, bytes.
     pub align: usize,
-    /// Voxels in a slice, rows one after the other.
+    /// Voxels in a slice, rows one after the other: of those that a cropped scene looks at.
     pub slice_voxels: usize,
     /// Voxels in a row of a slice.
     pub slice_width: u32,
     /// Number of slices.
     pub slices: u32,
+    /// The first voxel, row and slice of them, counted in the whole volume.
+    pub first: [u32; 3],
     /// Columns of the base-plane image, of one phase.
     pub columns: u32,
     /// Rows of the base-plane image, of one phase; of the whole image, also where a band was asked for.
@@ -174,12 +182,29 @@ impl SlicecastScene {
             2 => Borders::Nodes,
             given => return Err(SlicecastError::numbers(SLICECAST_BORDERS, 2, given.into())),
         };
-        let plan = Plan::with_borders(view, self.dims, spacing, sampling, borders)?;
+        let mut plan = Plan::with_borders(view, self.dims, spacing, sampling, borders)?;
+        let crop = self.crop();
+        if crop != Crop::NONE {
+            plan = plan.with_crop(crop)?;
+        }
         match self.interpolation {
             0 => Ok(plan),
             1 => Ok(plan.with_nearest()),
             given => Err(SlicecastError::numbers(SLICECAST_INTERPOLATION, 1, given.into())),
         }
+    }
+
+    /// The box; open along axes of which nothing is said.
+    fn crop(&self) -> Crop {
+        let mut crop = Crop::NONE;
+        let stated = self.crop_low.iter().zip(&self.crop_high);
+        let faces = crop.low.iter_mut().zip(&mut crop.high);
+        for ((low, high), (low_bits, high_bits)) in faces.zip(stated) {
+            if (*low_bits, *high_bits) != (0, 0) {
+                (*low, *high) = (Position::from_bits(*low_bits), Position::from_bits(*high_bits));
+            }
+        }
+        crop
     }
 
     /// The table's entries.

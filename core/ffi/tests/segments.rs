@@ -122,6 +122,8 @@ fn scene(direction: [i64; 3], lighting: &SlicecastLighting, integrals: &Slicecas
         rays_per_voxel: 2,
         interpolation: 0,
         borders: 0,
+        crop_low: [0; 3],
+        crop_high: [0; 3],
         entries: null(),
         low_roots: null(),
         low_colours: null(),

@@ -1,4 +1,5 @@
 use super::*;
+use crate::crop::Crop;
 use crate::format::Direction;
 use crate::locate::cut;
 use crate::plan::{PlanError, Sampling, Spacing};
@@ -115,6 +116,30 @@ fn borders() -> impl Strategy<Value = Borders> {
     prop_oneof![Just(Borders::Cells), Just(Borders::Nodes)]
 }
 
+/// Boxes that meet a volume of up to nine voxels, most of them: faces at voxels, halves and anywhere, thin, open.
+fn crop() -> impl Strategy<Value = Option<Crop>> {
+    let low =
+        prop_oneof![2 => (-2i32..=18).prop_map(|halves| halves << 15), 2 => -70_000i32..=600_000, 1 => Just(i32::MIN)];
+    let side = prop_oneof![1 => Just(1), 2 => 1i32..=70_000, 2 => 1i32..=600_000, 1 => Just(i32::MAX)];
+    let axes = prop::array::uniform3((low, side));
+    prop::option::weighted(0.8, axes).prop_map(|axes| {
+        axes.map(|axes| Crop {
+            low: axes.map(|(low, _)| Position::from_bits(low)),
+            high: axes.map(|(low, side)| Position::from_bits(low.max(-(1 << 17)).saturating_add(side))),
+        })
+    })
+}
+
+/// The plan, cropped, or `None` where the box lies beside the volume.
+fn cropped(plan: Plan, crop: Option<Crop>) -> Option<Plan> {
+    match crop.map(|crop| plan.with_crop(crop)) {
+        None => Some(plan),
+        Some(Ok(plan)) => Some(plan),
+        Some(Err(PlanError::Beside { .. })) => None,
+        Some(Err(error)) => panic!("{error}"),
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 600, rng_seed: proptest::test_runner::RngSeed::Fixed(18), ..ProptestConfig::default() })]
 
@@ -125,6 +150,7 @@ proptest! {
         dims in prop::array::uniform3(1u32..=9),
         rates in [1u32..=16, 1u32..=3],
         borders in borders(),
+        crop in crop(),
     ) {
         let plan = match plan_of(shear, dims, rates, borders) {
             Err(error) => {
@@ -133,7 +159,9 @@ proptest! {
             }
             Ok(plan) => plan,
         };
+        let Some(plan) = cropped(plan, crop) else { return Ok(()) };
         let planes = plan.planes();
+        prop_assert!(plan.planes_met().end <= planes && !plan.planes_met().is_empty());
         for phase in 0..plan.phases() {
             let [start_i, start_j] = plan.start(plan.phase(phase));
             let sides = |index| [Side::of(&plan, start_i, 0, index), Side::of(&plan, start_j, 1, index)];
@@ -142,19 +170,25 @@ proptest! {
                 let sum: u64 = (0..planes)
                     .map(|index| {
                         let [x, y] = sides(index);
-                        u64::from(x.part(u).fraction(y.part(v)))
+                        let part = x.part(u).and(y.part(v)).and(about_k(&plan, index));
+                        assert!(part.length() == 0 || plan.planes_met().contains(&index), "plane {index} is left out");
+                        u64::from(part.length())
                     })
                     .sum();
                 let [x, y] = sides(0);
                 let ([x_in, x_out], [y_in, y_out]) = (crossing(x, u), crossing(y, v));
-                let length = (x_out.min(y_out).min(f64::from(planes)) - x_in.max(y_in).max(0.0)).max(0.0);
+                // Along k in segments from the first.
+                let first = if borders == Borders::Cells { f64::from(rates[0]) / 2.0 } else { 0.0 };
+                let [z_in, z_out] = plan.box_of_volume()[2].map(|face| f64::from(face.to_bits()) / 65536.0 * f64::from(rates[0]) + first);
+                let length = (x_out.min(y_out).min(z_out) - x_in.max(y_in).max(z_in)).max(0.0);
                 prop_assert!((sum as f64 - length * 65536.0).abs() <= 1.0 + 1e-4, "{u} {v}: {sum}, {}", length * 65536.0);
             }
             for index in 0..planes {
                 for (side, pixels) in sides(index).into_iter().zip([columns, rows]) {
                     let before = Side { begin: side.begin - (1 << 33), ..side };
-                    prop_assert_eq!(before.part(0).fraction(Part::WHOLE), 0, "before the first pixel");
-                    prop_assert_eq!(side.part(pixels).fraction(Part::WHOLE), 0, "behind the last pixel");
+                    let counted = about_k(&plan, index);
+                    prop_assert_eq!(before.part(0).fraction(counted), 0, "before the first pixel");
+                    prop_assert_eq!(side.part(pixels).fraction(counted), 0, "behind the last pixel");
                     let part = |pixel: &u32| side.part(*pixel);
                     let touched: std::vec::Vec<u32> = (0..pixels).filter(|p| part(p).fraction(Part::WHOLE) > 0).collect();
                     prop_assert!(touched.iter().all(|pixel| side.touched(pixels).contains(pixel)));
@@ -174,8 +208,10 @@ proptest! {
         dims in prop::array::uniform3(1u32..=9),
         rates in [1u32..=16, 1u32..=3],
         borders in borders(),
+        crop in crop(),
     ) {
         let Ok(plan) = plan_of(shear, dims, rates, borders) else { return Ok(()) };
+        let Some(plan) = cropped(plan, crop) else { return Ok(()) };
         let (segments, [rate, _]) = (plan.ends() - 1, rates);
         for phase in (0..plan.phases()).map(|number| plan.phase(number)) {
             let [start_i, start_j] = plan.start(phase);
@@ -193,7 +229,8 @@ proptest! {
                 for (side, pixels) in sides(index).into_iter().zip(plan.base()) {
                     // At most two at each end are not whole, or have an end that is held to the voxels.
                     let [low, high] = [side.begin.min(side.begin + side.length), side.begin.max(side.begin + side.length)];
-                    let before = i64::from(borders == Borders::Cells) << 32;
+                    // Beyond the outermost voxels ends are held.
+                    let before = if crop.is_none() { i64::from(borders == Borders::Cells) << 32 } else { 0 };
                     let inner = |pixel: &u32| {
                         let way = i64::from(*pixel) << 33;
                         low + way >= before && high + way <= side.side - before
@@ -203,18 +240,22 @@ proptest! {
                 }
             }
             let [columns, rows] = plan.base();
-            // From the first plane, and the box in segments from it.
-            let before = if borders == Borders::Cells { f64::from(rate.div_ceil(2)) - f64::from(rate) / 2.0 } else { 0.0 };
+            // The box in segments from the first plane.
+            let before = if borders == Borders::Cells { f64::from(rate.div_ceil(2)) } else { 0.0 };
             for (u, v) in (0..columns).flat_map(|u| (0..rows).map(move |v| (u, v))) {
                 let length = |index: u32| {
                     let [x, y] = sides(index);
                     x.part(u).and(y.part(v)).and(along_k(&plan, index)).length()
                 };
+                for index in 0..segments {
+                    let met = plan.ends_met();
+                    prop_assert!(length(index) == 0 || (met.start <= index && index + 1 < met.end), "segment {} is left out", index);
+                }
                 let sum: u64 = (0..segments).map(|index| u64::from(length(index))).sum();
                 let [x, y] = sides(0);
                 let ([x_in, x_out], [y_in, y_out]) = (crossing(x, u), crossing(y, v));
-                let out = x_out.min(y_out).min(f64::from(segments) - before);
-                let length = (out - x_in.max(y_in).max(before)).max(0.0);
+                let [z_in, z_out] = plan.box_of_volume()[2].map(|face| f64::from(face.to_bits()) / 65536.0 * f64::from(rate) + before);
+                let length = (x_out.min(y_out).min(z_out) - x_in.max(y_in).max(z_in)).max(0.0);
                 prop_assert!((sum as f64 - length * 65536.0).abs() <= 1.0 + 1e-4, "{u} {v}: {sum}, {}", length * 65536.0);
             }
         }

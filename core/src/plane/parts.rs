@@ -3,13 +3,13 @@
 //! Of whole borders there is one. A plane of exact borders has more: the pixels whose segments lie in the volume as a whole, and
 //! at each end rows and columns of those whose segments are cut by a face, or whose samples are held to the voxels; of samples
 //! at most one at each end, of segments two. All pixels of a part share cells and the part of the segment, so each is folded like
-//! a plane of its own. Crop boxes change this file.
+//! a plane of its own. A crop box is another box: its faces lie in the plan.
 
 use core::ops::Range;
 
 use super::extent::Extent;
 use super::slabs::window_behind;
-use crate::borders::{Borders, Part, Side, WHOLE, along_k, fraction_row};
+use crate::borders::{Borders, Part, Side, WHOLE, about_k, along_k, fraction_row};
 use crate::format::{Position, Weight};
 use crate::lanes::Small;
 use crate::locate::{Cell, Plane, cell, cut, end_plane, inside};
@@ -141,14 +141,12 @@ impl Way {
     }
 }
 
-/// What exact borders are to the plane layer. A plan holds a reference: a program whose plans have whole borders does not
-/// link it.
+/// What samples of exact borders are to the plane layer. A plan holds a reference: a program whose plans have whole borders
+/// does not link it. Segments need none: only their drivers call [`exact_segments`].
 pub(crate) struct Exact {
     pub(crate) borders: Borders,
     /// The next part of a plane of samples.
     samples: for<'w> fn(&mut Parts<'_>, &Window<'w>) -> Option<Samples<'w>>,
-    /// The next part of the segments that end at a plane; lit or not.
-    segments: for<'w> fn(&mut Parts<'_>, &Window<'w>, bool) -> Option<Segments<'w>>,
     /// Makes opacities those of a fraction, on a small machine.
     pub(super) reduce: fn(&mut [i32], u32),
 }
@@ -158,7 +156,6 @@ impl Exact {
         Self {
             borders,
             samples: exact_samples,
-            segments: exact_segments,
             reduce: fraction_row::<Small>,
         }
     }
@@ -234,8 +231,8 @@ impl<'a> Parts<'a> {
     /// The next segments that end at the plane, given the window of their front ends; none end at the first.
     #[inline(always)]
     pub(super) fn segments<'w>(&mut self, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
-        if let Some(exact) = self.plan.exact() {
-            return (exact.segments)(self, window, lit);
+        if self.plan.exact().is_some() {
+            return exact_segments(self, window, lit);
         }
         let index = self.plane.index.checked_sub(1)?;
         let front = end_plane(self.plan, self.plane.phase, index);
@@ -360,8 +357,9 @@ fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Sampl
             Axis::of(Side::of(plan, start_j, 1, index), [y; 2], height, rows),
         ]
     });
+    let along = about_k(plan, index);
     if parts.columns == Columns::InRows && axes.iter().take(1).all(Axis::ends_rows) {
-        let extent = parts.next_rows(&axes, Part::WHOLE, [x, y, z]);
+        let extent = parts.next_rows(&axes, along, [x, y, z]);
         parts.axes = Some(axes);
         return Some(Samples {
             extent: extent?,
@@ -369,7 +367,7 @@ fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Sampl
             whole_rows: true,
         });
     }
-    let (bands, part) = parts.next_of(&axes, Part::WHOLE)?;
+    let (bands, part) = parts.next_of(&axes, along)?;
     let mut samples = [Samples {
         extent: extent(&axes, &bands, part, [x, y, z]),
         window: *window,
@@ -384,6 +382,8 @@ fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Sampl
     Some(samples)
 }
 
+/// A pipeline's tiles, lanes and orders share one.
+#[inline(never)]
 fn exact_segments<'w>(parts: &mut Parts<'_>, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
     let (plan, back) = (parts.plan, *parts.plane);
     let (index, phase) = (back.index.checked_sub(1)?, back.phase);
@@ -421,6 +421,7 @@ fn exact_segments<'w>(parts: &mut Parts<'_>, window: &Window<'w>, lit: bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crop::Crop;
     use crate::format::Direction;
     use crate::locate::plane;
     use crate::plan::{Sampling, Spacing};
@@ -441,12 +442,22 @@ mod tests {
             i in prop_oneof![Just(0i64), Just(1 << 58), Just(-1 << 58), -(1i64 << 58)..=1 << 58],
             j in -(1i64 << 58)..=1 << 58,
             dims in prop::array::uniform3(1u32..=6), rate in 1u32..=4, rays in 1u32..=3, cells in any::<bool>(), nearest in any::<bool>(),
+            low in prop::array::uniform3(-40_000i32..=350_000), side in prop::array::uniform3(prop_oneof![1i32..=300, 1i32..=400_000]),
+            crops in any::<bool>(),
         ) {
             let view = View::new([i, j, 1 << 58].map(Direction::from_bits)).unwrap();
             let sampling = Sampling { planes_per_voxel: rate, rays_per_voxel: rays };
             let borders = if cells { Borders::Cells } else { Borders::Nodes };
             let Ok(plan) = Plan::with_borders(view, dims, Spacing::CUBIC, sampling, borders) else { return Ok(()) };
             let plan = if nearest { plan.with_nearest() } else { plan };
+            let crop = Crop {
+                low: low.map(Position::from_bits),
+                high: [0, 1, 2].map(|axis| Position::from_bits(low[axis] + side[axis])),
+            };
+            let plan = match plan.with_crop(crop) {
+                Ok(cropped) if crops => cropped,
+                _ => plan,
+            };
             let [width, height, _] = plan.dims();
             let voxels = vec![0; (width * height) as usize];
             let mut ranges = vec![RowRange::EMPTY; height as usize];
@@ -463,7 +474,7 @@ mod tests {
                             noted(&mut found, &samples)?;
                         }
                         let side = |axis, start| Side::of(&plan, start, axis, index);
-                        let part = |u, v| side(0, start_i).part(u).and(side(1, start_j).part(v));
+                        let part = |u, v| side(0, start_i).part(u).and(side(1, start_j).part(v)).and(about_k(&plan, index));
                         held(&plan, &found, part, |_| [at.x, at.y, at.z])?;
                     }
                 }
@@ -554,7 +565,21 @@ mod tests {
                 (at.to_bits() + ((pixel as i32) << 16)).clamp(0, (side as i32 - 1) << 16)
             };
             let [x, y, z] = at(part);
-            let [x, y, z] = [held(x, u, width), held(y, v, height), held(z, 0, depth)];
+            let own = [held(x, u, width), held(y, v, height), held(z, 0, depth)];
+            // Nothing but the volume's own faces holds a sample, and gradients look at voxels that are held too.
+            let axes = own.into_iter().zip([
+                x.to_bits() + ((u as i32) << 16),
+                y.to_bits() + ((v as i32) << 16),
+                z.to_bits(),
+            ]);
+            let sides = plan.dims().into_iter().zip(plan.first()).zip(plan.volume());
+            for ((at, free), ((held, first), all)) in axes.zip(sides) {
+                let (cell, last) = (at >> 16, (at + 0xffff) >> 16);
+                prop_assert!(first == 0 || cell >= 1);
+                prop_assert!(first + held == all || last <= held as i32 - 2);
+                prop_assert!(at == free || first == 0 && at == 0 || first + held == all && at >> 16 == held as i32 - 1);
+            }
+            let [x, y, z] = own;
             prop_assert_eq!(*cells, [y >> 16, z >> 16, x & 0xffff, y & 0xffff, z & 0xffff]);
             prop_assert!(voxel.is_none_or(|voxel| voxel as i32 == x >> 16));
         }

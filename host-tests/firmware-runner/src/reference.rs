@@ -63,8 +63,7 @@ pub fn sums(prepared: &Prepared<'_>) -> Result<(Sums, Counts), RenderError> {
     for pixel in frame.picture.bytes.chunks_exact(3) {
         add_rgb(&mut picture, [pixel[0], pixel[1], pixel[2]]);
     }
-    let view = prepared.setup.plan.view();
-    let mut turned = Turned::new(prepared.volume, view);
+    let mut turned = Turned::new(prepared.volume, &prepared.setup.plan);
     let slices = turned.slices()?;
     let (planes, image, counts) = folded(prepared, &slices)?;
     let sums = Sums {

@@ -3,13 +3,18 @@
 
 use std::fmt::Write as _;
 
-use slicecast::format::Direction;
-use slicecast_engine::frame::Prepared;
+use slicecast::crop::Crop;
+use slicecast::format::{Direction, Position};
+use slicecast_engine::camera;
+use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::{Turned, packed};
 use slicecast_engine::pipelines::compile;
+use slicecast_engine::rendering::in_memory_order;
 use slicecast_engine::table::Table;
+use slicecast_firmware_shared::sum::Sum;
+use slicecast_scene::crop::{self as boxes, CropUnit};
 use slicecast_scene::file::parse;
-use slicecast_scene::{AlphaCodeName, Highlight, PrecisionName, Scene};
+use slicecast_scene::{AlphaCodeName, Borders, Highlight, PrecisionName, Scene};
 use slicecast_volume::Volume;
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
@@ -237,7 +242,7 @@ impl Named {
         let longest = direction.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
         let one = Direction::ONE.to_bits() as f64;
         let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut turned = Turned::new(&self.volume, setup.plan.view());
+        let mut turned = Turned::new(&self.volume, &setup.plan);
         let slices = turned.slices().map_err(|e| words(&e))?;
         let voxels = slices.iter().flat_map(packed).collect();
         let table = |precision| {
@@ -342,11 +347,19 @@ impl Named {
             n.lights.len(),
         );
         let rates = &self.scene.sampling;
+        let cropped = self.cropped();
+        let faces = camera::crop(&cropped, self.volume.spacing).unwrap_or(Crop::NONE);
+        let [low, high] = [faces.low, faces.high].map(|faces| list(&faces.map(Position::to_bits)));
+        let uncropped = "0, {0, 0, 0}, {0, 0, 0}";
         // Roots are the same in both.
-        for (scene, entries) in [("scene", "entries"), ("scene_wide", "entries_wide")] {
+        for (scene, entries, borders) in [
+            ("scene", "entries", uncropped.to_owned()),
+            ("scene_wide", "entries_wide", uncropped.to_owned()),
+            ("scene_cropped", "entries", format!("1, {low}, {high}")),
+        ] {
             let _ = writeln!(
                 out,
-                "static const SlicecastScene {scene} = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, 0, 0, {entries}, low_roots, \
+                "static const SlicecastScene {scene} = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, 0, {borders}, {entries}, low_roots, \
                  low_colours, &lighting, 0, 0, 0}};",
                 list(&self.volume.dims),
                 list(&n.direction),
@@ -359,7 +372,25 @@ impl Named {
             let name = kind.name().to_uppercase().replace(' ', "_");
             let _ = writeln!(out, "#define {name} {}u", image_sum(kind));
         }
+        let words = |error: &dyn std::error::Error| Failure(format!("{}, cropped: {error}", self.name));
+        let prepared = Prepared::new(&cropped, &self.volume).map_err(|e| words(&e))?;
+        let frame = prepared.render(Layer::Tiles(32), &|_, _| ()).map_err(|e| words(&e))?;
+        let mut sum = Sum::new();
+        in_memory_order(&frame.base, rates.rays_per_voxel as usize).for_each(|bits| sum.word(bits));
+        let _ = writeln!(out, "#define CROPPED {}u", sum.get());
         Ok(out)
+    }
+
+    /// The scene of a box of the volume, lit, in `Compact`.
+    fn cropped(&self) -> Scene {
+        Scene {
+            borders: Borders::Cells,
+            crop: Some(boxes::Crop {
+                ranges: [[7.25, 18.5], [f64::NEG_INFINITY, 14.0], [9.5, 21.75]],
+                unit: CropUnit::Voxels,
+            }),
+            ..self.in_precision(PrecisionName::Compact)
+        }
     }
 }
 

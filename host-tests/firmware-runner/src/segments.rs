@@ -95,7 +95,7 @@ fn depths_of(named: &Named) -> Result<u32, Failure> {
         ..named.scene.clone()
     };
     let prepared = prepared(&scene, named, &SURFACES)?;
-    let mut turned = Turned::new(&named.volume, prepared.setup.plan.view());
+    let mut turned = Turned::new(&named.volume, &prepared.setup.plan);
     let slices = turned.slices().map_err(|e| words(&e))?;
     let Some(found) = depths(&prepared, &Oriented::of(&slices), &|_, _| ()).map_err(|e| words(&e))? else {
         return fail("there are no surfaces");

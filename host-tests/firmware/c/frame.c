@@ -20,6 +20,22 @@ static int check(int32_t code, const SlicecastError *error) {
   return 0;
 }
 
+/* Slices are pushed whole, also to a scene that is cropped; it holds less of them. */
+static size_t whole_slice(const SlicecastPipeline *pipeline, const SlicecastScene *scene, size_t bytes) {
+  SlicecastScene all = *scene;
+  SlicecastNeeds needs;
+  int cropped = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    cropped |= all.crop_low[axis] != 0 || all.crop_high[axis] != 0;
+    all.crop_low[axis] = 0;
+    all.crop_high[axis] = 0;
+  }
+  if (slicecast_needs(pipeline, &all, 0, &needs, 0) < 0 || (cropped && bytes >= needs.bytes)) {
+    return 0;
+  }
+  return needs.slice_voxels;
+}
+
 static int frame(const char *name, const SlicecastPipeline *pipeline, const SlicecastScene *scene,
                  uint32_t expected) {
   SlicecastError error;
@@ -32,9 +48,9 @@ static int frame(const char *name, const SlicecastPipeline *pipeline, const Slic
     return 0;
   }
   uint32_t number;
+  const size_t len = whole_slice(pipeline, scene, needs.bytes);
   while (slicecast_wanted(stream, &number, &error) == SLICECAST_OK) {
-    const uint16_t *slice = voxels + number * needs.slice_voxels;
-    if (!check(slicecast_push(stream, slice, needs.slice_voxels, &error), &error)) {
+    if (!check(slicecast_push(stream, voxels + number * len, len, &error), &error)) {
       return 0;
     }
   }
@@ -60,6 +76,7 @@ int main(void) {
   passed &= frame("small compact unlit", slicecast_compact_unlit(), &scene, COMPACT_UNLIT);
   passed &= frame("small compact lit", slicecast_compact_lit(), &scene, COMPACT_LIT);
   passed &= frame("small wide lit", slicecast_wide_lit_colour16(), &scene_wide, WIDE_LIT);
+  passed &= frame("small compact lit cropped", slicecast_compact_lit(), &scene_cropped, CROPPED);
   /* What C gets wrong comes back as a number. */
   SlicecastError error;
   passed &= slicecast_push((SlicecastStream *)memory, voxels, 1, &error) == SLICECAST_COMPLETE;

@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 use slicecast::borders::Borders;
-use slicecast::format::{Coefficient, Opacity, Vector};
+use slicecast::crop::Crop;
+use slicecast::format::{Coefficient, Opacity, Position, Vector};
+use slicecast::plan::PlanError;
 use slicecast::shade::{Highlight, Light};
 use slicecast::surface::{Face, Surface, VALUE_MAX};
-use slicecast_engine::camera::Material;
+use slicecast_engine::camera::{CameraError, Material};
 use slicecast_host_tests::frame::{Frame, Stated, fine_table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
@@ -165,6 +167,28 @@ pub fn borders_of(borders: Borders, dims: [usize; 3]) -> Borders {
     }
 }
 
+/// A box that holds something of most small volumes: faces at voxels, halves and anywhere, thin boxes, open ends.
+pub fn crop() -> impl Strategy<Value = Crop> {
+    let low = prop_oneof![
+        2 => Just(i32::MIN),
+        2 => (-2i32..=12).prop_map(|halves| halves << 15),
+        2 => -40_000i32..=500_000,
+    ];
+    let side = prop_oneof![1 => 1i32..=60_000, 3 => 60_000i32..=700_000, 2 => Just(i32::MAX)];
+    prop::array::uniform3((low, side)).prop_map(|axes| Crop {
+        low: axes.map(|(low, _)| Position::from_bits(low)),
+        high: axes.map(|(low, side)| Position::from_bits(low.max(-40_000).saturating_add(side))),
+    })
+}
+
+/// The frame without its box where that holds nothing of the volume, or where the borders cut no step.
+pub fn cropped(frame: Frame) -> Frame {
+    match frame.plan() {
+        Err(CameraError::Plan(PlanError::Beside { .. } | PlanError::WholeCropped)) => Frame { crop: None, ..frame },
+        _ => frame,
+    }
+}
+
 /// Any small frame, in `Compact`: the tests go through the precisions themselves.
 pub fn frame() -> impl Strategy<Value = Frame> {
     let borders = prop_oneof![2 => Just(Borders::Whole), 1 => Just(Borders::Cells), 1 => Just(Borders::Nodes)];
@@ -175,6 +199,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
         direction(),
         prop::array::uniform3(factor()),
         borders,
+        prop::option::weighted(0.4, crop()),
     );
     let rates = (
         prop_oneof![2 => Just(1u32), 2 => 1u32..=4, 1 => 5u32..=16],
@@ -197,11 +222,11 @@ pub fn frame() -> impl Strategy<Value = Frame> {
         segments,
     );
     (shape, rates, look).prop_map(|(shape, rates, look)| {
-        let (dims, filling, seed, direction, factors, borders) = shape;
+        let (dims, filling, seed, direction, factors, borders, crop) = shape;
         let (planes_per_voxel, rays_per_voxel) = rates;
         let (points, material, blend, code, lookup, early_termination, segments) = look;
         let borders = borders_of(borders, dims);
-        Frame {
+        cropped(Frame {
             volume: Arc::new(volume(dims, filling, seed)),
             direction,
             factors,
@@ -213,10 +238,11 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             precision: PrecisionName::Compact,
             nearest: seed & 7 == 5,
             borders,
+            crop,
             code,
             lookup,
             early_termination,
             segments,
-        }
+        })
     })
 }

@@ -52,9 +52,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             for simd in Simd::available() {
                 let values = Prepared::new(&scene, &volume)?.with_simd(simd);
                 let colours = Coloured::new(&scene, &classified)?.with_simd(simd);
-                let (view, samples) = (values.setup.plan.view(), samples(&values.setup.plan));
+                let (plan, samples) = (&values.setup.plan, samples(&values.setup.plan));
                 let (mut turned, mut turned_colours) =
-                    (Turned::new(&volume, view), TurnedColours::new(&classified, view));
+                    (Turned::new(&volume, plan), TurnedColours::new(&classified, plan));
                 let (slices, colour_slices) = (turned.slices()?, turned_colours.slices()?);
                 let oriented = Oriented::of(&slices);
                 let layer = Layer::Tiles(TILE_ROWS);

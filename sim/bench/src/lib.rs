@@ -154,7 +154,7 @@ pub fn measure(
     let opponent = Opponent::of(of(PrecisionName::Compact));
     let mut floats = Vec::new();
     let mut times = vec![Vec::with_capacity(frames); subjects.len()];
-    let mut turned = Turned::new(volume, plan.view());
+    let mut turned = Turned::new(volume, &plan);
     let slices = &turned.slices()?;
     let oriented = Oriented::of(slices);
     for round in 0..frames {
@@ -247,7 +247,7 @@ pub fn beside(scene: &Scene, volume: &Volume, frames: usize, threads: &Threads) 
     let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
     let mut shortest = [Duration::MAX; 6];
     let (mut share, mut bytes) = (1.0, 0);
-    let mut turned = Turned::new(volume, prepared.setup.plan.view());
+    let mut turned = Turned::new(volume, &prepared.setup.plan);
     let slices = &turned.slices()?;
     for _ in 0..frames {
         let start = Instant::now();

@@ -74,6 +74,7 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         classification: slicecast_scene::Classification::Point,
         pieces: 1,
         colours: None,
+        crop: None,
         surfaces: Vec::new(),
     }
 }

@@ -38,6 +38,10 @@ pub fn model<'a>(prepared: &Coloured<'a>, positions: ModelPositions) -> Absorbin
     };
     let forward = scene.view.axes().forward;
     let geometry = Geometry::new(forward, volume.dims, volume.spacing, scene.sampling).with_borders(scene.borders);
+    let geometry = match scene.crop {
+        None => geometry,
+        Some(crop) => geometry.with_crop(crop.faces(volume.spacing)),
+    };
     let positions = match positions {
         ModelPositions::Exact => Positions::Exact,
         ModelPositions::Pipeline => Positions::Given(Box::new(pipeline_positions(plan))),

@@ -79,7 +79,7 @@ pub fn geometry(prepared: &Prepared<'_>, comparison: &Comparison) -> Value {
         "major_axis": format!("{:?}", view.major()).to_lowercase(),
         "axes_ijk": view.arrange(["x", "y", "z"]),
         "reversed": view.reversed(),
-        "dims_ijk": plan.dims(),
+        "dims_ijk": plan.volume(),
         "shear_per_voxel": [i / k, j / k],
         "step_per_plane": [i / k / rate, j / k / rate, 1.0 / rate],
         "step_per_plane_bits_32_32": plan.step().map(|s| s.to_bits()),

@@ -120,7 +120,7 @@ pub fn compare(
     beside(
         prepared,
         &model,
-        &Turned::new(prepared.volume, plan.view()).slices()?,
+        &Turned::new(prepared.volume, plan).slices()?,
         progress,
     )
 }
@@ -161,7 +161,7 @@ pub(crate) fn pipeline_positions(plan: Plan) -> impl Fn(usize, usize, usize) -> 
     move |index, u, v| {
         let (phase, pixel) = pixel(&plan, u, v);
         let at = plane(&plan, phase, index as u32);
-        position([at.x, at.y, at.z], pixel)
+        position(&plan, [at.x, at.y, at.z], pixel)
     }
 }
 

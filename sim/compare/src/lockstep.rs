@@ -381,8 +381,9 @@ impl Tap for Lockstep<'_> {
         let mut exact = self.model.location(plane.index as usize, u, v);
         // The pixel's own place is held to the voxels when it is sampled, the plane's already.
         exact[2] = geometry.held(exact)[2];
-        for (fixed, exact) in [plane.x, plane.y, plane.z].into_iter().zip(exact) {
-            let error = f64::from(fixed.to_bits()) / 65536.0 - exact;
+        let fixed = position(&self.plan, [plane.x, plane.y, plane.z], [0; 2]);
+        for (fixed, exact) in fixed.into_iter().zip(exact) {
+            let error = fixed - exact;
             // The tiles of a phase share their planes: count each once.
             if self.tile.first == 0 {
                 self.add(Stage::Location, error, Some(error));
@@ -435,13 +436,13 @@ impl Lockstep<'_> {
             index.checked_sub(1).filter(|_| !self.fronts.is_empty()),
         ) {
             (borders, None) => {
-                let position = position([x, y, z], pixel);
+                let position = position(&self.plan, [x, y, z], pixel);
                 let exact = borders != Borders::Whole;
                 (if exact { geometry.held(position) } else { position }, None)
             }
             (Borders::Whole, Some(index)) => {
-                let front = position(cut(&self.plan, phase, index, 0), pixel);
-                (position([x, y, z], pixel), Some(front))
+                let front = position(&self.plan, cut(&self.plan, phase, index, 0), pixel);
+                (position(&self.plan, [x, y, z], pixel), Some(front))
             }
             (_, Some(_)) => {
                 let [front, back] = segment_ends(&self.plan, phase, index, pixel).map(|end| geometry.held(end));
@@ -547,10 +548,10 @@ pub fn values<'a, const N: usize>(rows: &'a [&dyn Bits]) -> impl Iterator<Item =
     (0..len).map(move |at| (at, std::array::from_fn(|row| rows[row].bits(at) as i32)))
 }
 
-/// The position of a pixel, given where pixel (0, 0) of its phase lies; voxels.
-pub fn position([x, y, z]: [Position; 3], [column, row]: [u32; 2]) -> [f64; 3] {
-    let position = |at: Position, pixel: u32| f64::from(at.to_bits()) / 65536.0 + f64::from(pixel);
-    [position(x, column), position(y, row), position(z, 0)]
+/// The position of a pixel, given where pixel (0, 0) of its phase lies; voxels of the whole volume.
+pub fn position(plan: &Plan, at: [Position; 3], [column, row]: [u32; 2]) -> [f64; 3] {
+    let (pixel, first) = ([column, row, 0], plan.first());
+    [0, 1, 2].map(|axis| f64::from(at[axis].to_bits()) / 65536.0 + f64::from(pixel[axis] + first[axis]))
 }
 
 /// Where the pipeline has the ends of what exact borders leave of a pixel's segment that ends at a plane; voxels.
@@ -562,5 +563,5 @@ pub fn segment_ends(plan: &Plan, phase: Phase, plane: u32, pixel: [u32; 2]) -> [
         .part(column)
         .and(Side::behind(plan, start_j, 1, index).part(row))
         .and(along_k(plan, index));
-    [part.from, part.to].map(|place| position(cut(plan, phase, index, place), pixel))
+    [part.from, part.to].map(|place| position(plan, cut(plan, phase, index, place), pixel))
 }

@@ -3,7 +3,8 @@
 use std::ops::RangeInclusive;
 
 use slicecast::borders;
-use slicecast::format::{Coefficient, Direction, Intensity, Step, Vector};
+use slicecast::crop::Crop;
+use slicecast::format::{Coefficient, Direction, Intensity, Position, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
 pub use slicecast::screen::PICTURE_SIDE_MAX;
@@ -97,9 +98,24 @@ pub fn plan(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> Result<Plan, 
         Borders::Nodes => borders::Borders::Nodes,
     };
     let plan = Plan::with_borders(view, dims, Spacing(spacing.map(factor)), sampling, borders)?;
+    let plan = match crop(scene, spacing) {
+        None => plan,
+        Some(crop) => plan.with_crop(crop)?,
+    };
     Ok(match scene.interpolation {
         Interpolation::Linear => plan,
         Interpolation::Nearest => plan.with_nearest(),
+    })
+}
+
+/// The crop box of a scene on a volume with this spacing.
+pub fn crop(scene: &Scene, spacing: [f64; 3]) -> Option<Crop> {
+    let faces = scene.crop?.faces(spacing);
+    // A conversion to an integer saturates, far beyond any volume.
+    let face = |end: usize| faces.map(|range| Position::from_bits((range[end] * 65536.0) as i32));
+    Some(Crop {
+        low: face(0),
+        high: face(1),
     })
 }
 
@@ -242,7 +258,7 @@ pub fn picture(scene: &Scene, plan: &Plan, dims: [usize; 3], spacing: [f64; 3]) 
     let [si, sj, sk] = view.arrange(spacing);
     let world = |v: [f64; 3]| view.orient(v);
     let (right, up, forward) = (world(axes.right), world(axes.up), world(axes.forward));
-    let [ni, nj, nk] = plan.dims().map(f64::from);
+    let [ni, nj, nk] = plan.volume().map(f64::from);
     let rays = f64::from(plan.sampling().rays_per_voxel);
 
     let extent = extent(scene, dims, spacing);

@@ -9,7 +9,6 @@ use slicecast::plan::Plan;
 use slicecast::plane::Rgba;
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::slice::{RowRange, Slice, SliceError};
-use slicecast::view::{Axis, View};
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::check::shown;
 use slicecast_scene::{Blend, PrecisionName, Scene};
@@ -18,6 +17,7 @@ use crate::camera::{Setup, Shape, set_up};
 use crate::error::RenderError;
 use crate::frame::Layer;
 use crate::image::{Frame, base_image, new_image};
+use crate::oriented::Held;
 use crate::picture;
 use crate::rendering::Progress;
 use crate::simd::Simd;
@@ -93,17 +93,16 @@ pub struct TurnedColours {
 }
 
 impl TurnedColours {
-    /// A volume under a view.
-    pub fn new(volume: &RgbaVolume, view: &View) -> Self {
-        let [nx, ny, nz] = volume.dims;
-        let (strides, [width, height, depth]) = match view.major() {
-            Axis::Z => ([1, nx, nx * ny], [nx, ny, nz]),
-            Axis::Y => ([1, nx * ny, nx], [nx, nz, ny]),
-            Axis::X => ([nx, nx * ny, 1], [ny, nz, nx]),
-        };
+    /// What a plan holds of a volume.
+    pub fn new(volume: &RgbaVolume, plan: &Plan) -> Self {
+        let [nx, ny, _] = volume.dims;
+        let strides = plan.view().arrange([1, nx, nx * ny]);
+        let [width, height, depth] = plan.dims().map(|side| side as usize);
+        let [x, y, z] = Held::of(plan).first;
+        let corner = x + nx * (y + ny * z);
         let mut words = vec![0; 4 * width * height * depth];
         words.par_chunks_mut(4 * width).enumerate().for_each(|(row, words)| {
-            let first = row % height * strides[1] + row / height * strides[2];
+            let first = corner + row % height * strides[1] + row / height * strides[2];
             for i in 0..width {
                 let [red, green, blue, extinction] = volume.voxels.codes(first + i * strides[0]);
                 for (run, code) in [extinction, red, green, blue].into_iter().enumerate() {
@@ -114,7 +113,7 @@ impl TurnedColours {
         Self {
             words,
             size: [width, height],
-            reversed: view.reversed(),
+            reversed: plan.view().reversed(),
             ranges: vec![RowRange::EMPTY; height * depth],
         }
     }
@@ -194,7 +193,7 @@ impl<'a> Coloured<'a> {
     /// # Errors
     /// [`RenderError`]; nothing is rendered then.
     pub fn render(&self, layer: Layer, progress: Progress<'_>) -> Result<Frame, RenderError> {
-        let mut turned = TurnedColours::new(self.volume, self.setup.plan.view());
+        let mut turned = TurnedColours::new(self.volume, &self.setup.plan);
         self.render_slices(&turned.slices()?, layer, progress)
     }
 

@@ -41,14 +41,9 @@ pub enum RenderError {
         /// The scene's setting, as a scene file has it.
         asked: &'static str,
     },
-    /// Exact borders, where whole ones are needed: exported vectors know no others.
-    #[error(
-        "this command knows whole borders, and the scene asks for others (sampling.borders = {asked}); use --borders whole"
-    )]
-    WholeOnly {
-        /// The scene's setting, as a scene file has it.
-        asked: &'static str,
-    },
+    /// A crop box, where the whole volume is needed: exported vectors know no box.
+    #[error("this command knows the whole volume, and the scene has a crop box ([crop]); expected a scene without one")]
+    Cropped,
     /// A volume of colours, and a scene that asks for what there is not.
     #[error("{0}")]
     Colours(#[from] ColourError),

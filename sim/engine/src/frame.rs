@@ -96,15 +96,14 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// For what knows whole borders alone.
+    /// For what knows the whole volume alone.
     ///
     /// # Errors
-    /// [`RenderError::WholeOnly`] if the scene has others.
-    pub fn check_whole(&self) -> Result<(), RenderError> {
-        match self.setup.plan.borders() {
-            Borders::Whole => Ok(()),
-            Borders::Cells => Err(RenderError::WholeOnly { asked: "\"cells\"" }),
-            Borders::Nodes => Err(RenderError::WholeOnly { asked: "\"nodes\"" }),
+    /// [`RenderError::Cropped`] if the scene has a crop box.
+    pub fn check_uncropped(&self) -> Result<(), RenderError> {
+        match self.scene.crop {
+            None => Ok(()),
+            Some(_) => Err(RenderError::Cropped),
         }
     }
 
@@ -136,7 +135,7 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`RenderError`]; nothing is rendered then.
     pub fn render(&self, layer: Layer, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Frame, RenderError> {
-        let mut turned = Turned::new(self.volume, self.setup.plan.view());
+        let mut turned = Turned::new(self.volume, &self.setup.plan);
         self.render_oriented(&Oriented::of(&turned.slices()?), layer, progress)
     }
 
@@ -149,7 +148,7 @@ impl<'a> Prepared<'a> {
         shard: Shard,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<BaseImage, RenderError> {
-        let mut turned = Turned::new(self.volume, self.setup.plan.view());
+        let mut turned = Turned::new(self.volume, &self.setup.plan);
         let mut rendering = self.begun()?;
         let slices = turned.slices()?;
         for part in rendering.parts(slices.len()) {

@@ -1,4 +1,4 @@
-//! A volume read along the view's major axis: measured slices, nearest to the eye first.
+//! What a plan holds of a volume, read along the view's major axis: measured slices, nearest to the eye first.
 //!
 //! Slices across y and z are read in place (rows along x are contiguous); slices across x need a transposed copy, as
 //! large as the volume. Copying and measuring take all threads; many frames along the same axis need it
@@ -8,6 +8,7 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 use slicecast::classify::Support;
+use slicecast::plan::Plan;
 use slicecast::slice::{RowRange, Slice, SliceError, Voxel};
 use slicecast::view::{Axis, View};
 
@@ -29,17 +30,33 @@ pub struct Turned<'v> {
 }
 
 impl<'v> Turned<'v> {
-    /// A volume under a view.
-    pub fn new(volume: &'v Volume, view: &View) -> Self {
-        let [nx, ny, nz] = volume.dims;
-        let in_place = Cow::from(&volume.voxels);
-        let (voxels, [width, height, depth], strides) = match view.major() {
-            Axis::Z => (in_place, [nx, ny, nz], [nx * ny, nx]),
-            Axis::Y => (in_place, [nx, nz, ny], [nx, nx * ny]),
-            Axis::X => {
-                let transposed = transpose(&volume.voxels, volume.dims);
-                (Cow::from(transposed), [ny, nz, nx], [ny * nz, ny])
-            }
+    /// What a plan holds of a volume.
+    pub fn new(volume: &'v Volume, plan: &Plan) -> Self {
+        Self::of(volume, plan.view(), Held::of(plan))
+    }
+
+    /// All of a volume under a view.
+    pub fn whole(volume: &'v Volume, view: &View) -> Self {
+        let held = Held {
+            first: [0; 3],
+            dims: volume.dims,
+        };
+        Self::of(volume, view, held)
+    }
+
+    fn of(volume: &'v Volume, view: &View, held: Held) -> Self {
+        let [nx, ny, _] = volume.dims;
+        let [width, height, depth] = view.arrange(held.dims);
+        let [x, y, z] = held.first;
+        // Rows along x lie as they are; a plan that holds nothing else never looks at what is around them.
+        let in_place = || Cow::from(volume.voxels.get(x + nx * (y + ny * z)..).unwrap_or(&[]));
+        let (voxels, strides) = match view.major() {
+            Axis::Z => (in_place(), [nx * ny, nx]),
+            Axis::Y => (in_place(), [nx, nx * ny]),
+            Axis::X => (
+                Cow::from(transpose(&volume.voxels, volume.dims, held)),
+                [width * height, width],
+            ),
         };
         Self {
             voxels,
@@ -53,7 +70,7 @@ impl<'v> Turned<'v> {
     /// Measures the slices, in the order in which the view meets them.
     ///
     /// # Errors
-    /// [`SliceError`] if a voxel is above 4095 or the volume has fewer voxels than its shape says.
+    /// [`SliceError`] if a voxel that is held is above 4095 or the volume has fewer voxels than its shape says.
     pub fn slices(&mut self) -> Result<Vec<Slice<'_>>, SliceError> {
         let ([width, height], [next, row_stride]) = (self.size, self.strides);
         let measure = |(k, ranges)| {
@@ -126,17 +143,41 @@ impl<'a> Oriented<'a> {
 /// Slices across x that are filled together: so many voxels of a row lie in one line of the cache.
 const TOGETHER: usize = 32;
 
-/// The voxels of slices across x, rows along y: `out[(x * nz + z) * ny + y]`.
-fn transpose(voxels: &[u16], [nx, ny, nz]: [usize; 3]) -> Vec<u16> {
-    let mut out = vec![0; voxels.len()];
+/// What a plan holds of a volume, along x, y and z.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held {
+    /// The first voxel.
+    pub(crate) first: [usize; 3],
+    /// How many.
+    pub(crate) dims: [usize; 3],
+}
+
+impl Held {
+    pub(crate) fn of(plan: &Plan) -> Self {
+        let ([i, j, mut k], dims) = (plan.first(), plan.dims());
+        if plan.view().reversed() {
+            k = plan.volume()[2] - dims[2] - k;
+        }
+        let along = |ijk: [u32; 3]| plan.view().restore(ijk).map(|n| n as usize);
+        Self {
+            first: along([i, j, k]),
+            dims: along(dims),
+        }
+    }
+}
+
+/// The voxels of slices across x, rows along y, of what is held: `out[(x * nz + z) * ny + y]`.
+fn transpose(voxels: &[u16], [width, height, _]: [usize; 3], held: Held) -> Vec<u16> {
+    let ([x0, y0, z0], [nx, ny, nz]) = (held.first, held.dims);
+    let mut out = vec![0; nx * ny * nz];
     let slice = ny * nz;
     out.par_chunks_mut(TOGETHER * slice)
         .enumerate()
         .for_each(|(group, out)| {
-            let first = group * TOGETHER;
+            let first = x0 + group * TOGETHER;
             let columns = first..first + out.len() / slice;
-            for (row_index, row) in voxels.chunks_exact(nx).enumerate() {
-                let (y, z) = (row_index % ny, row_index / ny);
+            for (z, y) in (0..nz).flat_map(|z| (0..ny).map(move |y| (z, y))) {
+                let row = &voxels[((z0 + z) * height + y0 + y) * width..][..width];
                 for (slice_out, &v) in out.chunks_exact_mut(slice).zip(&row[columns.clone()]) {
                     slice_out[z * ny + y] = v;
                 }

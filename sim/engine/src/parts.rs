@@ -15,7 +15,7 @@ use slicecast_volume::on_disk::OnDisk;
 use crate::error::RenderError;
 use crate::frame::Prepared;
 use crate::image::{BaseImage, Frame};
-use crate::oriented::{Oriented, Turned};
+use crate::oriented::{Held, Oriented, Turned};
 use crate::rendering::{Framing, Progress};
 use crate::shard::Shard;
 
@@ -40,7 +40,8 @@ pub struct Part {
 /// The planes of a volume in parts of at most `most` slices, in the order of folding; `near` is the slice that a plane's window
 /// begins with, and rises with the planes.
 pub(crate) fn parts(
-    [planes, depth]: [u32; 2],
+    planes: Range<u32>,
+    depth: u32,
     near: impl Fn(u32) -> i32,
     back_to_front: bool,
     most: usize,
@@ -55,8 +56,12 @@ pub(crate) fn parts(
         first..end
     };
     let mut parts: Vec<Part> = Vec::new();
-    for step in 0..planes {
-        let plane = if back_to_front { planes - 1 - step } else { step };
+    for step in 0..planes.len() as u32 {
+        let plane = if back_to_front {
+            planes.end - 1 - step
+        } else {
+            planes.start + step
+        };
         let slices = looked_at(plane);
         let joined = parts.last().map(|part| {
             let all = &part.slices;
@@ -165,7 +170,7 @@ impl Prepared<'_> {
             parts: 0,
             largest: 0,
             slices: 0,
-            depth: plan.dims()[2] as usize,
+            depth: plan.volume()[2] as usize,
             voxels: 0,
             all: self.volume.dims.iter().map(|&side| side as u64).product(),
         };
@@ -174,7 +179,7 @@ impl Prepared<'_> {
         let mut folded = 0;
         for part in parts {
             let (sub, voxels) = volume.read(self.corner(&part), self.sides(&part), wanted.as_ref())?;
-            let mut turned = Turned::new(&sub, plan.view());
+            let mut turned = Turned::whole(&sub, plan.view());
             let slices: Vec<Slice<'_>> = turned.slices()?;
             let new = part.planes.len();
             rendering.fold_part(&Oriented::of(&slices), &part, shard, self.simd, &|tiles, all| {
@@ -204,12 +209,12 @@ impl Prepared<'_> {
         (axis, view.reversed())
     }
 
-    /// The first voxel of a part.
+    /// The first voxel of a part of what is held.
     fn corner(&self, part: &Part) -> [usize; 3] {
-        let (axis, reversed) = self.along();
-        let mut corner = [0; 3];
-        corner[axis] = if reversed {
-            self.volume.dims[axis] - part.slices.end
+        let ((axis, reversed), held) = (self.along(), Held::of(&self.setup.plan));
+        let mut corner = held.first;
+        corner[axis] += if reversed {
+            held.dims[axis] - part.slices.end
         } else {
             part.slices.start
         };
@@ -219,7 +224,7 @@ impl Prepared<'_> {
     /// The voxels of a part along each axis.
     fn sides(&self, part: &Part) -> [usize; 3] {
         let (axis, _) = self.along();
-        let mut sides = self.volume.dims;
+        let mut sides = Held::of(&self.setup.plan).dims;
         sides[axis] = part.slices.len();
         sides
     }
@@ -264,7 +269,7 @@ mod tests {
             for most in [5, 6, 17, 1000] {
                 for back_to_front in [false, true] {
                     let near = |plane: u32| (plane / per_voxel).min(depth - 1) as i32;
-                    let parts = parts([planes, depth], near, back_to_front, most);
+                    let parts = parts(0..planes, depth, near, back_to_front, most);
                     let mut seen = Vec::new();
                     for part in &parts {
                         assert!(part.slices.len() <= most.max(LEAST) && part.slices.end <= depth as usize);

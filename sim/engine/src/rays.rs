@@ -9,7 +9,7 @@
 mod grid;
 
 use rayon::prelude::*;
-use slicecast::borders::{Borders, Part, Side, WHOLE, along_k, fraction_of};
+use slicecast::borders::{Borders, Part, Side, WHOLE, about_k, along_k, fraction_of};
 use slicecast::classify::Classifier;
 use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
 use slicecast::format::{Opacity, Position, Step, Weight};
@@ -264,7 +264,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             column: ray.column,
             part: 0,
         };
-        witness.location(step, visit.phase, positions.map(Position::to_bits));
+        witness.location(step, visit.phase, self.in_held(positions));
         if self.segments.is_some() {
             // No segment ends at the first plane.
             let Segment {
@@ -288,7 +288,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             });
         }
         let part = |axis: usize, pixel| Side::of(self.plan, ray.start[axis], axis, index).part(pixel);
-        let fraction = part(0, ray.column).fraction(part(1, ray.row));
+        let fraction = (part(0, ray.column).and(part(1, ray.row))).fraction(about_k(self.plan, index));
         (fraction > 0).then(|| Located {
             cells: self.held(ray, positions),
             front: None,
@@ -333,6 +333,13 @@ impl<'a, P: Precision> Rays<'a, P> {
             settled(self.plan, Position::from_bits(((exact + 0x8000) >> 16) as i32))
         });
         [x, y, self.in_slices(z)]
+    }
+
+    /// A position in the volume, counted from the first voxel that the plan holds. Rays look at the whole volume: what a plan holds
+    /// must do as well.
+    fn in_held(&self, position: [Position; 3]) -> [i32; 3] {
+        let first = self.plan.first();
+        [0, 1, 2].map(|axis| position[axis].to_bits() - ((first[axis] as i32) << 16))
     }
 
     /// A position along k held to the slices.

@@ -135,7 +135,7 @@ impl<L: Pipeline<Voxel = Code12> + Send> Rendering for Under<L> {
     fn parts(&self, most: usize) -> Vec<Part> {
         let [_, _, depth] = self.plan.dims();
         let near = |plane| near_slice::<L>(&self.plan, plane);
-        parts([planes::<L>(&self.plan), depth], near, L::BACK_TO_FRONT, most)
+        parts(planes::<L>(&self.plan), depth, near, L::BACK_TO_FRONT, most)
     }
 
     fn is_finished(&self) -> bool {

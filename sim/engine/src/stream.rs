@@ -32,7 +32,9 @@ pub fn fold_stream<L: Pipeline>(
     let mut stream = Stream::new(*plan, pipeline, memory)?;
     let mut pushed = 0;
     while let Some(wanted) = stream.wanted() {
-        let slice = slices.get(wanted as usize).ok_or(StreamError::Complete)?;
+        // What is held of the volume begins with this slice.
+        let [_, _, first] = plan.first();
+        let slice = slices.get((wanted - first) as usize).ok_or(StreamError::Complete)?;
         match &mut tap {
             Some(tap) => stream.push_tapped(L::Voxel::given(&packed(slice)), *tap)?,
             None => stream.push(L::Voxel::given(&packed(slice)))?,

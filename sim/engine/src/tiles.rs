@@ -283,7 +283,7 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
         part: Option<&Part>,
     ) -> Self {
         Self {
-            planes: part.map_or(0..planes::<L>(plan), |part| part.planes.clone()),
+            planes: part.map_or(planes::<L>(plan), |part| part.planes.clone()),
             first_slice: part.map_or(0, |part| part.slices.start as i32),
             plan,
             slices,

@@ -90,6 +90,7 @@ fn framed(precision: PrecisionName, background: [f64; 3], check: impl Fn(&Frame,
         classification: Classification::Point,
         pieces: 1,
         colours: None,
+        crop: None,
         surfaces: Vec::new(),
     };
     let prepared = Prepared::new(&scene, &volume).unwrap();

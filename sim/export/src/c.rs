@@ -96,8 +96,8 @@ fn scene(numbers: &Numbers<'_>, name: &str, pipeline: &str) -> String {
     let _ = write!(
         out,
         "
-/* The scene: version, dims, direction, spacing factors, planes and rays per voxel, interpolation, borders, table, lights; no
-   integrals: segments have a table of their own, which `slicecast table` writes; no surfaces. */
+/* The scene: version, dims, direction, spacing factors, planes and rays per voxel, interpolation, borders, crop box, table, lights;
+   no integrals: segments have a table of their own, which `slicecast table` writes; no surfaces. */
 static const SlicecastScene {lower} = {{
     SLICECAST_VERSION,
     {dims},
@@ -107,6 +107,8 @@ static const SlicecastScene {lower} = {{
     {rays},
     {nearest},
     {borders},
+    {low_faces},
+    {high_faces},
     {lower}_table,
     {low},
     {lighting},
@@ -121,9 +123,10 @@ static const SlicecastScene {lower} = {{
 /* Bytes of a block for a whole frame, known to the compiler; slicecast_needs tells the exact number, which is less. */
 #define {upper}_BYTES (SLICECAST_STATE_BYTES + {parts})
 
-/* Voxels of a slice, and slices, nearest first. */
+/* Voxels of a slice, and slices, nearest first; the number of the first slice. */
 #define {upper}_SLICE_VOXELS {slice}
 #define {upper}_SLICES {slices}
+#define {upper}_FIRST_SLICE {first}
 
 /* The picture: columns, rows, where its pixels look at the base plane, what is behind it. */
 #define {upper}_COLUMNS {columns}
@@ -135,7 +138,7 @@ static const SlicecastWarp {lower}_warp = {{
 }};
 static const uint16_t {lower}_background[3] = {background};
 ",
-        dims = braces(plan.view().restore(plan.dims())),
+        dims = braces(plan.view().restore(plan.volume())),
         direction = braces(plan.view().direction().map(|c| c.to_bits())),
         spacing = braces(plan.view().restore(plan.spacing()).map(Intensity::to_bits)),
         planes = sampling.planes_per_voxel,
@@ -146,6 +149,8 @@ static const uint16_t {lower}_background[3] = {background};
             Borders::Cells => 1,
             Borders::Nodes => 2,
         },
+        low_faces = braces(numbers.crop_bits()[0]),
+        high_faces = braces(numbers.crop_bits()[1]),
         parts = numbers
             .needs
             .bytes()
@@ -153,6 +158,7 @@ static const uint16_t {lower}_background[3] = {background};
             .join(" + "),
         slice = plan.dims()[0] * plan.dims()[1],
         slices = plan.dims()[2],
+        first = plan.first()[2],
         columns = picture.size[0],
         rows = picture.size[1],
         origin = braces(picture.warp.origin.map(Step::to_bits)),

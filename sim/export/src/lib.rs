@@ -87,6 +87,6 @@ pub fn files(
 
 /// The voxels of all slices, nearest first.
 fn slices(prepared: &Prepared<'_>) -> Result<Vec<u16>, SliceError> {
-    let mut turned = Turned::new(prepared.volume, prepared.setup.plan.view());
+    let mut turned = Turned::new(prepared.volume, &prepared.setup.plan);
     Ok(turned.slices()?.iter().flat_map(packed).collect())
 }

@@ -1,13 +1,14 @@
 //! The integers of a scene, as the engine hands them to the pipeline.
 
 use slicecast::composite::{Channel as _, Recurrence as _};
-use slicecast::format::Intensity;
+use slicecast::crop::Crop;
+use slicecast::format::{Intensity, Position};
 use slicecast::plan::Plan;
 use slicecast::precision::Precision;
 use slicecast::shade::{Highlight, KeptLight, keep, keep_vector};
 use slicecast::stream::Needs;
 use slicecast::view::Axis;
-use slicecast_engine::camera::{Material, Picture};
+use slicecast_engine::camera::{Material, Picture, crop};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::background;
@@ -40,6 +41,8 @@ pub struct Numbers<'a> {
     pub background: [Intensity; 3],
     /// Memory of a stream.
     pub needs: Needs,
+    /// The box that the volume is cropped to.
+    pub crop: Option<Crop>,
 }
 
 /// Lights and material.
@@ -110,7 +113,15 @@ impl<'a> Numbers<'a> {
             picture: setup.picture,
             background: background(scene.image.background),
             needs: prepared.rendering()?.needs(),
+            crop: crop(scene, prepared.volume.spacing),
         })
+    }
+
+    /// Low and high faces of the box along x, y, z, s15.16; both 0 along an axis that it does not cut.
+    pub fn crop_bits(&self) -> [[i32; 3]; 2] {
+        let crop = self.crop.unwrap_or(Crop::NONE);
+        let open = |axis: usize| crop.low[axis] == Position::MIN && crop.high[axis] == Position::MAX;
+        [crop.low, crop.high].map(|faces| [0, 1, 2].map(|axis| if open(axis) { 0 } else { faces[axis].to_bits() }))
     }
 
     /// Whether samples are composited, not projected.

@@ -112,7 +112,7 @@ pub fn of_scene(numbers: &Numbers<'_>) -> Vec<Quantity> {
             "x, y, z",
             view.direction().map(|c| c.to_bits()),
         ),
-        quantity("dims", COUNT, "voxels", "x, y, z", plan.view().restore(plan.dims())),
+        quantity("dims", COUNT, "voxels", "x, y, z", plan.view().restore(plan.volume())),
         quantity(
             "spacing_factors",
             SHARE,
@@ -153,6 +153,20 @@ pub fn of_scene(numbers: &Numbers<'_>) -> Vec<Quantity> {
             }],
         ),
         quantity(
+            "crop_low",
+            ("s15.16", 32),
+            "voxels; both faces 0: not cropped",
+            "x, y, z",
+            numbers.crop_bits()[0],
+        ),
+        quantity(
+            "crop_high",
+            ("s15.16", 32),
+            "voxels; both faces 0: not cropped",
+            "x, y, z",
+            numbers.crop_bits()[1],
+        ),
+        quantity(
             "major_axis",
             ("2.0", 2),
             "0 x, 1 y, 2 z: the axis that is k",
@@ -166,7 +180,8 @@ pub fn of_scene(numbers: &Numbers<'_>) -> Vec<Quantity> {
             "",
             [u8::from(view.reversed())],
         ),
-        quantity("slice_dims", COUNT, "voxels", "i, j, k", plan.dims()),
+        quantity("slice_dims", COUNT, "voxels that are held", "i, j, k", plan.dims()),
+        quantity("first_voxel", COUNT, "the first of them", "i, j, k", plan.first()),
         quantity(
             "slice_spacing_factors",
             SHARE,

@@ -3,7 +3,7 @@
 use std::fmt::{Debug, Write};
 
 use slicecast::borders::Borders;
-use slicecast::format::{Intensity, Step};
+use slicecast::format::{Intensity, Position, Step};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 
 use crate::table::{Language, table};
@@ -174,7 +174,7 @@ fn geometry(out: &mut String, numbers: &Numbers<'_>) {
     let plan = &numbers.plan;
     let direction = from_bits("Direction", plan.view().direction().map(|c| c.to_bits()));
     let spacing = from_bits("Intensity", plan.view().restore(plan.spacing()).map(Intensity::to_bits));
-    let (dims, sampling) = (plan.view().restore(plan.dims()), plan.sampling());
+    let (dims, sampling) = (plan.view().restore(plan.volume()), plan.sampling());
     let nearest = if plan.is_nearest() { ".with_nearest()" } else { "" };
     let made = match plan.borders() {
         Borders::Whole => ("whole", ""),
@@ -182,6 +182,15 @@ fn geometry(out: &mut String, numbers: &Numbers<'_>) {
         Borders::Nodes => ("with_borders", ", slicecast::borders::Borders::Nodes"),
     };
     let (new, borders) = made;
+    let nearest = match numbers.crop {
+        None => format!("plan{nearest}"),
+        Some(crop) => format!(
+            "match plan.with_crop(slicecast::crop::Crop {{\n        low: {},\n        high: {},\n    }}) {{\n        Ok(plan) => plan{nearest},\n        \
+             Err(_) => panic!(\"the crop box holds nothing\"),\n    }}",
+            from_bits("slicecast::format::Position", crop.low.map(Position::to_bits)),
+            from_bits("slicecast::format::Position", crop.high.map(Position::to_bits)),
+        ),
+    };
     let step = plan.step().map(Step::to_bits);
     let ([columns, rows], [oi, oj]) = (plan.base(), plan.origin());
     let _ = write!(
@@ -203,7 +212,7 @@ pub const SAMPLING: Sampling = Sampling {{
 /// The geometry.
 #[rustfmt::skip]
 pub const PLAN: Plan = match Plan::{new}(VIEW, {dims:?}, Spacing({spacing}), SAMPLING{borders}) {{
-    Ok(plan) => plan{nearest},
+    Ok(plan) => {nearest},
     Err(_) => panic!(\"sizes, spacing or rates are out of range\"),
 }};
 

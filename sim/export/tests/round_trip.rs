@@ -5,7 +5,8 @@ use serde_json::Value;
 use slicecast::borders::Borders;
 use slicecast::classify::{AlphaCode, Classifier, Colour16, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::{BackToFront, Channel as _, ChannelFormat, FrontToBack, Recurrence, Unorm16};
-use slicecast::format::{Direction, Intensity, Step};
+use slicecast::crop::Crop;
+use slicecast::format::{Direction, Intensity, Position, Step};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::plane::{ChannelOf, Composite, Pictured, Project};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
@@ -112,7 +113,21 @@ impl Read {
         };
         let spacing = Spacing(self.array("spacing_factors").map(Intensity::from_bits));
         let borders = [Borders::Whole, Borders::Cells, Borders::Nodes][self.one("borders") as usize];
-        let plan = Plan::with_borders(view, self.array("dims"), spacing, sampling, borders).unwrap();
+        let mut plan = Plan::with_borders(view, self.array("dims"), spacing, sampling, borders).unwrap();
+        let [low, high] = ["crop_low", "crop_high"].map(|name| self.array::<i32, 3>(name));
+        if [low, high] != [[0; 3]; 2] {
+            // Both ends 0: open.
+            let open = |axis: usize| low[axis] == 0 && high[axis] == 0;
+            let faces = |faces: [i32; 3], end: i32| {
+                [0, 1, 2].map(|axis| Position::from_bits(if open(axis) { end } else { faces[axis] }))
+            };
+            let crop = Crop {
+                low: faces(low, i32::MIN),
+                high: faces(high, i32::MAX),
+            };
+            plan = plan.with_crop(crop).unwrap();
+        }
+        assert_eq!(plan.first(), self.array::<u32, 3>("first_voxel"));
         assert_eq!(plan.dims(), self.array::<u32, 3>("slice_dims"));
         assert_eq!(plan.step().map(Step::to_bits), self.array::<i64, 3>("step"));
         assert_eq!(plan.origin(), self.array::<i32, 2>("origin"));
@@ -180,7 +195,7 @@ fn streamed<L: Pictured<Element: Bits>>(read: &Read, voxels: &[i64], pipeline: L
     let [width, height, _] = plan.dims();
     let len = (width * height) as usize;
     while let Some(number) = stream.wanted() {
-        let slice: Vec<u16> = voxels[number as usize * len..][..len]
+        let slice: Vec<u16> = voxels[(number - plan.first()[2]) as usize * len..][..len]
             .iter()
             .map(|v| *v as u16)
             .collect();
@@ -346,6 +361,10 @@ fn scenes_read_back_from_json_have_the_engines_bits() {
         turned(10.0, 0.0, |s| s.interpolation = Interpolation::Nearest),
         turned(20.0, 15.0, |s| s.borders = slicecast_scene::Borders::Cells),
         turned(-20.0, 15.0, |s| s.borders = slicecast_scene::Borders::Nodes),
+        turned(160.0, 15.0, |s| {
+            s.borders = slicecast_scene::Borders::Cells;
+            s.crop = Some(slicecast_scene::crop::Crop::parse("2.25:8.5,:7,:").unwrap());
+        }),
     ];
     for (number, scene) in cases.iter().enumerate() {
         let prepared = Prepared::new(scene, &volume).unwrap();

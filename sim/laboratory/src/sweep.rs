@@ -156,7 +156,7 @@ fn gather(
     found: &mut [Found],
     step: &mut dyn FnMut(),
 ) -> Result<(), SweepError> {
-    let mut turned = Turned::new(view.volume, view.setup.plan.view());
+    let mut turned = Turned::new(view.volume, &view.setup.plan);
     let slices = &turned.slices().map_err(RenderError::from)?;
     for ((_, configuration), found) in batch.iter().zip(found) {
         let bench = Bench {
@@ -208,7 +208,7 @@ fn timed(
 ) -> Result<Vec<Times>, SweepError> {
     let stepped: Vec<_> = batch.iter().map(|(_, c)| (*c, stepped(view, c))).collect();
     let timed = on_threads(Some(options.timing_threads), || {
-        let mut turned = Turned::new(view.volume, view.setup.plan.view());
+        let mut turned = Turned::new(view.volume, &view.setup.plan);
         let slices = &turned.slices()?;
         let mut all_times = vec![Times::default(); batch.len()];
         let frame = |configuration: &Configuration, prepared: &Prepared<'_>| {

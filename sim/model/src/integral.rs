@@ -18,14 +18,15 @@
 //! A surface is met where the value along the ray, in a cell a cubic, passes its own; there the ray is cut. Its normal is that of
 //! the trilinear gradient at that place.
 //!
-//! The integral ends at the centres of the outermost voxels, or half a voxel beyond them where the scene's borders are cells; places
-//! are held to the voxels. With whole borders the discrete model has planes at the centres, each as thick as a step: half a step on
+//! The integral ends at the centres of the outermost voxels, or half a voxel beyond them where the scene's borders are cells, or at
+//! the faces of its crop box; places are held to the voxels. With whole borders the discrete model has planes at the centres, each as thick as a step: half a step on
 //! either side counts as error of the algorithm.
 
 use super::composite::Pixel;
 use super::gradient::normalise;
 use super::interpolate::Cell;
 use super::parts::Isosurface;
+use super::rays::Geometry;
 use super::render::Model;
 use super::warp::ModelImage;
 use slicecast_scene::Face;
@@ -73,7 +74,7 @@ impl Model<'_> {
         };
         let mut pixel = Pixel::TRANSPARENT;
         let mut inside = None;
-        for [from, to] in cells(start, geometry.shear, geometry.dims, geometry.beyond()) {
+        for [from, to] in cells(start, geometry) {
             let mut reached = from;
             for (z, surface) in ray.surfaces(from, to, &mut inside) {
                 pixel = behind(pixel, ray.volume(reached, z, pixel.transparency));
@@ -102,13 +103,12 @@ fn behind(front: Pixel, part: Pixel) -> Pixel {
     }
 }
 
-/// The parts of a ray between the faces of voxel cells, from its entry to its exit, of a box that reaches so far beyond the
-/// outermost voxels.
-fn cells(start: [f64; 2], shear: [f64; 2], dims: [usize; 3], beyond: f64) -> Vec<[f64; 2]> {
-    let faces = |axis: usize| [-beyond, (dims[axis] - 1) as f64 + beyond];
-    let mut range = faces(2);
+/// The parts of a ray between the faces of voxel cells, from its entry to its exit, of the box that counts.
+fn cells(start: [f64; 2], geometry: &Geometry) -> Vec<[f64; 2]> {
+    let Geometry { shear, dims, faces, .. } = *geometry;
+    let mut range = faces[2];
     for axis in 0..2 {
-        let [low, high] = faces(axis);
+        let [low, high] = faces[axis];
         if shear[axis] == 0.0 {
             if !(low..=high).contains(&start[axis]) {
                 return Vec::new();
@@ -398,7 +398,7 @@ mod tests {
             let (u, v) = (width / 2, height / 2);
             let geometry = model.geometry();
             let start = [0, 1].map(|a| model.lattice().origin[a] as f64 + [u, v][a] as f64);
-            let parts = cells(start, geometry.shear, geometry.dims, geometry.beyond());
+            let parts = cells(start, geometry);
             let length: f64 = parts.iter().map(|[a, b]| b - a).sum::<f64>() * geometry.step_length();
             let exact = 0.7_f64.powf(length);
             let pixel = model.integral(u, v);

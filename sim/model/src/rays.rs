@@ -40,6 +40,10 @@ pub struct Geometry {
     pub rays_per_voxel: usize,
     /// Where the volume ends.
     pub borders: Borders,
+    /// The box of the volume that counts, low and high face along i, j and k, voxels: all of it, or what a crop box leaves.
+    pub faces: [[f64; 2]; 3],
+    /// Whether the front or the back face may cut segments: a crop box's do, the volume's lie where segments end.
+    pub cropped: bool,
 }
 
 /// The base plane's pixels: which rays exist.
@@ -92,12 +96,37 @@ impl Geometry {
             planes_per_voxel: sampling.planes_per_voxel as usize,
             rays_per_voxel: sampling.rays_per_voxel as usize,
             borders: Borders::Whole,
+            faces: order.map(|a| [0.0, (dims[a] - 1) as f64]),
+            cropped: false,
         }
     }
 
     /// The same view of a volume that ends elsewhere.
     pub fn with_borders(self, borders: Borders) -> Self {
-        Self { borders, ..self }
+        let ended = Self { borders, ..self };
+        let beyond = ended.beyond();
+        Self {
+            faces: self.dims.map(|side| [-beyond, (side - 1) as f64 + beyond]),
+            ..ended
+        }
+    }
+
+    /// The same view of what a box leaves of the volume: its faces along x, y and z, voxels from the first one's centre.
+    pub fn with_crop(self, faces: [[f64; 2]; 3]) -> Self {
+        let last = (self.dims[2] - 1) as f64;
+        let mut arranged = self.order.map(|a| faces[a]);
+        if self.flipped {
+            let [low, high] = arranged[2];
+            arranged[2] = [last - high, last - low];
+        }
+        Self {
+            faces: [0, 1, 2].map(|a| {
+                let ([low, high], [from, to]) = (self.faces[a], arranged[a]);
+                [low.max(from), high.min(to)]
+            }),
+            cropped: true,
+            ..self
+        }
     }
 
     /// The major axis of the volume: 0 = x, 1 = y, 2 = z.
@@ -152,12 +181,12 @@ impl Geometry {
     /// Along i: origin `-ceil((D - 1) s)` if s > 0, else 0; `W + ceil((D - 1) |s|)` voxel columns of
     /// `rays_per_voxel` pixels each. Along j alike. The ceilings forgive 1e-9.
     pub fn natural_lattice(&self) -> Lattice {
-        if self.borders == Borders::Cells {
-            // From its front face to its back face a ray moves D s, half a voxel of it before k = 0.
+        if self.borders == Borders::Cells || self.cropped {
+            // From its front face to its back face a ray moves so far, of cells half a voxel of it before k = 0.
             let places = [0, 1].map(|a| {
-                let (s, last) = (self.shear[a], self.dims[a] as f64 - 0.5);
-                let (front, back) = (-0.5 * s, (self.dims[2] as f64 - 0.5) * s);
-                [-0.5 - front.max(back), last - front.min(back)]
+                let (s, [low, high]) = (self.shear[a], self.faces[a]);
+                let [front, back] = self.faces[2].map(|k| k * s);
+                [low - front.max(back), high - front.min(back)]
             });
             let bounds = places.map(|[low, high]| [(low + CEIL_TOLERANCE).floor(), (high - CEIL_TOLERANCE).ceil()]);
             return Lattice {
@@ -193,12 +222,13 @@ impl Geometry {
     }
 
     /// What of a ray's segment lies in the box, 0 to 1, from where its middle lies: between the entries into its pairs of
-    /// faces and the exits from them; the front and the back face cut none. With [`Borders::Whole`] everything is inside.
+    /// faces and the exits from them; the volume's front and back face cut none. With [`Borders::Whole`] everything is inside.
     pub fn fraction(&self, middle: [f64; 3]) -> f64 {
         if self.borders == Borders::Whole {
             return 1.0;
         }
-        let [from, to] = self.clipped(&middle[..2], [-0.5, 0.5]);
+        let axes = if self.cropped { 3 } else { 2 };
+        let [from, to] = self.clipped(&middle[..axes], [-0.5, 0.5]);
         (to - from).max(0.0)
     }
 
@@ -213,8 +243,7 @@ impl Geometry {
     /// What of a stretch of a ray, in segments from some place of it, lies between the pairs of faces of the first axes.
     fn clipped(&self, place: &[f64], [mut from, mut to]: [f64; 2]) -> [f64; 2] {
         let [si, sj] = self.shear;
-        for ((at, shear), side) in place.iter().zip([si, sj, 1.0]).zip(self.dims) {
-            let (low, high) = (-self.beyond(), (side - 1) as f64 + self.beyond());
+        for ((at, shear), [low, high]) in place.iter().zip([si, sj, 1.0]).zip(self.faces) {
             let step = shear / self.planes_per_voxel as f64;
             if step == 0.0 {
                 if !(low..=high).contains(at) {

@@ -150,8 +150,12 @@ impl<'a> Model<'a> {
     /// # Panics
     /// As [`Geometry::new`].
     pub fn geometry_of(scene: &Scene, volume: &Volume) -> Geometry {
-        Geometry::new(scene.view.axes().forward, volume.dims, volume.spacing, scene.sampling)
-            .with_borders(scene.borders)
+        let geometry = Geometry::new(scene.view.axes().forward, volume.dims, volume.spacing, scene.sampling)
+            .with_borders(scene.borders);
+        match scene.crop {
+            None => geometry,
+            Some(crop) => geometry.with_crop(crop.faces(volume.spacing)),
+        }
     }
 
     /// The same model with other lights, for instance a pipeline's rounded ones; `None` is unlit.

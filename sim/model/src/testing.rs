@@ -71,6 +71,7 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         classification: slicecast_scene::Classification::Point,
         pieces: 1,
         colours: None,
+        crop: None,
         surfaces: Vec::new(),
     }
 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use thiserror::Error;
 
 use super::{
-    Blend, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, Sampling, Scene,
+    Blend, Borders, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, Sampling, Scene,
     TransferFunction, View,
 };
 
@@ -75,6 +75,10 @@ impl Scene {
         transfer(&self.transfer)?;
         if let Some(n) = self.early_termination {
             whole("render.early_termination", i64::from(n), EARLY_TERMINATION)?;
+        }
+        if self.crop.is_some() && self.borders == Borders::Whole {
+            let expected = "sampling.borders \"cells\" or \"nodes\": whole borders cut no step";
+            return Err(FieldError::new("crop", "given", expected));
         }
         self.colours()?;
         self.classification()?;

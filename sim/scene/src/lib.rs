@@ -8,6 +8,7 @@
 
 pub mod check;
 pub mod colour;
+pub mod crop;
 pub mod file;
 pub mod import;
 pub mod transfer;
@@ -27,6 +28,8 @@ pub struct Scene {
     pub interpolation: Interpolation,
     /// Where the volume ends, and what a sample at its borders counts.
     pub borders: Borders,
+    /// The part of the volume that is drawn; `None` is all of it.
+    pub crop: Option<crop::Crop>,
     /// Colour and opacity of data values.
     pub transfer: TransferFunction,
     /// Lights and material; `None` is an unlit scene.

@@ -221,7 +221,7 @@ impl Drawn {
             seconds: started.elapsed().as_secs_f64(),
             warning: visibility::warning(&prepared, &frame, &chosen.circumstances()),
             needs: prepared.rendering()?.needs(),
-            samples: u64::from(w) * u64::from(h) * u64::from(plan.phases()) * u64::from(plan.planes()),
+            samples: u64::from(w) * u64::from(h) * u64::from(plan.phases()) * plan.planes_met().len() as u64,
         })
     }
 

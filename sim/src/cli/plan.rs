@@ -101,7 +101,7 @@ impl Args {
             slices: depth,
             base_plane: plan.base(),
             phases: plan.phases(),
-            planes: plan.planes(),
+            planes: plan.planes_met().len() as u32,
             ring_slices: slices / (width as usize * height as usize * 2),
             slices_bytes: slices,
             ranges_bytes: ranges,

@@ -245,7 +245,7 @@ impl Args {
             return Ok(None);
         }
         let plan = &prepared.setup.plan;
-        let mut turned = Turned::new(prepared.volume, plan.view());
+        let mut turned = Turned::new(prepared.volume, plan);
         let slices = turned.slices().map_err(Failure::input)?;
         let volume = Oriented::of(&slices);
         let found = with_bar("depths", |progress| {

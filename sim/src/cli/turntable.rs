@@ -91,7 +91,7 @@ impl Args {
                 let seen = |p: &Prepared<'_>| (p.setup.plan.view().major(), p.setup.plan.view().reversed());
                 // Slices are made once for all frames in a row that look along the same axis.
                 for run in prepared.chunk_by(|a, b| seen(a) == seen(b)) {
-                    let mut turned = Turned::new(&loaded.volume, run[0].setup.plan.view());
+                    let mut turned = Turned::new(&loaded.volume, &run[0].setup.plan);
                     let slices = turned.slices().map_err(RenderError::from)?;
                     let volume = Oriented::of(&slices);
                     for frame in run {

@@ -153,11 +153,13 @@ fn cells(plan: &Plan, plane: &Plane, [column, row]: [u32; 2]) -> [Cell; 3] {
 /// Renders a part of a frame under a tap.
 ///
 /// # Errors
-/// [`RenderError`] as for any frame, and if segments are classified: the sets have one sample an opacity.
+/// [`RenderError`] as for any frame, and if segments are classified or the volume is cropped: the sets have one sample an
+/// opacity, of a whole volume.
 pub fn sets(prepared: &Prepared<'_>, part: &Part) -> Result<FrameSets, RenderError> {
     prepared.check_points()?;
+    prepared.check_uncropped()?;
     let plan = &prepared.setup.plan;
-    let mut turned = Turned::new(prepared.volume, plan.view());
+    let mut turned = Turned::new(prepared.volume, plan);
     let slices = turned.slices()?;
     let mut rendering = prepared.begun()?;
     let mut sets = Sets::of(prepared);

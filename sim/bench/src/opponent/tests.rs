@@ -21,7 +21,7 @@ fn difference(scene: &Scene, volume: &Volume) -> f64 {
     for simd in Simd::available() {
         let mut image = vec![f32::NAN; Opponent::image_len(plan)];
         Opponent::clear(plan, &mut image);
-        let mut turned = Turned::new(volume, plan.view());
+        let mut turned = Turned::new(volume, plan);
         opponent.fold(plan, &turned.slices().unwrap(), &mut image, TILE_ROWS, simd);
         let [width, height] = expected.size;
         for (u, v) in (0..height).flat_map(|v| (0..width).map(move |u| (u, v))) {

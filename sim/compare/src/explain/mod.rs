@@ -142,7 +142,7 @@ pub fn explain(prepared: &Prepared<'_>, ray: [usize; 2]) -> Result<Explanation, 
     if u >= width || v >= height {
         return Err(ExplainError::Ray { u, v, width, height });
     }
-    let mut turned = Turned::new(prepared.volume, plan.view());
+    let mut turned = Turned::new(prepared.volume, plan);
     let slices = turned.slices().map_err(RenderError::from)?;
     let record = record(prepared, &slices, ray)?;
     let exact = model(prepared, ModelPositions::Exact);
@@ -226,6 +226,7 @@ fn stages(step: &Step, sample: &ModelSample, so_far: Pixel, scales: &Scales, lit
 mod tests {
     use super::*;
     use crate::compare;
+    use slicecast_scene::crop::Crop;
     use slicecast_scene::{Borders, PrecisionName};
     use slicecast_volume::mapping::Window;
     use slicecast_volume::open::load;
@@ -234,9 +235,14 @@ mod tests {
     fn shares_add_up_and_the_ray_is_the_frames_own() {
         let volume = load(None, Window::Auto).unwrap().volume;
         let mut scene = slicecast_scene::file::built_in(slicecast_scene::file::DEFAULT).unwrap();
-        let all = [Borders::Whole, Borders::Cells, Borders::Nodes];
-        for (precision, borders) in PrecisionName::ALL.into_iter().zip(all) {
-            (scene.precision, scene.borders) = (precision, borders);
+        let crop = Crop::parse("10:50.3,4.5:,20.25:60").unwrap();
+        let all = [
+            (Borders::Whole, None),
+            (Borders::Cells, Some(crop)),
+            (Borders::Nodes, None),
+        ];
+        for (precision, (borders, crop)) in PrecisionName::ALL.into_iter().zip(all) {
+            (scene.precision, scene.borders, scene.crop) = (precision, borders, crop);
             let prepared = Prepared::new(&scene, &volume).unwrap();
             let comparison = compare(&prepared, ModelPositions::Exact, &|_, _| ()).unwrap();
             let base = &comparison.frame.base;

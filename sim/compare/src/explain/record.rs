@@ -90,9 +90,9 @@ pub(super) fn record(prepared: &Prepared<'_>, slices: &[Slice<'_>], ray: [usize;
     };
     let step = |index| {
         let at = plane(plan, plan.phase(tile.phase), index);
-        let mut place = position([at.x, at.y, at.z], [column as u32, row as u32]);
+        let mut place = position(plan, [at.x, at.y, at.z], [column as u32, row as u32]);
         if plan.borders() != Borders::Whole {
-            let held = |axis: usize| place[axis].clamp(0.0, f64::from(plan.dims()[axis] - 1));
+            let held = |axis: usize| place[axis].clamp(0.0, f64::from(plan.volume()[axis] - 1));
             place = [0, 1, 2].map(held);
         }
         let position = place;

@@ -25,7 +25,7 @@ impl<'a> Grid<'a> {
             Axis::Y => [1, nx * ny, nx],
             Axis::Z => [1, nx, nx * ny],
         };
-        let last = plan.dims().map(|side| side as i32 - 1);
+        let last = plan.volume().map(|side| side as i32 - 1);
         let mut start = 0;
         if plan.view().reversed() {
             start = last[2] as isize * k;

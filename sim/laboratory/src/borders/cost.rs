@@ -78,7 +78,7 @@ fn line((side, rays): (usize, u32), rounds: usize) -> Result<Line, RenderError> 
     let frames = (scenes.iter())
         .map(|scene| Prepared::new(scene, &volume))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut turned = Turned::new(&volume, frames[0].setup.plan.view());
+    let mut turned = Turned::new(&volume, &frames[0].setup.plan);
     let slices = turned.slices()?;
     let oriented = Oriented::of(&slices);
     let mut least = [Duration::MAX; 3];

@@ -28,11 +28,22 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// The ray of pixel (u, v), clipped at the box: its six faces, one after the other.
-    fn of(model: &Model<'_>, borders: Borders, [u, v]: [usize; 2]) -> Self {
+    /// The ray of pixel (u, v), clipped at the volume's box and at the scene's: their faces, one after the other.
+    fn of(model: &Model<'_>, scene: &Scene, [u, v]: [usize; 2]) -> Self {
         let (geometry, lattice) = (model.geometry(), model.lattice());
-        let beyond = if borders == Borders::Cells { 0.5 } else { 0.0 };
-        let faces = |axis: usize| [-beyond, geometry.dims[axis] as f64 - 1.0 + beyond];
+        let beyond = if scene.borders == Borders::Cells { 0.5 } else { 0.0 };
+        let faces = |axis: usize| {
+            let last = geometry.dims[axis] as f64 - 1.0;
+            let [mut low, mut high] = [-beyond, last + beyond];
+            if let Some(crop) = scene.crop {
+                // Voxels are the unit of these volumes.
+                let [from, to] = crop.ranges[geometry.order[axis]];
+                let reversed = axis == 2 && geometry.flipped;
+                let [from, to] = if reversed { [last - to, last - from] } else { [from, to] };
+                (low, high) = (low.max(from), high.min(to));
+            }
+            [low, high]
+        };
         let pixel = [u, v];
         let start = [0, 1].map(|a| lattice.origin[a] as f64 + pixel[a] as f64 / geometry.rays_per_voxel as f64);
         let [mut from, mut to] = faces(2);
@@ -121,7 +132,7 @@ pub fn rays<R>(
     let values = pixels
         .map(|[u, v]| {
             let left = f64::from(base.planes[3][v * width + u]) / f64::from(base.one);
-            see(&model, &Ray::of(&model, scene.borders, [u, v]), left)
+            see(&model, &Ray::of(&model, scene, [u, v]), left)
         })
         .collect();
     Ok(Found {

@@ -9,7 +9,7 @@ use super::{Case, Size};
 use crate::borders::rays::{ALL, checkerboard, rays, seen};
 
 /// Views of all sides: the first along an axis and at 45 degrees, where rays run along faces and through edges.
-fn views(count: usize) -> impl Iterator<Item = View> {
+pub(super) fn views(count: usize) -> impl Iterator<Item = View> {
     let mut state = 2026u64;
     let mut random = move |span: f64| {
         state = state

@@ -6,6 +6,7 @@
 
 pub mod borders;
 pub mod compositing;
+pub mod crop;
 pub mod extremes;
 pub mod gradients;
 pub mod location;
@@ -115,7 +116,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 11] = [
+    let groups: [Group; 12] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -127,6 +128,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         segments::cases,
         surfaces::cases,
         borders::cases,
+        crop::cases,
     ];
     let mut cases = Vec::new();
     for (done, group) in groups.iter().enumerate() {

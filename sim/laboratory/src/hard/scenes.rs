@@ -56,6 +56,7 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         classification: slicecast_scene::Classification::Point,
         pieces: 1,
         colours: None,
+        crop: None,
         surfaces: Vec::new(),
     }
 }

@@ -30,7 +30,7 @@ fn measured(
 ) -> Result<Vec<(String, Measured)>, RenderError> {
     let prepared = Prepared::new(scene, volume)?;
     let model = model(&prepared, ModelPositions::Pipeline);
-    let mut turned = Turned::new(volume, prepared.setup.plan.view());
+    let mut turned = Turned::new(volume, &prepared.setup.plan);
     let bench = Bench {
         prepared: &prepared,
         model: &model,

@@ -127,6 +127,7 @@ fn scene(transfer: TransferFunction) -> Scene {
         classification: Classification::Point,
         pieces: 1,
         colours: None,
+        crop: None,
         surfaces: Vec::new(),
     }
 }
@@ -270,7 +271,7 @@ fn of_setting(setting: &Setting, rounds: usize) -> Result<Curve, RenderError> {
     let frames = (scenes.iter())
         .map(|scene| Prepared::new(scene, &setting.volume))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut turned = Turned::new(&setting.volume, frames[0].setup.plan.view());
+    let mut turned = Turned::new(&setting.volume, &frames[0].setup.plan);
     let slices = turned.slices()?;
     let volume = Oriented::of(&slices);
     let converged = model(&frames[0], ModelPositions::Exact).render_integral();

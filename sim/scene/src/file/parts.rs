@@ -8,6 +8,7 @@ use crate::check::{
     COLOURS, EARLY_TERMINATION, EXPONENTS, FieldError, IMAGE_SIDE, PIECES, PLANES_PER_VOXEL, RAYS_PER_VOXEL, whole,
 };
 use crate::colour::Colour;
+use crate::crop::{Crop, CropUnit, parse_range};
 use crate::{
     AlphaCodeName, Blend, Borders, Classification, ColourOpacity, Colours, Face, Frame, Highlight, Image,
     Interpolation, Light, Lighting, LookupName, Point, PrecisionName, Sampling, Scene, Surface, TransferFunction, View,
@@ -23,6 +24,7 @@ pub(super) struct SceneFile {
     image: ImagePart,
     #[serde(default)]
     sampling: SamplingPart,
+    crop: Option<CropPart>,
     transfer: Option<TransferPart>,
     colours: Option<ColoursPart>,
     #[serde(default)]
@@ -55,6 +57,15 @@ struct SamplingPart {
     rays_per_voxel: Option<i64>,
     interpolation: Option<Interpolation>,
     borders: Option<Borders>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CropPart {
+    x: Option<String>,
+    y: Option<String>,
+    z: Option<String>,
+    unit: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -167,6 +178,7 @@ impl SceneFile {
             image: self.image.into_image()?,
             interpolation: self.sampling.interpolation.unwrap_or_default(),
             borders: self.sampling.borders.unwrap_or_default(),
+            crop: self.crop.map(CropPart::into_crop).transpose()?,
             sampling: self.sampling.into_sampling()?,
             transfer,
             lighting: self.lighting.map(LightingPart::into_lighting).transpose()?,
@@ -237,6 +249,33 @@ impl SamplingPart {
         Ok(Sampling {
             planes_per_voxel: whole("sampling.planes_per_voxel", planes, PLANES_PER_VOXEL)?,
             rays_per_voxel: whole("sampling.rays_per_voxel", rays, RAYS_PER_VOXEL)?,
+        })
+    }
+}
+
+impl CropPart {
+    fn into_crop(self) -> Result<Crop, FieldError> {
+        let range = |name: &str, range: Option<String>| {
+            let Some(range) = range else {
+                return Ok([f64::NEG_INFINITY, f64::INFINITY]);
+            };
+            let expected = "a range such as \"10:40.5\", \":40\" or \"10:\", its first end below its second";
+            parse_range(&range).map_err(|_| FieldError::new(&format!("crop.{name}"), format!("{range:?}"), expected))
+        };
+        let unit = match self.unit.as_deref() {
+            None | Some("voxels") => CropUnit::Voxels,
+            Some("mm") => CropUnit::Millimetres,
+            Some(other) => {
+                return Err(FieldError::new(
+                    "crop.unit",
+                    format!("{other:?}"),
+                    "\"voxels\" or \"mm\"",
+                ));
+            }
+        };
+        Ok(Crop {
+            ranges: [range("x", self.x)?, range("y", self.y)?, range("z", self.z)?],
+            unit,
         })
     }
 }

@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::crop::Crop;
 use crate::{
     AlphaCodeName, Blend, Borders, Classification, Face, Frame, Highlight, Interpolation, Lighting, LookupName,
     PrecisionName, Sampling, Surface, View,
@@ -79,6 +80,10 @@ fn the_reference_states_every_field() {
         "rays_per_voxel",
         "interpolation",
         "borders",
+        "x",
+        "y",
+        "z",
+        "unit",
         "unit_distance",
         "points",
         "ambient",
@@ -124,6 +129,21 @@ fn what_is_left_out_has_its_default() {
     );
     assert_eq!((scene.table, scene.lookup, scene.early_termination), (None, None, None));
     assert_eq!(with("[lighting]").unwrap().lighting, Some(Lighting::default()));
+}
+
+#[test]
+fn boxes_arrive() {
+    let cropped = |lines: &str| {
+        let scene = with(&format!("[sampling]\nborders = \"cells\"\n[crop]\n{lines}")).unwrap();
+        scene.crop.unwrap()
+    };
+    assert_eq!(cropped(""), Crop::NONE);
+    assert_eq!(
+        cropped("x = \"1.5:\"\nz = \":9\"\nunit = \"voxels\""),
+        Crop::parse("1.5:,:,:9").unwrap()
+    );
+    assert_eq!(cropped("y = \"2:3\"\nunit = \"mm\""), Crop::parse(":,2:3,:mm").unwrap());
+    assert_eq!(with("").unwrap().crop, None);
 }
 
 #[test]
@@ -207,6 +227,18 @@ fn values_out_of_range_are_refused_with_field_value_and_range() {
             "`sampling.planes_per_voxel` is 0, expected a whole number from 1 to 16",
         ),
         ("[sampling]\nplanes_per_voxel = 17", "`sampling.planes_per_voxel` is 17"),
+        (
+            "[sampling]\nborders = \"cells\"\n[crop]\nx = \"4:3\"",
+            "`crop.x` is \"4:3\", expected a range such as",
+        ),
+        (
+            "[sampling]\nborders = \"cells\"\n[crop]\nunit = \"cm\"",
+            "`crop.unit` is \"cm\", expected \"voxels\" or \"mm\"",
+        ),
+        (
+            "[sampling]\nborders = \"whole\"\n[crop]\nz = \"1:2\"",
+            "`crop` is given, expected sampling.borders \"cells\" or \"nodes\"",
+        ),
         (
             "[sampling]\nrays_per_voxel = -9",
             "`sampling.rays_per_voxel` is -9, expected a whole number from 1 to 8",

@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use slicecast_scene::View;
 use slicecast_scene::check;
 use slicecast_scene::colour::hexadecimal;
+use slicecast_scene::crop::Crop;
 use slicecast_scene::import::Shading;
 use slicecast_scene::{
     AlphaCodeName, Blend, Borders, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
@@ -136,6 +137,10 @@ pub struct SceneArgs {
     /// scene's.
     #[arg(long)]
     borders: Option<BordersArg>,
+    /// The part of the volume that is drawn, along x, y and z, in voxels (0 is the centre of the first) or, with mm behind it, in
+    /// the unit of the spacing: 10:40.5,:32,20: or 5:60,:,:mm; without it, the scene's. It needs borders cells or nodes.
+    #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1", value_parser = Crop::parse, allow_hyphen_values = true)]
+    crop: Option<Crop>,
     /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum) of a named scene gets a grey
     /// ramp over the values that rays keep.
     #[arg(long)]
@@ -377,6 +382,9 @@ impl SceneArgs {
                 BordersArg::Cells => Borders::Cells,
                 BordersArg::Nodes => Borders::Nodes,
             };
+        }
+        if self.crop.is_some() {
+            scene.crop = self.crop;
         }
         if let Some(blend) = self.blend {
             scene.blend = match blend {
