@@ -172,6 +172,15 @@ impl Plan {
     /// # Errors
     /// [`PlanError`], with the value that is out of range.
     pub const fn new(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
+        Self::whole(view, dims, spacing, sampling)
+    }
+
+    /// Plans a frame whose borders are [`Borders::Whole`], by their name: a program of samples that makes its plans so links
+    /// nothing of exact borders.
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub const fn whole(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
         Self::of(view, dims, spacing, sampling, None)
     }
 
