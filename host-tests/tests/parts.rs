@@ -7,6 +7,7 @@ use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::simd::Simd;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, Random, volume};
+use slicecast_scene::crop::{Crop, CropUnit};
 use slicecast_scene::file::built_in;
 use slicecast_scene::{Blend, Borders, Classification, Face, PrecisionName, Scene, Surface};
 use slicecast_volume::Volume;
@@ -68,6 +69,22 @@ fn scene(random: &mut Random) -> Scene {
             scene.surfaces = vec![Surface::of(900.0, face), Surface::of(2500.5, face)];
         }
         _ => scene.borders = [Borders::Whole, Borders::Cells, Borders::Nodes][pick(3) as usize],
+    }
+    if pick(3) == 0 {
+        if scene.borders == Borders::Whole {
+            scene.borders = Borders::Cells;
+        }
+        // Every volume has something in it: it is two voxels or more along each side.
+        let mut range = || {
+            [
+                [-1.0, 0.3, 0.75][pick(3) as usize],
+                [1.2, 6.6, f64::INFINITY][pick(3) as usize],
+            ]
+        };
+        scene.crop = Some(Crop {
+            ranges: [range(), range(), range()],
+            unit: CropUnit::Voxels,
+        });
     }
     scene
 }

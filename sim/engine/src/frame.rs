@@ -1,6 +1,5 @@
 //! A scene on a volume, and the frame that it renders to.
 
-use slicecast::borders::Borders;
 use slicecast::integral::Length;
 use slicecast_scene::{Classification, Scene};
 use slicecast_volume::Volume;
