@@ -210,7 +210,8 @@ impl OnDisk {
                     self.coder.code(&self.store.read(piece)?, &mut codes);
                     read.fetch_add(count as u64, Ordering::Relaxed);
                 }
-                for (row, codes) in (&mut rows).zip(codes.chunks(piece.dims[0])) {
+                // The codes first: what is zipped to them loses no row where they end.
+                for (codes, row) in codes.chunks(piece.dims[0]).zip(&mut rows) {
                     row.copy_from_slice(codes);
                 }
             }

@@ -389,3 +389,54 @@ fn stores_of_every_kind_are_read_in_parts() {
         }
     }
 }
+
+/// Strips that are read beside strips that are left out, in slices of several.
+#[test]
+fn strips_are_read_where_they_lie() {
+    let folder = tempfile::tempdir().unwrap();
+    let dims = [5, 75, 12];
+    let values: Vec<Vec<u8>> = (0..dims.iter().product::<usize>())
+        .map(|index| {
+            let (y, z) = (index / 5 % 75, index / 375);
+            let code = if z == 6 && y / 16 == 2 {
+                3000
+            } else {
+                10 + (index % 97) as u16
+            };
+            code.to_le_bytes().to_vec()
+        })
+        .collect();
+    let raw = folder.path().join("v_5x75x12_uint16.raw");
+    fs::write(&raw, values.concat()).unwrap();
+    let store = folder.path().join("v.zarr");
+    fs::create_dir(&store).unwrap();
+    chunked(&store, dims, [2, 20, 4], "<u2", &values);
+    for path in [raw, store] {
+        let (loaded, on_disk) = open(&path, Window::Auto, &Options::default()).unwrap();
+        assert_eq!(loaded.volume.dims, dims);
+        let whole = load_with(Some(&path), Window::Auto, &Options::default())
+            .unwrap()
+            .volume;
+        let wanted = on_disk.wanted(|[_, high]| high >= 3000);
+        let cut = *on_disk.strips.cut();
+        for (first, sides) in [([0; 3], dims), ([1, 9, 2], [3, 60, 9]), ([0, 30, 6], [5, 7, 1])] {
+            let (part, read) = on_disk.read(first, sides, Some(&wanted)).unwrap();
+            let (mut expected, mut seen) = (Vec::new(), 0);
+            for (z, y, x) in
+                (0..sides[2]).flat_map(|z| (0..sides[1]).flat_map(move |y| (0..sides[0]).map(move |x| (z, y, x))))
+            {
+                let at = [first[0] + x, first[1] + y, first[2] + z];
+                let strip = cut.number([0, 1, 2].map(|axis| at[axis] / cut.side[axis]));
+                seen += u64::from(wanted.has(strip));
+                expected.push(if wanted.has(strip) {
+                    whole.voxels[(at[2] * dims[1] + at[1]) * dims[0] + at[0]]
+                } else {
+                    on_disk.strips.least(strip)
+                });
+            }
+            assert!(part.voxels == expected, "{}, {first:?}", path.display());
+            assert_eq!(read, seen);
+        }
+        assert!((0..cut.len()).any(|strip| wanted.has(strip)) && !(0..cut.len()).all(|strip| wanted.has(strip)));
+    }
+}
