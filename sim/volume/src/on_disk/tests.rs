@@ -410,7 +410,7 @@ fn strips_are_read_where_they_lie() {
     fs::write(&raw, values.concat()).unwrap();
     let store = folder.path().join("v.zarr");
     fs::create_dir(&store).unwrap();
-    chunked(&store, dims, [2, 20, 4], "<u2", &values);
+    chunked(&store, dims, [2, 20, 2], "<u2", &values);
     for path in [raw, store] {
         let (loaded, on_disk) = open(&path, Window::Auto, &Options::default()).unwrap();
         assert_eq!(loaded.volume.dims, dims);
