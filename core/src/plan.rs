@@ -286,6 +286,34 @@ impl Plan {
         Self { nearest: true, ..self }
     }
 
+    /// The same plan where slices have only the voxels from `first` on, `dims` of them along i and j: for bricks of a volume that
+    /// is not all at hand. Pixels, planes, phases, steps and the bits of all weights stay; positions count from the first of
+    /// these voxels, and `first` from the first that was held. Samples nearer than three voxels to a face that the volume does not have are for another brick. Voxels that
+    /// the volume has not are left out.
+    #[must_use]
+    pub const fn of_voxels(self, first: [u32; 2], dims: [u32; 2]) -> Self {
+        let ([width, height, depth], [held_i, held_j, held_k]) = (self.dims, self.first);
+        let (i, columns) = shortened(first[0], dims[0], width);
+        let (j, rows) = shortened(first[1], dims[1], height);
+        Self {
+            first: [held_i + i, held_j + j, held_k],
+            dims: [columns, rows, depth],
+            ..self
+        }
+    }
+
+    /// The same plan of an image that has only the columns from `first` on, `count` of them, which the whole image has.
+    #[must_use]
+    pub const fn of_columns(self, first: u32, count: u32) -> Self {
+        let ([columns, rows], [oi, oj]) = (self.base, self.origin);
+        let (first, count) = shortened(first, count, columns);
+        Self {
+            base: [count, rows],
+            origin: [oi + first as i32, oj],
+            ..self
+        }
+    }
+
     /// Whether samples lie at voxels ([`Plan::with_nearest`]).
     pub const fn is_nearest(&self) -> bool {
         self.nearest
@@ -403,6 +431,14 @@ const fn name(axis: u32) -> &'static str {
     }
 }
 
+/// A run of `count` from `first` on, one at least, in a side of `side`, which is not 0.
+const fn shortened(first: u32, count: u32, side: u32) -> (u32, u32) {
+    let first = if first < side { first } else { side - 1 };
+    let left = side - first;
+    let count = if count == 0 { 1 } else { count };
+    (first, if count < left { count } else { left })
+}
+
 /// The borders that a plan's reference stands for.
 const fn borders(exact: Option<&'static Exact>) -> Borders {
     match exact {
@@ -489,6 +525,33 @@ mod tests {
         }
         // A third of a voxel in six bits: 21/64.
         assert_eq!(p.with_step_bits(6).step().map(|s| s.to_bits() >> 26), [11, -6, 21]);
+    }
+
+    /// Samples of a brick lie where those of the whole do, whatever their phase and plane.
+    #[test]
+    fn bricks_have_the_positions_of_the_whole() {
+        let sampling = Sampling {
+            planes_per_voxel: 3,
+            rays_per_voxel: 3,
+        };
+        for borders in [Borders::Whole, Borders::Cells, Borders::Nodes] {
+            let view = View::new([0.37, -0.61, 1.0].map(|c| Direction::from_bits((c * (1u64 << 58) as f64) as i64)));
+            let whole = Plan::with_borders(view.unwrap(), [40, 50, 60], Spacing::CUBIC, sampling, borders).unwrap();
+            let brick = whole.of_voxels([7, 11], [20, 100]).of_columns(5, 9);
+            assert_eq!((brick.dims(), brick.base()), ([20, 39, 60], [9, whole.base()[1]]));
+            for phase in (0..whole.phases()).map(|number| whole.phase(number)) {
+                for index in 0..whole.planes() {
+                    let [a, b] = [whole, brick].map(|plan| crate::locate::plane(&plan, phase, index));
+                    assert_eq!(a.x.to_bits() - b.x.to_bits(), (7 - 5) << 16);
+                    assert_eq!(a.y.to_bits() - b.y.to_bits(), 11 << 16);
+                    assert_eq!(a.z, b.z);
+                }
+            }
+        }
+        assert_eq!(
+            (shortened(9, 0, 4), shortened(0, 9, 4), shortened(1, 2, 4)),
+            ((3, 1), (0, 4), (1, 2))
+        );
     }
 
     #[test]

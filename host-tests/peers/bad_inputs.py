@@ -3,7 +3,7 @@ within 10 seconds and 512 MiB.
 
     python bad_inputs.py PATH/TO/slicecast        (numpy not needed; standard library only, Linux)
 """
-import gzip, os, pathlib, resource, struct, subprocess, sys, tempfile, time, zlib
+import gzip, json, os, pathlib, resource, struct, subprocess, sys, tempfile, time, zlib
 
 NRRD = "NRRD0004\ntype: {type}\ndimension: 3\nsizes: {sizes}\nspacings: {spacings}\nendian: little\nencoding: {encoding}\n"
 META = "NDims = 3\nDimSize = {sizes}\nElementSpacing = {spacings}\nElementType = {type}\n{more}ElementDataFile = {file}\n"
@@ -55,6 +55,20 @@ def directory(*names):
     """A DICOMDIR that names these files."""
     records = b"".join(item(element(4, 0x1500, b"CS", name)) for name in names)
     return dicom(element(4, 0x1220, b"SQ", records), medium=element(2, 2, b"UI", b"1.2.840.10008.1.3.10"))
+
+
+def zarr(chunk, **changes):
+    """A store of one chunk of 4 x 4 x 4 bytes."""
+    metadata = {"zarr_format": 2, "shape": [4, 4, 4], "chunks": [4, 4, 4], "dtype": "|u1", "compressor": None, "fill_value": 0, "order": "C", "filters": None, **changes}
+    files = {".zarray": json.dumps(metadata).encode()} | ({"0.0.0": chunk} if chunk is not None else {})
+    return lambda p: folder(p, files)
+
+
+def image(axes="zyx", path="0"):
+    """An image of one level that is not there."""
+    multiscale = {"axes": [{"name": name, "type": "space"} for name in axes], "datasets": [{"path": path}]}
+    files = {".zgroup": b'{"zarr_format": 2}', ".zattrs": json.dumps({"multiscales": [multiscale]}).encode()}
+    return lambda p: folder(p, files)
 
 
 def item(data):
@@ -163,6 +177,22 @@ def cases(root):
     yield "TIFF one page of many", "a.tif", tiff(b"ImageJ=1.54f\nimages=16\nslices=16\n", 1)
     yield "TIFF OME-XML damaged", "a.tif", tiff(b"<?xml version='1.0'?><OME><Image>", 2)
     yield "TIFF OME-XML bomb", "a.tif", tiff(b"<!DOCTYPE a [<!ENTITY b 'xxxxxxxx'>]><OME>&b;</OME>", 2)
+    yield "Zarr chunk truncated", "a.zarr", zarr(bytes(63))
+    yield "Zarr without chunks", "a.zarr", zarr(None)
+    yield "Zarr zlib bomb", "a.zarr", zarr(zlib.compress(bytes(1 << 28)), compressor={"id": "zlib"})
+    yield "Zarr LZ4 length lies", "a.zarr", zarr(struct.pack("<I", 64) + b"\xff", compressor={"id": "lz4"})
+    yield "Zarr blosc cut", "a.zarr", zarr(struct.pack("<4B3I", 2, 1, 0x21, 1, 64, 64, 60), compressor={"id": "blosc"})
+    yield "Zarr huge chunk", "a.zarr", zarr(bytes(64), chunks=[1 << 40, 4, 4])
+    yield "Zarr huge shape", "a.zarr", zarr(bytes(64), shape=[8192, 8192, 8192])
+    yield "Zarr huge side", "a.zarr", zarr(bytes(64), shape=[4, 4, 1 << 40], chunks=[4, 4, 1 << 20])
+    yield "Zarr other codec", "a.zarr", zarr(bytes(64), compressor={"id": "lzma"})
+    yield "Zarr other type", "a.zarr", zarr(bytes(64), dtype="<c8")
+    yield "Zarr axes too many", "a.zarr", zarr(bytes(64), shape=[2, 2, 4, 4, 4], chunks=[1, 1, 4, 4, 4])
+    yield "Zarr metadata no JSON", "a.zarr", lambda p: folder(p, {"zarr.json": b"{" * 1000})
+    yield "Zarr without metadata", "a.zarr", lambda p: folder(p, {"0.0.0": bytes(64)})
+    yield "Zarr level missing", "a.zarr/7", lambda p: image()(p.parent)
+    yield "Zarr level not there", "a.zarr", image()
+    yield "Zarr level elsewhere", "a.zarr", image(path="../b.zarr")
     yield "raw without shape", "a.raw", bytes(64)
     yield "raw sidecar lies", "a.raw", lambda p: (p.write_bytes(bytes(64)), pathlib.Path(f"{p}.toml").write_text("size = [4, 4, 5]\ntype = 'uint8'"))
 

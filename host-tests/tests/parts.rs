@@ -4,6 +4,9 @@ use std::fs;
 
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::oriented::{Oriented, Turned};
+use slicecast_engine::parts::Cut;
+use slicecast_engine::shard::Shard;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, Random, volume};
@@ -42,6 +45,44 @@ fn on_disk(volume: &Volume, folder: &tempfile::TempDir) -> (Loaded, OnDisk) {
     };
     let window = Window::Range { low: 0.0, high: 4095.0 };
     OnDisk::open(&path, window, &options, &|_, _| {}).unwrap()
+}
+
+/// A volume as a store of Zarr 2 of plain chunks of these sides, opened where it lies.
+fn in_chunks(volume: &Volume, folder: &tempfile::TempDir, side: [usize; 3]) -> (Loaded, OnDisk) {
+    let path = folder.path().join("v.zarr");
+    fs::create_dir_all(&path).unwrap();
+    for entry in fs::read_dir(&path).unwrap().flatten() {
+        fs::remove_file(entry.path()).unwrap();
+    }
+    let [nx, ny, nz] = volume.dims;
+    let [sx, sy, sz] = side;
+    let metadata = format!(
+        "{{\"zarr_format\":2,\"shape\":[{nz},{ny},{nx}],\"chunks\":[{sz},{sy},{sx}],\"dtype\":\">u2\",\"compressor\":null,\
+         \"fill_value\":0,\"order\":\"C\",\"filters\":null}}"
+    );
+    fs::write(path.join(".zarray"), metadata).unwrap();
+    let code = |x: usize, y: usize, z: usize| {
+        let inside = x < nx && y < ny && z < nz;
+        if inside {
+            volume.voxels[(z * ny + y) * nx + x]
+        } else {
+            9
+        }
+    };
+    for k in 0..nz.div_ceil(sz) {
+        for j in 0..ny.div_ceil(sy) {
+            for i in 0..nx.div_ceil(sx) {
+                let mut chunk = Vec::new();
+                for (z, y) in (0..sz).flat_map(|z| (0..sy).map(move |y| (z, y))) {
+                    let row = (0..sx).flat_map(|x| code(i * sx + x, j * sy + y, k * sz + z).to_be_bytes());
+                    chunk.extend(row);
+                }
+                fs::write(path.join(format!("{k}.{j}.{i}")), chunk).unwrap();
+            }
+        }
+    }
+    let window = Window::Range { low: 0.0, high: 4095.0 };
+    OnDisk::open(&path, window, &Options::default(), &|_, _| {}).unwrap()
 }
 
 /// A random scene of any kind that a pipeline has.
@@ -106,7 +147,13 @@ fn parts_are_the_whole_frame() {
         let dims = [(); 3].map(|()| 2 + random.below(22) as usize);
         let mut volume = volume(dims, fillings[random.below(6) as usize], case);
         volume.spacing = [1.0, 0.7, 1.9];
-        let (loaded, on_disk) = on_disk(&volume, &folder);
+        // Every third one in chunks, whose store tells no spacing.
+        let (loaded, on_disk) = if case % 3 == 2 {
+            volume.spacing = [1.0; 3];
+            in_chunks(&volume, &folder, [(); 3].map(|()| 1 + random.below(12) as usize))
+        } else {
+            on_disk(&volume, &folder)
+        };
         let mut scene = scene(&mut random);
         scene.transfer.unit_distance = 1.0;
         let simd: Vec<Simd> = Simd::available().collect();
@@ -115,7 +162,9 @@ fn parts_are_the_whole_frame() {
         let parted = Prepared::new(&scene, &loaded.volume).unwrap().with_simd(simd);
         let expected = whole.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
         let most = 5 + random.below(4) as usize;
-        let (found, reading) = parted.render_in_parts(&on_disk, most, &|_, _| ()).unwrap();
+        let (found, reading) = parted
+            .render_in_parts(&on_disk, Cut::of_slices(most), &|_, _| ())
+            .unwrap();
         assert!(
             expected == found,
             "case {case}: {}, {scene:?}, parts of {most} slices",
@@ -125,6 +174,79 @@ fn parts_are_the_whole_frame() {
         cut += u32::from(reading.parts > 1);
     }
     assert!(cut > 60, "{cut} of 120 frames had more than one part");
+}
+
+/// Any cut into bricks, of raw files and of chunks; and the same bricks in the other order beside each other, which are not it.
+#[test]
+fn bricks_are_the_whole_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random::new(4096);
+    let fillings = [
+        Filling::Noise,
+        Filling::Extremes,
+        Filling::Sparse,
+        Filling::Boxes,
+        Filling::Ball,
+        Filling::Ripples,
+    ];
+    let (mut cut_across, mut wrong) = (0, 0);
+    for case in 0..210_u64 {
+        let dims = [(); 3].map(|()| 2 + random.below(28) as usize);
+        let mut volume = volume(dims, fillings[random.below(6) as usize], case);
+        let (loaded, on_disk) = if case % 2 == 0 {
+            volume.spacing = [1.0, 0.7, 1.9];
+            on_disk(&volume, &folder)
+        } else {
+            volume.spacing = [1.0; 3];
+            in_chunks(&volume, &folder, [(); 3].map(|()| 1 + random.below(12) as usize))
+        };
+        let mut scene = scene(&mut random);
+        scene.precision = [PrecisionName::Paper, PrecisionName::Compact, PrecisionName::Wide][case as usize % 3];
+        scene.transfer.unit_distance = 1.0;
+        if random.below(2) == 0 {
+            scene.borders = [Borders::Cells, Borders::Nodes][random.below(2) as usize];
+        }
+        let simd: Vec<Simd> = Simd::available().collect();
+        let simd = simd[random.below(simd.len() as u32) as usize];
+        let whole = Prepared::new(&scene, &volume).unwrap().with_simd(simd);
+        let parted = Prepared::new(&scene, &loaded.volume).unwrap().with_simd(simd);
+        let expected = whole.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
+        let mut side = |least: u32| match random.below(4) {
+            0 => usize::MAX,
+            _ => (least + random.below(14)) as usize,
+        };
+        let cut = Cut {
+            slices: side(5),
+            cells: [side(1), side(1)],
+        };
+        let (found, reading) = parted.render_in_parts(&on_disk, cut, &|_, _| ()).unwrap();
+        assert!(expected == found, "case {case}: {}, {scene:?}, {cut:?}", volume.name);
+        if reading.brick.is_none() || reading.parts < 2 {
+            continue;
+        }
+        cut_across += 1;
+        let mut rendering = parted.begun().unwrap();
+        let mut parts = parted.parts(&*rendering, cut);
+        for layer in parts.chunk_by_mut(|a, b| a.planes == b.planes) {
+            layer.reverse();
+        }
+        for part in parts {
+            let (first, dims) = parted.region(&part);
+            let (sub, _) = on_disk.read(first, dims, None).unwrap();
+            let mut turned = Turned::whole(&sub, parted.setup.plan.view());
+            let slices = turned.slices().unwrap();
+            rendering.fold_part(&Oriented::of(&slices), &part, Shard::ALL, simd, &|_, _| ());
+        }
+        wrong += u32::from(rendering.base() != expected.base);
+    }
+    assert!(
+        cut_across > 100,
+        "{cut_across} of 210 frames were cut across their slices"
+    );
+    assert!(
+        wrong > 30,
+        "{wrong} of {cut_across} frames differ where bricks come in the wrong order"
+    );
 }
 
 /// Something in the middle of a volume that is empty elsewhere, from all sides.
@@ -147,7 +269,7 @@ fn what_the_table_hides_is_not_read() {
         let whole = Prepared::new(&scene, &volume).unwrap();
         let parted = Prepared::new(&scene, &loaded.volume).unwrap();
         let expected = whole.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
-        let (found, reading) = parted.render_in_parts(&on_disk, 9, &|_, _| ()).unwrap();
+        let (found, reading) = parted.render_in_parts(&on_disk, Cut::of_slices(9), &|_, _| ()).unwrap();
         assert!(expected == found, "case {case}: {scene:?}");
         hidden += u32::from(2 * reading.voxels < reading.all);
     }
@@ -165,7 +287,9 @@ fn nothing_is_read_behind_what_is_opaque() {
     let whole = Prepared::new(&scene, &volume).unwrap();
     let parted = Prepared::new(&scene, &loaded.volume).unwrap();
     let expected = whole.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
-    let (found, reading) = parted.render_in_parts(&on_disk, 12, &|_, _| ()).unwrap();
+    let (found, reading) = parted
+        .render_in_parts(&on_disk, Cut::of_slices(12), &|_, _| ())
+        .unwrap();
     assert!(expected == found);
     assert!(reading.slices <= 100 && reading.depth == 400, "{reading}");
 }
@@ -176,16 +300,16 @@ fn what_needs_all_voxels_or_more_memory_is_refused() {
     let (loaded, on_disk) = on_disk(&volume([9; 3], Filling::Noise, 1), &folder);
     let mut scene = built_in("ct-fog").unwrap();
     let prepared = Prepared::new(&scene, &loaded.volume).unwrap();
-    let Err(RenderError::Budget { least, .. }) = prepared.slices_within(&on_disk, 1 << 20) else {
+    let Err(RenderError::Budget { least, .. }) = prepared.cut_within(&on_disk, 1 << 20) else {
         panic!("1 MiB is enough");
     };
     assert!(matches!(
-        prepared.slices_within(&on_disk, least - 1),
+        prepared.cut_within(&on_disk, least - 1),
         Err(RenderError::Budget { .. })
     ));
-    assert!(prepared.slices_within(&on_disk, least).unwrap() >= 5);
+    assert!(prepared.cut_within(&on_disk, least).unwrap().slices >= 5);
     scene.classification = Classification::Auto;
     let automatic = Prepared::new(&scene, &loaded.volume).unwrap();
-    let refused = automatic.render_in_parts(&on_disk, 5, &|_, _| ());
+    let refused = automatic.render_in_parts(&on_disk, Cut::of_slices(5), &|_, _| ());
     assert!(matches!(refused, Err(RenderError::Automatic)));
 }

@@ -50,9 +50,9 @@ pub enum RenderError {
     /// A projection has no integral.
     #[error("a projection keeps one sample a ray; the converged integral is that of a composited scene")]
     Projection,
-    /// Not even the image and the slices around a plane fit.
+    /// Not even the image and a few rows of the slices around a plane fit.
     #[error(
-        "within {memory} bytes of memory: the image and the slices around one plane take {least}; expected at least as much, \
+        "within {memory} bytes of memory: the image and a few rows of the slices around a plane take {least}; expected at least as much, \
          or fewer --rays"
     )]
     Budget {

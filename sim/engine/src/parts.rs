@@ -3,10 +3,19 @@
 //! A plane reads the slices around it and nothing else, and a pixel is folded plane by plane; so a frame of parts has the
 //! bits of the frame of the whole. What stays in memory is the base plane's image. Once all rays are finished nothing more is
 //! read.
+//!
+//! A part may be cut into bricks across its slices, after LaMar: a sample belongs to the brick whose cell it lies in. Along a ray
+//! the cells rise or fall with the planes along either side, so that bricks visited in that order meet the samples of each
+//! pixel in theirs; positions, weights, dither and what counts of a segment depend on plane and pixel alone. The bits are those of the
+//! whole. A brick has the voxels that the samples of its cells look at: of segments one cell beside, and one voxel more for
+//! gradients.
 
 use std::fmt;
 use std::ops::Range;
 
+use slicecast::format::Position;
+use slicecast::locate::{cell, plane};
+use slicecast::plan::{Phase, Plan};
 use slicecast::slice::{RowRange, Slice};
 use slicecast::view::Axis;
 use slicecast_scene::Classification;
@@ -25,6 +34,12 @@ const WINDOW: usize = 4;
 /// The fewest slices that a part has: a plane's, and one more so that parts come forward.
 const LEAST: usize = WINDOW + 1;
 
+/// Voxels that a brick has beside its cells, on each side.
+const BESIDE: usize = 3;
+
+/// The fewest rows of a brick's cells where slices are cut.
+const LEAST_ROWS: usize = 8;
+
 /// What the program takes beside the frame and the slices: its code, tables and threads.
 const PROGRAM: u64 = 48 << 20;
 
@@ -35,6 +50,97 @@ pub struct Part {
     pub planes: Range<u32>,
     /// Numbers of the slices, nearest to the eye first, that these planes look at.
     pub slices: Range<usize>,
+    /// What of the slices there is, if they are not whole.
+    pub brick: Option<Brick>,
+}
+
+/// Some columns and rows of slices.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Brick {
+    /// The voxels that there are, along i and j.
+    pub voxels: [Range<usize>; 2],
+    /// The cells whose samples are folded, counted from the first of these voxels; without an end where the volume ends.
+    cells: [Range<i64>; 2],
+}
+
+impl Brick {
+    /// The brick of some cells of slices of this size.
+    fn of(cells: [Range<usize>; 2], size: [usize; 2]) -> Self {
+        let voxels = [0, 1].map(|axis| {
+            let Range { start, end } = cells[axis].clone();
+            start.saturating_sub(BESIDE)..(end + 1 + BESIDE).min(size[axis])
+        });
+        let ends = [0, 1].map(|axis| {
+            let (Range { start, end }, first) = (cells[axis].clone(), voxels[axis].start as i64);
+            let start = if start == 0 { i64::MIN / 2 } else { start as i64 - first };
+            let end = if end >= size[axis] {
+                i64::MAX / 2
+            } else {
+                end as i64 - first
+            };
+            start..end
+        });
+        Self { voxels, cells: ends }
+    }
+
+    /// The plan of its voxels.
+    pub(crate) fn plan(&self, plan: &Plan) -> Plan {
+        let [i, j] = &self.voxels;
+        plan.of_voxels([i.start as u32, j.start as u32], [i.len() as u32, j.len() as u32])
+    }
+
+    /// Those of some pixels along an axis whose samples lie in its cells, given where that of pixel 0 lies among its voxels.
+    pub(crate) fn pixels(&self, axis: usize, at: Position, pixels: Range<u32>) -> Range<u32> {
+        let (Range { start, end }, first) = (self.cells[axis].clone(), i64::from(cell(at).index));
+        let held = |pixel: i64| pixel.clamp(pixels.start.into(), pixels.end.into()) as u32;
+        let start = held(start - first);
+        start..held(end - first).max(start)
+    }
+}
+
+/// How a volume is cut: the most that a part has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cut {
+    /// Slices, 5 or more.
+    pub slices: usize,
+    /// Columns and rows of cells; those of a slice, or more: slices are whole.
+    pub cells: [usize; 2],
+}
+
+impl Cut {
+    /// Runs of so many whole slices.
+    pub const fn of_slices(slices: usize) -> Self {
+        Self {
+            slices,
+            cells: [usize::MAX; 2],
+        }
+    }
+
+    /// The bricks of a part, in the order of folding, given the steps of rays along i and j.
+    fn bricks(&self, part: &Part, size: [usize; 2], rising: [bool; 2]) -> Vec<Part> {
+        if (0..2).all(|axis| self.cells[axis] >= size[axis]) {
+            return vec![part.clone()];
+        }
+        let [columns, rows] = [0, 1].map(|axis| {
+            let cells = self.cells[axis].clamp(1, size[axis]);
+            let ranges = (0..size[axis])
+                .step_by(cells)
+                .map(|first| first..(first + cells).min(size[axis]));
+            let mut ranges: Vec<Range<usize>> = ranges.collect();
+            if !rising[axis] {
+                ranges.reverse();
+            }
+            ranges
+        });
+        let cells = rows
+            .iter()
+            .flat_map(|rows| columns.iter().map(|columns| [columns.clone(), rows.clone()]));
+        let brick = |cells| Part {
+            brick: Some(Brick::of(cells, size)),
+            ..part.clone()
+        };
+        cells.map(brick).collect()
+    }
 }
 
 /// The planes of a volume in parts of at most `most` slices, in the order of folding; `near` is the slice that a plane's window
@@ -69,10 +175,13 @@ pub(crate) fn parts(
             (part.planes.start.min(plane)..part.planes.end.max(plane + 1), slices)
         });
         match (joined, parts.last_mut()) {
-            (Some((planes, slices)), Some(part)) if slices.len() <= most => *part = Part { planes, slices },
+            (Some((planes, slices)), Some(part)) if slices.len() <= most => {
+                (part.planes, part.slices) = (planes, slices)
+            }
             _ => parts.push(Part {
                 planes: plane..plane + 1,
                 slices,
+                brick: None,
             }),
         }
     }
@@ -82,10 +191,12 @@ pub(crate) fn parts(
 /// What of a volume was read for a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// Parts that were read.
+    /// Parts, or bricks of them, that were read.
     pub parts: usize,
     /// Slices of the largest.
     pub largest: usize,
+    /// Columns and rows of the largest brick, if slices were cut.
+    pub brick: Option<[usize; 2]>,
     /// Slices that were read, those of two parts twice.
     pub slices: usize,
     /// Slices of the volume.
@@ -101,23 +212,30 @@ impl fmt::Display for Reading {
         let Self {
             parts,
             largest,
+            brick,
             slices,
             depth,
             voxels,
             all,
         } = self;
+        let share = 100.0 * *voxels as f64 / (*all).max(1) as f64;
+        if let Some([columns, rows]) = brick {
+            return write!(
+                f,
+                "read in {parts} {} of at most {columns} x {rows} voxels of {largest} slices; {share:.1} % of the voxels",
+                if *parts == 1 { "brick" } else { "bricks" },
+            );
+        }
         write!(
             f,
-            "read in {parts} {} of at most {largest} slices: {slices} slices, of {depth}; {:.1} % of the voxels",
+            "read in {parts} {} of at most {largest} slices: {slices} slices, of {depth}; {share:.1} % of the voxels",
             if *parts == 1 { "part" } else { "parts" },
-            100.0 * *voxels as f64 / (*all).max(1) as f64
         )
     }
 }
 
 impl Prepared<'_> {
-    /// Renders the frame of a volume on disk, at most `most` slices of it (5 or more) in memory at a time. `progress` is told
-    /// how many planes are folded.
+    /// Renders the frame of a volume on disk, a part of it in memory at a time. `progress` is told how far it is.
     ///
     /// # Errors
     /// [`RenderError::Automatic`] if segments or samples were to be chosen by a look at all voxels; [`RenderError::Read`] if
@@ -125,10 +243,10 @@ impl Prepared<'_> {
     pub fn render_in_parts(
         &self,
         volume: &OnDisk,
-        most: usize,
+        cut: Cut,
         progress: Progress<'_>,
     ) -> Result<(Frame, Reading), RenderError> {
-        let (rendering, reading) = self.fold_in_parts(volume, most, Shard::ALL, progress)?;
+        let (rendering, reading) = self.fold_in_parts(volume, cut, Shard::ALL, progress)?;
         let frame = Frame {
             base: rendering.base(),
             picture: rendering.picture(self),
@@ -144,18 +262,18 @@ impl Prepared<'_> {
     pub fn render_shard_in_parts(
         &self,
         volume: &OnDisk,
-        most: usize,
+        cut: Cut,
         shard: Shard,
         progress: Progress<'_>,
     ) -> Result<(BaseImage, Reading), RenderError> {
-        let (rendering, reading) = self.fold_in_parts(volume, most, shard, progress)?;
+        let (rendering, reading) = self.fold_in_parts(volume, cut, shard, progress)?;
         Ok((rendering.base(), reading))
     }
 
     fn fold_in_parts(
         &self,
         volume: &OnDisk,
-        most: usize,
+        cut: Cut,
         shard: Shard,
         progress: Progress<'_>,
     ) -> Result<(Box<dyn Framing>, Reading), RenderError> {
@@ -164,11 +282,11 @@ impl Prepared<'_> {
         }
         let plan = &self.setup.plan;
         let mut rendering = self.begun()?;
-        let parts = rendering.parts(most);
-        let planes = parts.iter().map(|part| part.planes.len()).sum();
+        let parts = self.parts(&*rendering, cut);
         let mut reading = Reading {
             parts: 0,
             largest: 0,
+            brick: None,
             slices: 0,
             depth: plan.volume()[2] as usize,
             voxels: 0,
@@ -176,26 +294,68 @@ impl Prepared<'_> {
         };
         let support = rendering.support();
         let wanted = support.map(|support| volume.wanted(|[low, high]| support.meets(RowRange { low, high })));
-        let mut folded = 0;
-        for part in parts {
-            let (sub, voxels) = volume.read(self.corner(&part), self.sides(&part), wanted.as_ref())?;
+        // Steps of a thousandth of a part.
+        let steps = 1000 * parts.len();
+        for (number, part) in parts.iter().enumerate() {
+            progress(1000 * number, steps);
+            if rendering.is_finished(self.rows(part)) {
+                continue;
+            }
+            let (first, dims) = self.region(part);
+            let (sub, voxels) = volume.read(first, dims, wanted.as_ref())?;
+            // Nothing was read because nothing can be seen.
+            if voxels == 0 {
+                continue;
+            }
             let mut turned = Turned::whole(&sub, plan.view());
             let slices: Vec<Slice<'_>> = turned.slices()?;
-            let new = part.planes.len();
-            rendering.fold_part(&Oriented::of(&slices), &part, shard, self.simd, &|tiles, all| {
-                progress(folded + new * tiles / all.max(1), planes);
+            rendering.fold_part(&Oriented::of(&slices), part, shard, self.simd, &|tiles, all| {
+                progress(1000 * number + 1000 * tiles / all.max(1), steps);
             });
-            folded += new;
             reading.parts += 1;
             reading.slices += slices.len();
             reading.largest = reading.largest.max(slices.len());
-            reading.voxels += voxels;
-            if rendering.is_finished() {
-                break;
+            if let Some(Brick { voxels, .. }) = &part.brick {
+                let sides = voxels.each_ref().map(Range::len);
+                let largest = reading.brick.unwrap_or_default();
+                reading.brick = Some([0, 1].map(|axis| largest[axis].max(sides[axis])));
             }
+            reading.voxels += voxels;
         }
-        progress(planes, planes);
+        progress(steps, steps);
         Ok((rendering, reading))
+    }
+
+    /// The parts of a rendering, in the order of folding.
+    pub fn parts(&self, rendering: &dyn Framing, cut: Cut) -> Vec<Part> {
+        let plan = &self.setup.plan;
+        let [width, height, _] = plan.dims().map(|side| side as usize);
+        let [step_i, step_j, _] = plan.step();
+        let rising = [step_i, step_j].map(|step| (step.to_bits() >= 0) != rendering.back_to_front());
+        let parts = rendering.parts(cut.slices).into_iter();
+        parts
+            .flat_map(|part| cut.bricks(&part, [width, height], rising))
+            .collect()
+    }
+
+    /// Rows of the base plane, of any phase, that a part can change, and a few more.
+    fn rows(&self, part: &Part) -> Range<u32> {
+        /// What phases and ends of segments lie beside a plane's samples.
+        const MORE: i64 = 3;
+        let plan = &self.setup.plan;
+        let [_, all] = plan.base();
+        let Some(brick) = &part.brick else {
+            return 0..all;
+        };
+        let plan = brick.plan(plan);
+        let ends = [part.planes.start, part.planes.end.saturating_sub(1)];
+        let rows = ends.map(|index| {
+            let at = plane(&plan, Phase::default(), index).y;
+            let least = brick.pixels(1, at, 0..all);
+            let [start, end] = [i64::from(least.start) - MORE, i64::from(least.end) + MORE];
+            [start.max(0) as u32, end.min(all.into()) as u32]
+        });
+        rows[0][0].min(rows[1][0])..rows[0][1].max(rows[1][1])
     }
 
     /// The axis of the volume along which its slices lie, and whether they come from its far end.
@@ -209,31 +369,32 @@ impl Prepared<'_> {
         (axis, view.reversed())
     }
 
-    /// The first voxel of a part of what is held.
-    fn corner(&self, part: &Part) -> [usize; 3] {
+    /// The first voxel of a part of what is held, and its voxels along each axis.
+    pub fn region(&self, part: &Part) -> ([usize; 3], [usize; 3]) {
         let ((axis, reversed), held) = (self.along(), Held::of(&self.setup.plan));
-        let mut corner = held.first;
-        corner[axis] += if reversed {
+        let (mut first, mut dims) = (held.first, held.dims);
+        first[axis] += if reversed {
             held.dims[axis] - part.slices.end
         } else {
             part.slices.start
         };
-        corner
+        dims[axis] = part.slices.len();
+        if let Some(brick) = &part.brick {
+            let [i, j, _] = self.setup.plan.view().arrange([0_usize, 1, 2]);
+            for (axis, voxels) in [i, j].into_iter().zip(&brick.voxels) {
+                first[axis] += voxels.start;
+                dims[axis] = voxels.len();
+            }
+        }
+        (first, dims)
     }
 
-    /// The voxels of a part along each axis.
-    fn sides(&self, part: &Part) -> [usize; 3] {
-        let (axis, _) = self.along();
-        let mut sides = Held::of(&self.setup.plan).dims;
-        sides[axis] = part.slices.len();
-        sides
-    }
-
-    /// How many slices fit into so many bytes of memory, beside the image and all that the program takes.
+    /// How the volume is cut for so many bytes of memory, beside the image and all that the program takes: into runs of slices, or
+    /// of rows of them where less is then read twice, or where no run fits.
     ///
     /// # Errors
-    /// [`RenderError::Budget`] if not even those around a plane do.
-    pub fn slices_within(&self, volume: &OnDisk, memory: u64) -> Result<usize, RenderError> {
+    /// [`RenderError::Budget`] if not even some rows of the slices around a plane fit.
+    pub fn cut_within(&self, volume: &OnDisk, memory: u64) -> Result<Cut, RenderError> {
         let plan = &self.setup.plan;
         let rendering = self.rendering()?;
         let needs = rendering.needs();
@@ -245,16 +406,39 @@ impl Prepared<'_> {
         let out = across * down * rays * rays * 16 + width * height * 16;
         let (axis, _) = self.along();
         let [columns, rows, _] = plan.dims().map(u64::from);
-        let voxels = columns * rows;
         // Codes; a second copy where they are brought into another order; what is measured of blocks and rows.
         let copies = if volume.is_turned() || axis == 0 { 2 } else { 1 };
-        let slice = voxels * 2 * copies + voxels * 3 / 8 + rows * 4;
+        let row = columns * 2 * copies + columns * 3 / 8 + 4;
         let beside = PROGRAM + image + volume.reading_bytes(rayon::current_num_threads());
-        let least = (beside + LEAST as u64 * slice).max(PROGRAM + image + out);
+        let least_rows = (LEAST_ROWS + 2 * BESIDE + 1) as u64;
+        let least = (beside + LEAST as u64 * row * rows.min(least_rows)).max(PROGRAM + image + out);
         if memory < least {
             return Err(RenderError::Budget { memory, least });
         }
-        Ok(((memory - beside) / slice) as usize)
+        Ok(Cut::of_rows(((memory - beside) / row) as usize, rows as usize))
+    }
+}
+
+impl Cut {
+    /// The cut of slices of `rows` rows, `room` rows of which fit.
+    fn of_rows(room: usize, rows: usize) -> Self {
+        let whole = room / rows;
+        // What is read of a part that is new: slices and rows but those that the next one has again.
+        let new = |slices: usize, rows: usize| {
+            let twice = slices.saturating_sub(WINDOW - 1) as f64 / slices.max(1) as f64;
+            twice * rows.saturating_sub(2 * BESIDE + 1) as f64 / rows.max(1) as f64
+        };
+        let of_whole = whole.saturating_sub(WINDOW - 1) as f64 / whole.max(1) as f64;
+        // As many rows for a slice as both have again.
+        let slices = ((room as f64 * (WINDOW - 1) as f64 / (2 * BESIDE + 1) as f64).sqrt() as usize).max(LEAST);
+        let cut = (room / slices).min(rows);
+        if whole >= LEAST && of_whole >= new(slices, cut) {
+            return Self::of_slices(whole);
+        }
+        Self {
+            slices,
+            cells: [usize::MAX, cut.saturating_sub(2 * BESIDE + 1).max(LEAST_ROWS)],
+        }
     }
 }
 

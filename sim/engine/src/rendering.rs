@@ -3,6 +3,7 @@
 //! Pipelines are compiled here and nowhere else in the host program: what compares, times or observes frames calls them
 //! through these two traits, once per frame or per tile.
 
+use std::ops::Range;
 use std::sync::Mutex;
 
 use slicecast::classify::Support;
@@ -53,8 +54,8 @@ pub trait Rendering: Send + Sync {
     fn parts(&self, most: usize) -> Vec<Part>;
     /// [`Rendering::fold`] of the planes of a part, from its slices alone, into one shard of the tiles; other rows stay untouched.
     fn fold_part(&mut self, volume: &Oriented<'_>, part: &Part, shard: Shard, simd: Simd, progress: Progress<'_>);
-    /// Whether no further plane can change the image.
-    fn is_finished(&self) -> bool;
+    /// Whether no further plane can change these rows of any phase.
+    fn is_finished(&self, rows: Range<u32>) -> bool;
     /// [`Rendering::fold`], rows as a whole.
     fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>);
     /// The same by the scalar definitions, each tile under a tap. See [`tapped`].
@@ -138,8 +139,14 @@ impl<L: Pipeline<Voxel = Code12> + Send> Rendering for Under<L> {
         parts(planes::<L>(&self.plan), depth, near, L::BACK_TO_FRONT, most)
     }
 
-    fn is_finished(&self) -> bool {
-        self.pipeline.finished::<i32>(&self.plan, &self.image)
+    fn is_finished(&self, rows: Range<u32>) -> bool {
+        let (row_len, height) = (self.row_len(), self.plan.base()[1] as usize);
+        let rows = rows.start as usize * row_len..rows.end as usize * row_len;
+        let mut phases = self.image.chunks(row_len * height);
+        phases.all(|phase| {
+            let rows = phase.get(rows.clone()).unwrap_or(&[]);
+            self.pipeline.finished::<i32>(&self.plan, rows)
+        })
     }
 
     fn fold_part(&mut self, volume: &Oriented<'_>, part: &Part, shard: Shard, simd: Simd, progress: Progress<'_>) {
@@ -148,8 +155,9 @@ impl<L: Pipeline<Voxel = Code12> + Send> Rendering for Under<L> {
             shard,
             part: Some(part),
         };
-        let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
-        fold_oriented(plan, pipeline, volume, image, tiling, simd, progress);
+        let plan = part.brick.as_ref().map_or(self.plan, |brick| brick.plan(&self.plan));
+        let (pipeline, image) = (&self.pipeline, &mut self.image);
+        fold_oriented(&plan, pipeline, volume, image, tiling, simd, progress);
     }
 
     fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>) {

@@ -16,7 +16,7 @@ use slicecast::tap::Tap;
 
 use crate::occupancy::{Looks, Sight};
 use crate::oriented::Oriented;
-use crate::parts::Part;
+use crate::parts::{Brick, Part};
 use crate::rendering::{LendTap, Progress};
 use crate::shard::Shard;
 use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
@@ -264,6 +264,8 @@ struct Way<'a, 's, X> {
     tile: Tile,
     /// The planes that are folded.
     planes: Range<u32>,
+    /// The brick of the slices that there is, if they are not whole.
+    brick: Option<&'a Brick>,
     /// Number of the first of the slices.
     first_slice: i32,
     back_to_front: bool,
@@ -280,9 +282,10 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
         slices: &'a [Slice<'s, X>],
         seen: Option<&'a Sight>,
         tile: Tile,
-        part: Option<&Part>,
+        part: Option<&'a Part>,
     ) -> Self {
         Self {
+            brick: part.and_then(|part| part.brick.as_ref()),
             planes: part.map_or(planes::<L>(plan), |part| part.planes.clone()),
             first_slice: part.map_or(0, |part| part.slices.start as i32),
             plan,
@@ -319,13 +322,17 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
                 self.prefetch(slice, cell(plane.y).index);
             }
             if let Some(window) = Window::at(z, slice) {
-                fold.plane(&At {
+                let at = At {
                     plan: self.plan,
                     plane,
                     window,
                     seen: self.seen.map(|sight| sight.at(place(z).unwrap_or(0))),
                     reading: fresh.as_ref().map(|ahead| ahead as &dyn Reading),
-                })?;
+                };
+                match self.brick {
+                    None => fold.plane(&at, None)?,
+                    Some(brick) => self.fold_brick(brick, &at, fold)?,
+                }
             }
             // Rows as a whole are left out one by one.
             if self.seen.is_some() && step % FINISHED_EVERY == 0 && fold.finished(self.plan) {
@@ -333,6 +340,27 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
             }
         }
         Ok(())
+    }
+
+    /// Folds the pixels of a plane whose samples lie in a brick.
+    fn fold_brick(&self, brick: &Brick, at: &At<'_, X>, fold: &mut dyn FoldPlane<X>) -> Result<(), ScratchError> {
+        let Tile { first, rows, .. } = self.tile;
+        let [columns, _] = self.plan.base();
+        let columns = brick.pixels(0, at.plane.x, 0..columns);
+        let rows = brick.pixels(1, at.plane.y, first..first + rows);
+        if columns.is_empty() || rows.is_empty() {
+            return Ok(());
+        }
+        let plan = self.plan.of_columns(columns.start, columns.len() as u32);
+        let plane = (self.plane)(&plan, at.plane.phase, at.plane.index);
+        fold.plane(
+            &At {
+                plan: &plan,
+                plane,
+                ..*at
+            },
+            Some([columns, rows]),
+        )
     }
 
     /// Asks for the rows of a slice that a tile will read: those under its own rows, shifted by `offset`, and those that
@@ -347,8 +375,9 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
 
 /// What a way asks of the pipeline that goes it.
 trait FoldPlane<X> {
-    /// Folds a plane into the tile.
-    fn plane(&mut self, at: &At<'_, X>) -> Result<(), ScratchError>;
+    /// Folds a plane into the tile, or into some columns and rows of the image, which the tile has; the plan is then of those
+    /// columns.
+    fn plane(&mut self, at: &At<'_, X>, pixels: Option<[Range<u32>; 2]>) -> Result<(), ScratchError>;
     /// Whether all rays of the tile are finished.
     fn finished(&self, plan: &Plan) -> bool;
 }
@@ -359,6 +388,10 @@ struct Folding<'a, L: Pipeline> {
     rows: Rows<'a, L::Element>,
     scratch: &'a mut [i32],
     kept: Option<Kept<'a>>,
+    /// Some columns of the rows, while they are folded on their own.
+    columns: Vec<L::Element>,
+    /// Columns of the image.
+    width: usize,
     /// Sees every plane, those of finished tiles too.
     tap: Option<&'a mut dyn Tap>,
 }
@@ -367,20 +400,48 @@ struct Folding<'a, L: Pipeline> {
 struct OfLanes<'f, 'a, L: Pipeline, V>(&'f mut Folding<'a, L>, PhantomData<V>);
 
 impl<L: Pipeline, V: Lanes> FoldPlane<L::Voxel> for OfLanes<'_, '_, L, V> {
-    fn plane(&mut self, at: &At<'_, L::Voxel>) -> Result<(), ScratchError> {
+    fn plane(&mut self, at: &At<'_, L::Voxel>, pixels: Option<[Range<u32>; 2]>) -> Result<(), ScratchError> {
         let Folding {
             pipeline,
             rows: Rows { first, data },
             scratch,
             kept,
+            columns: own,
             tap,
+            width,
         } = &mut *self.0;
-        let rows = Rows { first: *first, data };
         let tap: Option<&mut dyn Tap> = match tap {
             Some(tap) => Some(&mut **tap),
             None => None,
         };
-        pipeline.fold::<V>(at, rows, scratch, kept.as_mut(), tap)
+        // Rows that come and go are not kept.
+        let kept = kept.as_mut().filter(|_| pixels.is_none());
+        let (width, row_len) = (*width, *width * L::CHANNELS);
+        let (mut first, mut data, mut columns) = (*first, &mut **data, 0..width);
+        if let Some([across, rows]) = pixels {
+            let start = (rows.start - first) as usize * row_len;
+            data = &mut data[start..start + rows.len() * row_len];
+            (first, columns) = (rows.start, across.start as usize..across.end as usize);
+        }
+        let is_cut = columns.len() < width;
+        if is_cut {
+            own.clear();
+            for run in data.chunks_exact(width) {
+                own.extend_from_slice(&run[columns.clone()]);
+            }
+        }
+        // Named once: it is a program of its own wherever it is named.
+        let rows = Rows {
+            first,
+            data: if is_cut { own } else { &mut *data },
+        };
+        pipeline.fold::<V>(at, rows, scratch, kept, tap)?;
+        if is_cut {
+            for (run, own) in data.chunks_exact_mut(width).zip(own.chunks_exact(columns.len())) {
+                run[columns.clone()].copy_from_slice(own);
+            }
+        }
+        Ok(())
     }
 
     fn finished(&self, plan: &Plan) -> bool {
@@ -405,7 +466,7 @@ impl<'a, 's, L: Pipeline> FoldTile<'a, 's, L> {
         let [width, _, _] = way.plan.dims();
         // `Sizes::keeping` has as much as the highest tile needs.
         let kept = Kept::new(kept, first, rows as usize, width).ok();
-        let rows = Rows { first, data };
+        let (rows, width) = (Rows { first, data }, way.plan.base()[0] as usize);
         Self {
             way,
             folding: Folding {
@@ -413,6 +474,8 @@ impl<'a, 's, L: Pipeline> FoldTile<'a, 's, L> {
                 rows,
                 scratch,
                 kept,
+                columns: Vec::new(),
+                width,
                 tap,
             },
         }

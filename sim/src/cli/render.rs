@@ -9,6 +9,7 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::BaseImage;
 use slicecast_engine::oriented::{Oriented, Turned};
+use slicecast_engine::parts::{Cut, Reading};
 use slicecast_engine::shard::Shard;
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
@@ -69,7 +70,7 @@ pub struct Args {
     #[arg(long, value_name = "I/N", value_parser = picture::shard, conflicts_with_all = ["stream", "depth_map"])]
     shard: Option<Shard>,
     /// Leave the volume in its file and read it in parts, within so much memory, such as 512MiB or 2GiB: for raw, NRRD,
-    /// MetaImage and NIfTI files that are larger than memory. The picture is the same.
+    /// MetaImage, NIfTI and Zarr files that are larger than memory. The picture is the same.
     #[arg(long, value_name = "SIZE", value_parser = memory::bytes, conflicts_with_all = ["stream", "depth_map"])]
     memory: Option<u64>,
     /// Replace the output if it exists.
@@ -128,9 +129,9 @@ impl Args {
         let frame = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || match &on_disk {
                 Some(volume) => {
-                    let most = self.slices(&prepared, volume)?;
-                    let (frame, read) = prepared.render_in_parts(volume, most, progress)?;
-                    eprintln!("{read}");
+                    let cut = self.cut(&prepared, volume)?;
+                    let (frame, read) = prepared.render_in_parts(volume, cut, progress)?;
+                    say_read(&read, volume);
                     Ok(frame)
                 }
                 None => prepared.render(self.layer(), progress),
@@ -208,9 +209,9 @@ impl Args {
         check_free([&self.output], self.force)
     }
 
-    /// Slices that --memory leaves room for.
-    fn slices(&self, prepared: &Prepared<'_>, volume: &OnDisk) -> Result<usize, RenderError> {
-        prepared.slices_within(volume, self.memory.unwrap_or(u64::MAX))
+    /// How the volume is cut for what --memory leaves room for.
+    fn cut(&self, prepared: &Prepared<'_>, volume: &OnDisk) -> Result<Cut, RenderError> {
+        prepared.cut_within(volume, self.memory.unwrap_or(u64::MAX))
     }
 
     /// Renders a shard into its file.
@@ -225,9 +226,9 @@ impl Args {
         let base = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || match on_disk {
                 Some(volume) => {
-                    let most = self.slices(prepared, volume)?;
-                    let (base, read) = prepared.render_shard_in_parts(volume, most, shard, progress)?;
-                    eprintln!("{read}");
+                    let cut = self.cut(prepared, volume)?;
+                    let (base, read) = prepared.render_shard_in_parts(volume, cut, shard, progress)?;
+                    say_read(&read, volume);
                     Ok(base)
                 }
                 None => prepared.render_shard(shard, progress),
@@ -282,5 +283,13 @@ impl Args {
         let files = files.map(|(ending, contents)| (self.output.with_extension(ending), contents));
         check_free(files.each_ref().map(|(path, _)| path), self.force)?;
         Ok(files.into())
+    }
+}
+
+/// Says on standard error what was read of a volume in parts.
+fn say_read(read: &Reading, volume: &OnDisk) {
+    eprintln!("{read}");
+    if let Some([read, all]) = volume.chunks_read() {
+        eprintln!("chunks were read {read} times, the census' passes with them; the volume has {all}");
     }
 }

@@ -51,8 +51,8 @@ pub enum Problem {
     Empty,
     /// Neither the first bytes nor the name tell a format.
     #[error(
-        "is of no known format: it begins with {first_bytes}, expected NRRD, NIfTI, MetaImage, DICOM or TIFF; raw data need \
-         their shape stated"
+        "is of no known format: it begins with {first_bytes}, expected NRRD, NIfTI, MetaImage, DICOM, TIFF or a Zarr \
+         folder; raw data need their shape stated"
     )]
     UnknownFormat {
         /// The first bytes, escaped.

@@ -1,6 +1,6 @@
 //! A volume in memory, as the machine sees it: 12-bit voxels with their shape, spacing and unit.
 //!
-//! [`open`] finds the reader for a file or folder ([`nrrd`], [`nifti`], [`metaimage`], [`dicom`], [`tiff`], [`raw`]), which
+//! [`open`] finds the reader for a file or folder ([`nrrd`], [`nifti`], [`metaimage`], [`dicom`], [`tiff`], [`raw`], `zarr`), which
 //! yields the values as the file states them ([`values`]), in the patient's axes where the file tells them ([`axes`]);
 //! [`mapping`] turns those into codes and says what that cost. A further format is one more file beside `nrrd.rs` and a
 //! line in `open.rs`.
@@ -28,6 +28,7 @@ pub mod statistics;
 mod text;
 pub mod tiff;
 pub mod values;
+mod zarr;
 
 /// How 12-bit codes map back to the data's own unit: `value = code * scale + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]

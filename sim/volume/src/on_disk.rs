@@ -1,10 +1,12 @@
 //! A volume that stays in its file and is read part by part, for volumes larger than memory.
 //!
 //! Raw, NRRD, MetaImage and NIfTI files hold their values in one piece, or in files of as many each, so that any box of
-//! voxels is found by its place. Packed values are unpacked once into a scratch file. How values become codes is chosen by a
+//! voxels is found by its place; packed values are unpacked once into a scratch file. Zarr stores hold them in chunks, which are
+//! read as wholes. How values become codes is chosen by a
 //! census of all of them, as if they were in memory: a part has the codes that the whole volume would have there.
 
 mod census;
+mod pairs;
 mod store;
 mod strips;
 #[cfg(test)]
@@ -16,7 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 pub use self::census::Progress;
-use self::census::{Histogram, Passes, background_needs_all, each_slice};
+use self::census::{Block, Histogram, Passes, background_needs_all, each_block};
 use self::store::{Region, Store};
 use self::strips::Strips;
 pub use self::strips::Wanted;
@@ -85,7 +87,7 @@ impl OnDisk {
             let problem = Problem::Unsupported {
                 format: "a volume in parts",
                 found: "a folder, DICOM or TIFF".into(),
-                expected: "raw, NRRD, MetaImage or NIfTI",
+                expected: "raw, NRRD, MetaImage, NIfTI or Zarr",
             };
             return Err(ReadError::new(path, problem).into());
         };
@@ -166,10 +168,14 @@ impl OnDisk {
         !self.turn.is_none()
     }
 
-    /// Bytes that reading takes beside the codes: a slice of the file for each thread, as bytes and as values.
+    /// Bytes that reading takes beside the codes: a slice of the file, or a chunk, for each thread, as bytes and as values.
     pub fn reading_bytes(&self, threads: usize) -> u64 {
-        let [nx, ny, _] = self.store.dims();
-        2 * (nx * ny * threads) as u64 * self.store.value_len()
+        threads as u64 * self.store.reading_bytes()
+    }
+
+    /// Chunks that were read so far, those read again counted again, and how many the volume has; `None` of other files.
+    pub fn chunks_read(&self) -> Option<[u64; 2]> {
+        self.store.chunks_read()
     }
 
     /// The parts of the file that can be seen, where `meets` tells whether anything from a code to another is visible.
@@ -179,7 +185,7 @@ impl OnDisk {
 
     /// A box of the volume: `dims` voxels from `first` on, along its own axes; and how many of them were read. What is not
     /// `wanted`, if anything is said of that, has one of its own codes everywhere, and is not read. Files are read in parallel,
-    /// slice by slice of theirs.
+    /// slice by slice of theirs or chunk by chunk.
     ///
     /// # Errors
     /// [`ReadError`] if a file cannot be read any more.
@@ -191,39 +197,49 @@ impl OnDisk {
     ) -> Result<(Volume, u64), ReadError> {
         let region = Region { first, dims }.turned(&self.turn, self.store.dims());
         let [nx, ny, nz] = region.dims;
-        let [x, y, z] = region.first;
         let read = AtomicU64::new(0);
         let mut voxels = vec![0; nx * ny * nz];
-        let slices = voxels.par_chunks_mut((nx * ny).max(1)).enumerate();
-        slices.try_for_each(|(k, out)| {
-            let has = |row: usize| wanted.is_none_or(|wanted| wanted.has(z + k, row / strips::ROWS));
-            let mut row = y;
-            while row < y + ny {
-                // Strips side by side are read, or left out, together.
-                let is_wanted = has(row);
-                let end = (row + 1..y + ny).find(|&next| has(next) != is_wanted).unwrap_or(y + ny);
-                let out = &mut out[(row - y) * nx..(end - y) * nx];
-                if is_wanted {
-                    let values = self.store.read(Region {
-                        first: [x, row, z + k],
-                        dims: [nx, end - row, 1],
-                    })?;
-                    self.coder.code(&values, out);
-                    read.fetch_add(out.len() as u64, Ordering::Relaxed);
-                } else {
-                    for (place, out) in out.chunks_mut(nx).enumerate() {
-                        out.fill(self.strips.least(z + k, (row + place) / strips::ROWS));
-                    }
+        let parts = self.store.blocks().cut(region);
+        let rows = rows_of(&parts, &mut voxels);
+        let of_part = |(part, mut rows): (Region, Vec<&mut [u16]>)| {
+            let mut rows = rows.iter_mut();
+            for (strip, piece) in self.runs(part, wanted) {
+                let count = piece.dims.iter().product::<usize>();
+                let mut codes = vec![strip.map_or(0, |strip| self.strips.least(strip)); count];
+                if strip.is_none() {
+                    self.coder.code(&self.store.read(piece)?, &mut codes);
+                    read.fetch_add(count as u64, Ordering::Relaxed);
                 }
-                row = end;
+                // The codes first: what is zipped to them loses no row where they end.
+                for (codes, row) in codes.chunks(piece.dims[0]).zip(&mut rows) {
+                    row.copy_from_slice(codes);
+                }
             }
             Ok::<(), ReadError>(())
-        })?;
+        };
+        parts.into_par_iter().zip(rows).try_for_each(of_part)?;
         let turned = self.turn.values(Values::U16(voxels), 1, region.dims);
         match turned.map_err(|problem| ReadError::new(self.store.path(), problem))? {
             Values::U16(voxels) => Ok((self.part(dims, voxels), read.into_inner())),
             _ => unreachable!("a turn keeps the type of values"),
         }
+    }
+
+    /// What a thread reads of a part of a block, in pieces of whole rows: strips side by side are read together, and with each
+    /// that is left out its number comes.
+    fn runs(&self, part: Region, wanted: Option<&Wanted>) -> Vec<(Option<usize>, Region)> {
+        let cut = self.strips.cut();
+        let mut runs: Vec<(Option<usize>, Region)> = Vec::new();
+        for piece in cut.cut(part) {
+            let strip = cut.number([0, 1, 2].map(|axis| piece.first[axis] / cut.side[axis]));
+            let left_out = Some(strip).filter(|&strip| wanted.is_some_and(|wanted| !wanted.has(strip)));
+            match runs.last_mut() {
+                // Strips of a block follow one another along y.
+                Some((None, run)) if left_out.is_none() => run.dims[1] += piece.dims[1],
+                _ => runs.push((left_out, piece)),
+            }
+        }
+        runs
     }
 
     fn part(&self, dims: [usize; 3], voxels: Vec<u16>) -> Volume {
@@ -235,6 +251,36 @@ impl OnDisk {
             mapping: self.mapping,
         }
     }
+}
+
+/// The rows of each part of a box, in the part's order, in the box's voxels. Parts are blocks' and come x first, then y, then z.
+fn rows_of<'v>(parts: &[Region], mut voxels: &'v mut [u16]) -> Vec<Vec<&'v mut [u16]>> {
+    let mut rows: Vec<Vec<&mut [u16]>> = parts.iter().map(|_| Vec::new()).collect();
+    let mut layer = 0;
+    while let Some(first) = parts.get(layer) {
+        let within = |part: &&Region| part.first[2] == first.first[2];
+        let of_layer = parts[layer..].iter().take_while(within).count();
+        for _ in 0..first.dims[2] {
+            let mut band = layer;
+            while band < layer + of_layer {
+                let start = parts[band].first[1];
+                let of_band = parts[band..layer + of_layer]
+                    .iter()
+                    .take_while(|part| part.first[1] == start)
+                    .count();
+                for _ in 0..parts[band].dims[1] {
+                    for number in band..band + of_band {
+                        let (row, rest) = std::mem::take(&mut voxels).split_at_mut(parts[number].dims[0]);
+                        rows[number].push(row);
+                        voxels = rest;
+                    }
+                }
+                band += of_band;
+            }
+        }
+        layer += of_layer;
+    }
+    rows
 }
 
 impl Coder {
@@ -324,7 +370,7 @@ fn count(
             counts[usize::from(code)] += voxels;
         }
         return Ok(Counted {
-            strips: Strips::coded(histogram.strips, &chosen.code),
+            strips: Strips::coded(strips::cut(store), histogram.strips, &chosen.code),
             tally,
             statistics: Statistics::from_counts(counts),
             coder: Coder::table(meaning, &chosen.code),
@@ -336,8 +382,8 @@ fn count(
     let measured = passes.end()?;
     let chosen = chosen.map_err(mapping)?;
     let none = || (vec![0; Statistics::CODES], Tally::default());
-    let take = |(mut counts, mut tally): (Vec<u64>, Tally), _, slice: Values| {
-        for code in of_wide(&chosen.code, &slice, &mut tally) {
+    let take = |(mut counts, mut tally): (Vec<u64>, Tally), block: Block| {
+        for code in of_wide(&chosen.code, &block.values, &mut tally) {
             counts[usize::from(code)] += 1;
         }
         Ok((counts, tally))
@@ -346,9 +392,9 @@ fn count(
         counts.iter_mut().zip(others).for_each(|(count, other)| *count += other);
         (counts, tally.with(other))
     };
-    let (counts, tally) = each_slice(store, progress, none, take, join)?;
+    let (counts, tally) = each_block(store, None, progress, none, take, join)?;
     Ok(Counted {
-        strips: Strips::coded(measured, &chosen.code),
+        strips: Strips::coded(strips::cut(store), measured, &chosen.code),
         tally,
         statistics: Statistics::from_counts(counts),
         coder: Coder::Code(chosen.code.clone()),

@@ -11,7 +11,7 @@ use super::mapping::{Labels, Mapped, MappingError, MappingReport, Window, map};
 use super::placed::Placed;
 use super::statistics::Statistics;
 use super::values::{Decoded, Modality, Orientation};
-use super::{Volume, dicom, metaimage, nifti, nrrd, raw, tiff};
+use super::{Volume, dicom, metaimage, nifti, nrrd, raw, tiff, zarr};
 
 /// The CT head that comes with the program, 64 x 64 x 93 voxels (see `sim/volume/data/LICENSE-headsq.txt`).
 const BUILT_IN: &[u8] = include_bytes!("../data/headsq-quarter.nrrd");
@@ -41,7 +41,7 @@ pub struct Options {
     pub raw: Option<raw::describe::Description>,
 }
 
-/// Reads a volume of any known format: a file, or a folder of slices.
+/// Reads a volume of any known format: a file, a folder of slices or a store.
 ///
 /// # Errors
 /// As [`read_with`].
@@ -81,10 +81,13 @@ pub(super) enum Found {
 /// # Errors
 /// As [`read_with`].
 pub(super) fn find(path: &Path, options: &Options) -> Result<Found, ReadError> {
+    let choice = &options.choice;
+    if options.raw.is_none() && zarr::recognise(path) {
+        return Ok(Found::Placed(zarr::place(path, choice)?.into()));
+    }
     if path.is_dir() {
         return Ok(Found::Folder);
     }
-    let choice = &options.choice;
     let fail = |problem| ReadError::new(path, problem);
     if let Some(description) = &options.raw {
         choice.check_single().map_err(fail)?;
@@ -120,6 +123,9 @@ pub(super) fn find(path: &Path, options: &Options) -> Result<Found, ReadError> {
 /// # Errors
 /// As [`read_with`].
 pub fn read_colours(path: &Path, choice: &Choice) -> Result<Option<Colours>, ReadError> {
+    if zarr::recognise(path) {
+        return Ok(None);
+    }
     if path.is_dir() {
         return tiff::read_colours(path, choice);
     }

@@ -1,6 +1,6 @@
 //! A volume as its header tells it, its values still in their file.
 //!
-//! NRRD, MetaImage, NIfTI and raw files all end here: the values are read whole ([`Placed::read`]) or stay where they are
+//! NRRD, MetaImage, NIfTI and raw files and Zarr stores all end here: the values are read whole ([`Placed::read`]) or stay where they are
 //! ([`on_disk`](crate::on_disk)).
 
 use std::collections::HashMap;
@@ -15,6 +15,7 @@ use super::files::DataFiles;
 use super::open::open_regular;
 use super::payload::{Encoding, Layout, read_values};
 use super::values::{Decoded, Modality, Values};
+use super::zarr::Chunks;
 
 /// Where the values are.
 #[derive(Clone, Debug)]
@@ -23,6 +24,8 @@ pub(super) enum Place {
     File(PathBuf, u64),
     /// In the files that a header names.
     Files(PathBuf, DataFiles),
+    /// In the chunks of an array.
+    Chunks(Box<Chunks>),
 }
 
 impl Place {
@@ -30,6 +33,7 @@ impl Place {
     pub fn path(&self) -> &Path {
         match self {
             Self::File(path, _) | Self::Files(path, _) => path,
+            Self::Chunks(chunks) => chunks.folder(),
         }
     }
 }
@@ -91,6 +95,7 @@ impl Placed {
                 read_values(&layout.map_err(fail)?, &mut source, len, &mut self.notes).map_err(fail)
             }
             Place::Files(header, files) => files.read(header, &self.layout, sniffed, &mut self.notes),
+            Place::Chunks(chunks) => chunks.values(&self.layout),
         }
     }
 

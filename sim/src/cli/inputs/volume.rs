@@ -52,7 +52,8 @@ enum NanArg {
 /// The volume.
 #[derive(clap::Args)]
 pub struct VolumeArgs {
-    /// The volume: NIfTI, NRRD, MetaImage, TIFF, a DICOM file or folder, or raw; without one, the built-in CT head.
+    /// The volume: NIfTI, NRRD, MetaImage, TIFF, a DICOM file or folder, Zarr (scan.ome.zarr, or scan.ome.zarr/1 for another level),
+    /// or raw; without one, the built-in CT head.
     volume: Option<PathBuf>,
     /// Values mapped to codes 0 to 4095: LOW,HIGH, or LOW,HIGH% of the voxels, or `file` for the file's own window;
     /// without it, the data's whole range, without loss where 12 bits hold it.
@@ -64,10 +65,10 @@ pub struct VolumeArgs {
     /// Phase wanted, from 1, of a DICOM series that holds its slices several times over: times, echoes, acquisitions.
     #[arg(long, value_name = "N", requires = "volume", value_parser = clap::value_parser!(u16).range(1..))]
     phase: Option<u16>,
-    /// Channel wanted, from 1, of a TIFF file that has several; without it, the first.
+    /// Channel wanted, from 1, of a TIFF file or Zarr array that has several; without it, the first.
     #[arg(long, value_name = "N", requires = "volume", value_parser = clap::value_parser!(u16).range(1..))]
     channel: Option<u16>,
-    /// Time point wanted, from 1, of a TIFF file that has several; without it, the first.
+    /// Time point wanted, from 1, of a TIFF file or Zarr array that has several; without it, the first.
     #[arg(long, value_name = "N", requires = "volume", value_parser = clap::value_parser!(u16).range(1..))]
     time: Option<u16>,
     /// What becomes of NaN: background, which takes the least value and is counted; without it, NaN is refused.

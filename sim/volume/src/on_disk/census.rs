@@ -1,4 +1,4 @@
-//! The census of values that stay in their files: slice by slice, in parallel.
+//! The census of values that stay in their files: slice by slice or chunk by chunk, in parallel.
 //!
 //! Values of 8 and 16 bits are counted once, each on its own; what is asked then costs nothing. Of others every question
 //! is a pass over the file, and a rank is four.
@@ -8,6 +8,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
+use super::pairs::{Pairs, face, far_face};
 use super::store::{Region, Store};
 use super::strips;
 use crate::error::{Problem, ReadError, ShapeError};
@@ -15,70 +16,74 @@ use crate::mapping::census::Census;
 use crate::mapping::labels::are_flat;
 use crate::values::Values;
 
-/// What is told how many slices of how many are done.
+/// What is told how many blocks of how many are done.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-/// Does something with each slice of the file, as it comes, and joins what comes of it.
-pub(super) fn each_slice<T: Send>(
+/// Blocks that a thread reads after one another where neighbours count, of a file that has others to read beside.
+const RUN: usize = 8;
+
+/// A block of the file, as a pass sees it.
+pub(super) struct Block {
+    pub number: usize,
+    pub region: Region,
+    pub values: Values,
+    /// The values beside its near face along the axis of the pass, if it has one and there are any.
+    pub before: Option<Values>,
+}
+
+/// Does something with each block of the file, as it comes, and joins what comes of it. Along `axis`, if it is one, blocks come
+/// with what lies before them; a block is read once for that, but for the first of a run of plain ones.
+pub(super) fn each_block<T: Send>(
     store: &Store,
+    axis: Option<usize>,
     progress: Progress<'_>,
     none: impl Fn() -> T + Sync,
-    take: impl Fn(T, usize, Values) -> Result<T, ReadError> + Sync,
+    take: impl Fn(T, Block) -> Result<T, ReadError> + Sync,
     join: impl Fn(T, T) -> T + Sync,
 ) -> Result<T, ReadError> {
-    let [nx, ny, nz] = store.dims();
+    let blocks = store.blocks();
+    let along = axis.map_or(1, |axis| blocks.counts()[axis]);
+    let run_len = if store.is_plain() { RUN.min(along) } else { along };
     let done = std::sync::atomic::AtomicUsize::new(0);
-    let one = |taken: Result<T, ReadError>, z: usize| {
-        let slice = store.read(Region {
-            first: [0, 0, z],
-            dims: [nx, ny, 1],
-        })?;
-        let taken = take(taken?, z, slice);
-        progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, nz);
-        taken
+    // A run begins with every block that has a multiple of its length before it.
+    let starts = |number: &usize| axis.is_none_or(|axis| blocks.place(*number)[axis].is_multiple_of(run_len));
+    let run = |taken: Result<T, ReadError>, number: usize| {
+        let (mut taken, mut before) = (taken?, None);
+        let mut place = blocks.place(number);
+        let end = axis.map_or(0, |axis| (place[axis] + run_len).min(blocks.counts()[axis]));
+        loop {
+            let region = blocks.region(place);
+            if let Some(axis) = axis.filter(|&axis| before.is_none() && region.first[axis] > 0) {
+                before = Some(store.read(face(region, axis, region.first[axis] - 1))?);
+            }
+            let values = store.read(region)?;
+            let next = axis.filter(|&axis| place[axis] + 1 < end);
+            let last = next.map(|axis| far_face(&values, region.dims, axis));
+            let number = blocks.number(place);
+            let block = Block {
+                number,
+                region,
+                values,
+                before,
+            };
+            taken = take(taken, block)?;
+            progress(
+                done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1,
+                blocks.len(),
+            );
+            before = last;
+            match next {
+                Some(axis) => place[axis] += 1,
+                None => return Ok(taken),
+            }
+        }
     };
     let both = |a: Result<T, ReadError>, b: Result<T, ReadError>| Ok(join(a?, b?));
-    (0..nz)
+    (0..blocks.len())
         .into_par_iter()
-        .fold(|| Ok(none()), one)
+        .filter(starts)
+        .fold(|| Ok(none()), run)
         .reduce(|| Ok(none()), both)
-}
-
-/// Pairs of neighbours that are no background, and how many of them are equal.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pairs {
-    all: u64,
-    equal: u64,
-}
-
-impl Pairs {
-    fn add<T: Copy + PartialEq>(&mut self, a: &[T], b: &[T], background: Option<T>) {
-        for (a, b) in a.iter().zip(b) {
-            let counts = background.is_none_or(|background| *a != background && *b != background);
-            self.all += u64::from(counts);
-            self.equal += u64::from(counts && a == b);
-        }
-    }
-
-    /// Of a slice, along an axis of the file; `before` is the slice before, which the third axis needs.
-    fn of<T: Copy + PartialEq>(slice: &[T], before: &[T], width: usize, axis: usize, background: Option<T>) -> Self {
-        let mut pairs = Self::default();
-        match axis {
-            0 => slice
-                .chunks(width)
-                .for_each(|row| pairs.add(row, row.get(1..).unwrap_or(&[]), background)),
-            1 => pairs.add(slice, slice.get(width..).unwrap_or(&[]), background),
-            _ => pairs.add(slice, before, background),
-        }
-        pairs
-    }
-
-    fn with(self, other: Self) -> Self {
-        Self {
-            all: self.all + other.all,
-            equal: self.equal + other.equal,
-        }
-    }
 }
 
 /// How often each value of 8 or 16 bits occurs.
@@ -88,14 +93,14 @@ pub(super) struct Histogram {
     /// The value of the first of them.
     first: i32,
     pairs: Pairs,
-    /// Of each slice, as they came.
+    /// Of each block, as they came.
     pub strips: Measured,
 }
 
-/// Slices by number, and the least and greatest value of their strips.
+/// Blocks by number, and the least and greatest value of their strips.
 pub(super) type Measured = Vec<(usize, Vec<[f64; 2]>)>;
 
-/// What is counted of some slices.
+/// What is counted of some blocks.
 type Counts = (Vec<u64>, Pairs, Option<i32>, Measured);
 
 /// Values of 16 bits, and of fewer.
@@ -108,40 +113,31 @@ impl Histogram {
     /// # Errors
     /// [`ReadError`] if a file cannot be read.
     pub fn of(store: &Store, axis: usize, background: f64, progress: Progress<'_>) -> Result<Option<Self>, ReadError> {
-        let [nx, ny, _] = store.dims();
+        let strip_len = strips::cut(store).side.iter().product();
         let none = || (vec![0_u64; NARROW], Pairs::default(), None, Vec::new());
-        let take = |(mut counts, pairs, _, mut strips): Counts, z: usize, slice: Values| {
-            strips.push((z, strips::measured(&slice, nx)));
-            let before = if axis == 2 && z > 0 {
-                let first = [0, 0, z - 1];
-                Some(store.read(Region {
-                    first,
-                    dims: [nx, ny, 1],
-                })?)
-            } else {
-                None
-            };
+        let take = |(mut counts, pairs, _, mut strips): Counts, block: Block| {
+            strips.push((block.number, strips::measured(&block.values, strip_len)));
             macro_rules! count {
                 ($kind:ident, $type:ty, $values:expr) => {{
                     for &value in $values {
                         counts[(i32::from(value) - i32::from(<$type>::MIN)) as usize] += 1;
                     }
-                    let before: &[$type] = match &before {
+                    let before: &[$type] = match &block.before {
                         Some(Values::$kind(before)) => before,
                         _ => &[],
                     };
                     let exact = background as $type;
                     let background = (f64::from(exact) == background).then_some(exact);
-                    let of_slice = Pairs::of($values, before, nx, axis, background);
+                    let of_block = Pairs::of($values, before, block.region.dims, axis, background);
                     Ok((
                         counts,
-                        pairs.with(of_slice),
+                        pairs.with(of_block),
                         Some(i32::from(<$type>::MIN)),
                         strips,
                     ))
                 }};
             }
-            match &slice {
+            match &block.values {
                 Values::I8(v) => count!(I8, i8, v),
                 Values::U8(v) => count!(U8, u8, v),
                 Values::I16(v) => count!(I16, i16, v),
@@ -154,7 +150,7 @@ impl Histogram {
             strips.extend(others_strips);
             (counts, pairs.with(more), first.or(other), strips)
         };
-        let (counts, pairs, first, strips) = each_slice(store, progress, none, take, join)?;
+        let (counts, pairs, first, strips) = each_block(store, Some(axis), progress, none, take, join)?;
         Ok(first.map(|first| Self {
             counts,
             first,
@@ -247,26 +243,27 @@ impl<'s> Passes<'s> {
     /// # Errors
     /// [`ReadError`] if a file cannot be read or a value is not finite.
     pub fn new(store: &'s Store, axis: usize, progress: Progress<'s>) -> Result<Self, ReadError> {
-        let [nx, ny, _] = store.dims();
+        let strip_len = strips::cut(store).side.iter().product();
         type Looked = ([f64; 2], bool, Measured);
         let none = || ([f64::INFINITY, f64::NEG_INFINITY], true, Vec::new());
-        let take = |(mut range, is_whole, mut strips): Looked, z: usize, slice: Values| {
-            if let Some((index, value)) = slice.first_not_finite() {
-                let voxel = [index % nx, index / nx % ny, z];
+        let take = |(mut range, is_whole, mut strips): Looked, block: Block| {
+            if let Some((index, value)) = block.values.first_not_finite() {
+                let ([nx, ny, _], [x, y, z]) = (block.region.dims, block.region.first);
+                let voxel = [x + index % nx, y + index / nx % ny, z + index / nx / ny];
                 return Err(ReadError::new(store.path(), ShapeError::NotFinite { voxel, value }));
             }
-            let measured = strips::measured(&slice, nx);
+            let measured = strips::measured(&block.values, strip_len);
             for [low, high] in &measured {
                 range = [range[0].min(*low), range[1].max(*high)];
             }
-            strips.push((z, measured));
-            Ok((range, is_whole && slice.are_whole(), strips))
+            strips.push((block.number, measured));
+            Ok((range, is_whole && block.values.are_whole(), strips))
         };
         let join = |(a, whole, mut strips): Looked, (b, other, others): Looked| {
             strips.extend(others);
             ([a[0].min(b[0]), a[1].max(b[1])], whole && other, strips)
         };
-        let (range, is_whole, strips) = each_slice(store, progress, none, take, join)?;
+        let (range, is_whole, strips) = each_block(store, None, progress, none, take, join)?;
         Ok(Self {
             store,
             axis,
@@ -293,15 +290,16 @@ impl<'s> Passes<'s> {
     /// A pass; nothing of one that fails.
     fn pass<T: Send>(
         &self,
+        axis: Option<usize>,
         none: impl Fn() -> T + Sync,
-        take: impl Fn(T, usize, Values) -> Result<T, ReadError> + Sync,
+        take: impl Fn(T, Block) -> Result<T, ReadError> + Sync,
         join: impl Fn(T, T) -> T + Sync,
     ) -> T {
         let mut failed = self.failed.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if failed.is_some() {
             return none();
         }
-        match each_slice(self.store, self.progress, &none, take, join) {
+        match each_block(self.store, axis, self.progress, &none, take, join) {
             Ok(taken) => taken,
             Err(error) => {
                 *failed = Some(error);
@@ -328,8 +326,8 @@ impl Census for Passes<'_> {
         let (mut prefixes, mut ranks) = ([0_u64; 2], ranks.map(|rank| rank.min(self.count().saturating_sub(1))));
         for shift in [48, 32, 16, 0] {
             let none = || [(); 2].map(|()| vec![0_u64; NARROW]);
-            let take = |mut counts: [Vec<u64>; 2], _, slice: Values| {
-                slice.for_each(|value| {
+            let take = |mut counts: [Vec<u64>; 2], block: Block| {
+                block.values.for_each(|value| {
                     let key = key(value);
                     for (counts, prefix) in counts.iter_mut().zip(prefixes) {
                         if shift == 48 || key >> (shift + 16) == prefix {
@@ -346,7 +344,7 @@ impl Census for Passes<'_> {
                 }
                 a
             };
-            let counts = self.pass(none, take, join);
+            let counts = self.pass(None, none, take, join);
             for ((counts, prefix), rank) in counts.iter().zip(&mut prefixes).zip(&mut ranks) {
                 let bin = counts.iter().position(|&count| {
                     let here = *rank < count;
@@ -361,8 +359,8 @@ impl Census for Passes<'_> {
 
     fn within(&self, [low, high]: [f64; 2]) -> [f64; 2] {
         let none = || [f64::INFINITY, f64::NEG_INFINITY];
-        let take = |mut range: [f64; 2], _, slice: Values| {
-            slice.for_each(|value| {
+        let take = |mut range: [f64; 2], block: Block| {
+            block.values.for_each(|value| {
                 if (low..=high).contains(&value) {
                     range = [range[0].min(value), range[1].max(value)];
                 }
@@ -370,13 +368,13 @@ impl Census for Passes<'_> {
             });
             Ok(range)
         };
-        self.pass(none, take, |a, b| [a[0].min(b[0]), a[1].max(b[1])])
+        self.pass(None, none, take, |a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
     fn counts(&self, most: usize) -> Option<BTreeMap<i64, u64>> {
-        let take = |counts: Option<BTreeMap<i64, u64>>, _, slice: Values| {
+        let take = |counts: Option<BTreeMap<i64, u64>>, block: Block| {
             let Some(mut counts) = counts else { return Ok(None) };
-            slice.for_each(|value| {
+            block.values.for_each(|value| {
                 *counts.entry(value as i64).or_insert(0) += 1;
                 counts.len() <= most
             });
@@ -389,11 +387,10 @@ impl Census for Passes<'_> {
             }
             (a.len() <= most).then_some(a)
         };
-        self.pass(|| Some(BTreeMap::new()), take, join)
+        self.pass(None, || Some(BTreeMap::new()), take, join)
     }
 
     fn is_flat(&self, background: f64) -> bool {
-        let [nx, ny, _] = self.store.dims();
         let doubles = |values: &Values| {
             let mut doubles = Vec::with_capacity(values.len());
             values.for_each(|value| {
@@ -402,17 +399,12 @@ impl Census for Passes<'_> {
             });
             doubles
         };
-        let take = |pairs: Pairs, z: usize, slice: Values| {
-            let before = if self.axis == 2 && z > 0 {
-                let first = [0, 0, z - 1];
-                let dims = [nx, ny, 1];
-                doubles(&self.store.read(Region { first, dims })?)
-            } else {
-                Vec::new()
-            };
-            Ok(pairs.with(Pairs::of(&doubles(&slice), &before, nx, self.axis, Some(background))))
+        let take = |pairs: Pairs, block: Block| {
+            let before = block.before.as_ref().map_or(Vec::new(), doubles);
+            let (values, dims) = (doubles(&block.values), block.region.dims);
+            Ok(pairs.with(Pairs::of(&values, &before, dims, self.axis, Some(background))))
         };
-        let pairs = self.pass(Pairs::default, take, Pairs::with);
+        let pairs = self.pass(Some(self.axis), Pairs::default, take, Pairs::with);
         are_flat(pairs.equal, pairs.all)
     }
 }

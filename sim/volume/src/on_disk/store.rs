@@ -1,17 +1,23 @@
-//! Stored values in their files: where each of them lies, and how a box of them is read.
+//! Stored values in their files, or in the chunks of a store: where each of them lies, and how a box of them is read.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use tempfile::NamedTempFile;
 
+use super::strips::ROWS;
 use crate::axes::Turn;
 use crate::companion;
 use crate::error::{Problem, ReadError};
 use crate::payload::{Encoding, Layout, decode, plain_start, unpack_into};
 use crate::placed::{Place, Placed, looked_at, open_at};
 use crate::values::{Values, side_product};
+use crate::zarr::Chunks;
+
+/// Values of a block of plain values, if a slice has more: several strips.
+const BLOCK: usize = 1 << 20;
 
 /// A file that holds some of the values, plain.
 #[derive(Debug)]
@@ -21,9 +27,25 @@ struct Piece {
     start: u64,
 }
 
-/// The values of a volume, plain, in files that hold as many each.
+/// The values of a volume.
 #[derive(Debug)]
 pub(super) struct Store {
+    layout: Layout,
+    /// The first file or the folder, for messages.
+    path: PathBuf,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Plain(Plain),
+    /// Chunks that are read as wholes, and how many were.
+    Chunks(Box<Chunks>, AtomicU64),
+}
+
+/// Values, plain, in files that hold as many each.
+#[derive(Debug)]
+struct Plain {
     pieces: Vec<Piece>,
     /// Values of a piece.
     per_piece: u64,
@@ -59,6 +81,71 @@ impl Region {
     }
 }
 
+/// A volume cut into blocks, x fastest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Blocks {
+    pub dims: [usize; 3],
+    /// Voxels of a block; those at the far ends have fewer.
+    pub side: [usize; 3],
+}
+
+impl Blocks {
+    /// Blocks along each axis.
+    pub fn counts(&self) -> [usize; 3] {
+        [0, 1, 2].map(|axis| self.dims[axis].div_ceil(self.side[axis].max(1)))
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.counts().iter().product()
+    }
+
+    /// The number of a block.
+    pub fn number(&self, [x, y, z]: [usize; 3]) -> usize {
+        let [nx, ny, _] = self.counts();
+        (z * ny + y) * nx + x
+    }
+
+    /// The place of a block, by its number.
+    pub fn place(&self, number: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.counts();
+        [number % nx, number / nx % ny, number / nx / ny]
+    }
+
+    /// The voxels of a block.
+    pub fn region(&self, place: [usize; 3]) -> Region {
+        let first = [0, 1, 2].map(|axis| place[axis] * self.side[axis]);
+        Region {
+            first,
+            dims: [0, 1, 2].map(|axis| self.side[axis].min(self.dims[axis] - first[axis])),
+        }
+    }
+
+    /// What a box has of each block that it meets.
+    pub fn cut(&self, region: Region) -> Vec<Region> {
+        let ends = |axis: usize| {
+            let (first, side) = (region.first[axis], self.side[axis].max(1));
+            let end = first + region.dims[axis];
+            (first / side..end.div_ceil(side)).map(move |number| {
+                let start = first.max(number * side);
+                (start, end.min((number + 1) * side) - start)
+            })
+        };
+        let mut parts = Vec::new();
+        for (z, depth) in ends(2) {
+            for (y, height) in ends(1) {
+                for (x, width) in ends(0) {
+                    parts.push(Region {
+                        first: [x, y, z],
+                        dims: [width, height, depth],
+                    });
+                }
+            }
+        }
+        parts
+    }
+}
+
 impl Store {
     /// Finds the values that a header tells of, and unpacks them into a scratch file if they are packed. What there is to
     /// say of it is added to the header's notes.
@@ -71,6 +158,13 @@ impl Store {
         side_product(placed.layout.dims).map_err(|error| at_header(error.into()))?;
         let (sources, dims) = match &placed.place {
             Place::File(path, start) => (vec![(path.clone(), *start)], placed.layout.dims),
+            Place::Chunks(chunks) => {
+                return Ok(Self {
+                    layout: placed.layout,
+                    path: chunks.folder().to_owned(),
+                    kind: Kind::Chunks(chunks.clone(), AtomicU64::new(0)),
+                });
+            }
             Place::Files(header, files) => {
                 let path = |name: &String| Ok((companion::data_file(header, name)?, 0));
                 let sources: Result<Vec<_>, ReadError> = files.names.iter().map(path).collect();
@@ -123,10 +217,14 @@ impl Store {
         let layout = placed.layout;
         placed.notes.append(&mut notes);
         Ok(Self {
-            pieces,
-            per_piece,
             layout,
-            _scratch: scratch,
+            path: pieces.first().map_or(PathBuf::new(), |piece| piece.path.clone()),
+            kind: Kind::Plain(Plain {
+                pieces,
+                per_piece,
+                layout,
+                _scratch: scratch,
+            }),
         })
     }
 
@@ -135,21 +233,81 @@ impl Store {
         self.layout.dims.map(|side| side as usize)
     }
 
-    /// Bytes of a value.
-    pub const fn value_len(&self) -> u64 {
-        self.layout.value_type.byte_len()
-    }
-
-    /// The first file, for messages.
+    /// The file or the folder, for messages.
     pub fn path(&self) -> &Path {
-        self.pieces.first().map_or(Path::new(""), |piece| &piece.path)
+        &self.path
     }
 
-    /// The values of a box, of which at most one slice should be asked for at a time: its bytes are held beside.
+    /// The volume in blocks.
+    pub fn blocks(&self) -> Blocks {
+        Blocks {
+            dims: self.dims(),
+            side: self.block(),
+        }
+    }
+
+    /// The sides of a block, of which a thread reads one at a time: rows of a slice of plain values, or a chunk.
+    pub fn block(&self) -> [usize; 3] {
+        match &self.kind {
+            Kind::Plain(_) => {
+                let [nx, ny, _] = self.dims();
+                let strips = (BLOCK / (ROWS * nx.max(1))).max(1);
+                [nx, ny.min(strips * ROWS), 1]
+            }
+            Kind::Chunks(chunks, _) => chunks.side().map(|side| side as usize),
+        }
+    }
+
+    /// Whether a block can be read in pieces, rather than as a whole.
+    pub const fn is_plain(&self) -> bool {
+        matches!(self.kind, Kind::Plain(_))
+    }
+
+    /// Bytes that a thread takes to read a block, and to make codes of it.
+    pub fn reading_bytes(&self) -> u64 {
+        let values = self.block().iter().product::<usize>() as u64;
+        let value_len = self.layout.value_type.byte_len();
+        values * (2 * value_len + 2)
+            + match &self.kind {
+                Kind::Plain(_) => 0,
+                Kind::Chunks(chunks, _) => chunks.reading_bytes(),
+            }
+    }
+
+    /// Chunks that were read so far, those read again counted again, of how many; `None` of plain values.
+    pub fn chunks_read(&self) -> Option<[u64; 2]> {
+        match &self.kind {
+            Kind::Plain(_) => None,
+            Kind::Chunks(chunks, read) => Some([read.load(Ordering::Relaxed), chunks.counts().iter().product()]),
+        }
+    }
+
+    /// The values of a box, which lies in one block: its bytes are held beside.
     ///
     /// # Errors
-    /// [`ReadError`] if a file cannot be read any more.
+    /// [`ReadError`] if a file cannot be read, or not any more.
     pub fn read(&self, region: Region) -> Result<Values, ReadError> {
+        let bytes = match &self.kind {
+            Kind::Plain(plain) => plain.read(region)?,
+            Kind::Chunks(chunks, read) => {
+                read.fetch_add(1, Ordering::Relaxed);
+                let side = chunks.side();
+                let [first, dims] = [region.first, region.dims].map(|three| three.map(|side| side as u64));
+                let chunk = [0, 1, 2].map(|axis| first[axis] / side[axis]);
+                chunks.read(chunk, [0, 1, 2].map(|axis| first[axis] % side[axis]), dims)?
+            }
+        };
+        let count = region.dims.iter().product::<usize>() as u64;
+        let fail = |problem| ReadError::new(self.path(), problem);
+        let (values, end) = decode(&self.layout, &mut &bytes[..], count, count).map_err(fail)?;
+        end.map_err(Problem::io("read the file")).map_err(fail)?;
+        Ok(values)
+    }
+}
+
+impl Plain {
+    /// The bytes of a box.
+    fn read(&self, region: Region) -> Result<Vec<u8>, ReadError> {
         let [nx, ny, _] = self.layout.dims;
         let [x, y, z] = region.first.map(|first| first as u64);
         let [columns, rows, slices] = region.dims.map(|side| side as u64);
@@ -172,11 +330,7 @@ impl Store {
         for (start, out) in starts.zip(bytes.chunks_mut((run * byte_len) as usize)) {
             self.read_run(start, out, &mut open)?;
         }
-        let (values, end) = decode(&self.layout, &mut &bytes[..], count, count)
-            .map_err(|problem| ReadError::new(self.path(), problem))?;
-        end.map_err(Problem::io("read the file"))
-            .map_err(|problem| ReadError::new(self.path(), problem))?;
-        Ok(values)
+        Ok(bytes)
     }
 
     /// The bytes of values from `start` on; the file that was open last comes along.

@@ -1,9 +1,10 @@
-//! The least and the greatest code of every strip of a file: some rows of a slice, which lie side by side in it.
+//! The least and the greatest code of every strip of a file: some rows of a slice, which lie side by side in it, or a chunk.
 //!
 //! What a transfer function hides need not be read. A sample between voxels of two strips lies between the codes of both, and a
 //! gradient looks beyond a sample's own cell; so a strip is left out only where nothing between the least and the greatest
 //! code of itself and all strips around it can be seen. Whatever stands in its place is then never seen either.
 
+use super::store::{Blocks, Store};
 use crate::mapping::choice::Code;
 use crate::mapping::{Tally, codes};
 use crate::values::Values;
@@ -11,11 +12,19 @@ use crate::values::Values;
 /// Rows of a strip: 64 KiB of 16-bit values in a row of 2048, which a disk reads at once.
 pub(super) const ROWS: usize = 16;
 
-/// Slices before and behind that a sample of a slab, or its gradient, looks at.
+/// Voxels before and behind that a sample of a slab, or its gradient, looks at.
 const REACH: usize = 3;
 
-/// Least and greatest stored value of the strips of a slice.
-pub(super) fn measured(slice: &Values, width: usize) -> Vec<[f64; 2]> {
+/// How a store is cut into strips: chunks are not read in pieces.
+pub(super) fn cut(store: &Store) -> Blocks {
+    let Blocks { dims, side } = store.blocks();
+    let [nx, ny, _] = side;
+    let side = if store.is_plain() { [nx, ROWS.min(ny), 1] } else { side };
+    Blocks { dims, side }
+}
+
+/// Least and greatest stored value of the strips of a block, each of so many values that lie side by side.
+pub(super) fn measured(block: &Values, len: usize) -> Vec<[f64; 2]> {
     fn ranges<T: Copy + PartialOrd + Into<f64>>(values: &[T], len: usize) -> Vec<[f64; 2]> {
         let range = |strip: &[T]| {
             let mut strip = strip.iter().copied();
@@ -32,8 +41,8 @@ pub(super) fn measured(slice: &Values, width: usize) -> Vec<[f64; 2]> {
         };
         values.chunks(len).map(range).collect()
     }
-    let len = (ROWS * width).max(1);
-    match slice {
+    let len = len.max(1);
+    match block {
         Values::I8(v) => ranges(v, len),
         Values::U8(v) => ranges(v, len),
         Values::I16(v) => ranges(v, len),
@@ -48,77 +57,74 @@ pub(super) fn measured(slice: &Values, width: usize) -> Vec<[f64; 2]> {
 /// Least and greatest code of all strips of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Strips {
-    /// Slice after slice.
+    /// By their numbers.
     codes: Vec<[u16; 2]>,
-    /// Strips of a slice.
-    of_slice: usize,
+    cut: Blocks,
 }
 
 /// Which strips are to be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wanted {
     strips: Vec<bool>,
-    of_slice: usize,
 }
 
 impl Strips {
-    /// The codes of slices that were measured, in any order.
-    pub fn coded(mut slices: Vec<(usize, Vec<[f64; 2]>)>, code: &Code) -> Self {
-        slices.sort_by_key(|(z, _)| *z);
-        let of_slice = slices.first().map_or(0, |(_, strips)| strips.len());
+    /// The codes of blocks that were measured, in any order, each of strips that follow one another.
+    pub fn coded(cut: Blocks, mut blocks: Vec<(usize, Vec<[f64; 2]>)>, code: &Code) -> Self {
+        blocks.sort_by_key(|(number, _)| *number);
         let mut unused = Tally::default();
         let mut coded = |range: [f64; 2]| {
             let codes = codes(code, &range, &mut unused);
             [codes[0], codes[1]]
         };
         Self {
-            codes: slices
+            codes: blocks
                 .into_iter()
                 .flat_map(|(_, strips)| strips)
                 .map(&mut coded)
                 .collect(),
-            of_slice,
+            cut,
         }
     }
 
+    /// How the file is cut.
+    pub const fn cut(&self) -> &Blocks {
+        &self.cut
+    }
+
     /// The least code of a strip.
-    pub fn least(&self, slice: usize, strip: usize) -> u16 {
-        let found = self.codes.get(slice * self.of_slice + strip);
-        found.map_or(0, |[low, _]| *low)
+    pub fn least(&self, strip: usize) -> u16 {
+        self.codes.get(strip).map_or(0, |[low, _]| *low)
     }
 
     /// The strips that can be seen, or whose neighbours can; `meets` tells whether anything between two codes is visible.
     pub fn wanted(&self, meets: impl Fn([u16; 2]) -> bool) -> Wanted {
-        let union = |ranges: &[[u16; 2]]| {
-            ranges.iter().fold([u16::MAX, 0], |[low, high], range| {
-                [low.min(range[0]), high.max(range[1])]
-            })
-        };
-        let of_slice = self.of_slice.max(1);
-        let around = |at: usize, reach: usize, end: usize| at.saturating_sub(reach)..(at + reach + 1).min(end);
-        // First with the strips beside, then with the slices before and behind.
-        let wide: Vec<[u16; 2]> = (self.codes.chunks(of_slice))
-            .flat_map(|slice| (0..slice.len()).map(|strip| union(&slice[around(strip, 1, slice.len())])))
-            .collect();
-        let slices = wide.len() / of_slice;
-        let seen = |index: usize| {
-            let (slice, strip) = (index / of_slice, index % of_slice);
-            let column: Vec<[u16; 2]> = around(slice, REACH, slices)
-                .map(|slice| wide[slice * of_slice + strip])
-                .collect();
-            meets(union(&column))
-        };
+        let counts = self.cut.counts();
+        let mut ranges = self.codes.clone();
+        // With the strips beside, along one axis after the other.
+        for axis in 0..3 {
+            let reach = REACH.div_ceil(self.cut.side[axis].max(1));
+            let step: usize = counts[..axis].iter().product();
+            let wider = |strip: usize| {
+                let at = strip / step % counts[axis];
+                let beside = at.saturating_sub(reach)..(at + reach + 1).min(counts[axis]);
+                beside.fold([u16::MAX, 0], |[low, high], other| {
+                    let [least, greatest] = ranges[strip - at * step + other * step];
+                    [low.min(least), high.max(greatest)]
+                })
+            };
+            ranges = (0..ranges.len()).map(wider).collect();
+        }
         Wanted {
-            strips: (0..wide.len()).map(seen).collect(),
-            of_slice,
+            strips: ranges.into_iter().map(meets).collect(),
         }
     }
 }
 
 impl Wanted {
     /// Whether a strip is to be read.
-    pub fn has(&self, slice: usize, strip: usize) -> bool {
-        self.strips.get(slice * self.of_slice + strip).copied().unwrap_or(true)
+    pub fn has(&self, strip: usize) -> bool {
+        self.strips.get(strip).copied().unwrap_or(true)
     }
 }
 
@@ -126,19 +132,27 @@ impl Wanted {
 mod tests {
     use super::*;
 
+    /// Strips of a slice, and chunks thinner and thicker than what a sample looks at.
     #[test]
     fn strips_beside_what_is_seen_are_read_too() {
-        let strips = Strips {
-            codes: (0..11 * 5)
-                .map(|index| if index == 5 * 5 + 2 { [7, 9] } else { [3, 3] })
-                .collect(),
-            of_slice: 5,
-        };
-        let wanted = strips.wanted(|[low, high]| low <= 5 && 5 <= high);
-        for slice in 0..11_usize {
-            for strip in 0..5_usize {
-                let near = slice.abs_diff(5) <= 3 && strip.abs_diff(2) <= 1;
-                assert_eq!(wanted.has(slice, strip), near, "{slice} {strip}");
+        for (side, reach) in [([40, 16, 1], [1, 1, 3]), ([2, 5, 3], [2, 1, 1])] {
+            let cut = Blocks {
+                dims: [40, 80, 11],
+                side,
+            };
+            let counts = cut.counts();
+            let seen = counts.map(|count| count / 2);
+            let strips = Strips {
+                codes: (0..cut.len())
+                    .map(|strip| if strip == cut.number(seen) { [7, 9] } else { [3, 3] })
+                    .collect(),
+                cut,
+            };
+            let wanted = strips.wanted(|[low, high]| low <= 5 && 5 <= high);
+            for strip in 0..cut.len() {
+                let at = cut.place(strip);
+                let near = (0..3).all(|axis| at[axis].abs_diff(seen[axis]) <= reach[axis]);
+                assert_eq!(wanted.has(strip), near, "{at:?}");
             }
         }
     }

@@ -253,7 +253,7 @@ fn what_is_read_whole_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |path: &Path, options: &Options| open(path, Window::Auto, options).unwrap_err().to_string();
     let plain = Options::default();
-    assert!(refused(folder.path(), &plain).ends_with("expected raw, NRRD, MetaImage or NIfTI"));
+    assert!(refused(folder.path(), &plain).ends_with("expected raw, NRRD, MetaImage, NIfTI or Zarr"));
     let text = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 1\nencoding: ascii\n\n3 4\n";
     assert!(refused(&file(&folder, "t.nrrd", &[text.as_bytes()]), &plain).contains("the values are text"));
     let raw = |scale| Options {
@@ -316,5 +316,127 @@ fn hole(dims: [u64; 3]) -> Options {
             directions: None,
         }),
         ..Options::default()
+    }
+}
+
+/// Values as a store of Zarr 2 in plain chunks.
+fn chunked(folder: &Path, dims: [usize; 3], side: [usize; 3], dtype: &str, values: &[Vec<u8>]) {
+    let list = |[x, y, z]: [usize; 3]| format!("[{z},{y},{x}]");
+    let (shape, chunks) = (list(dims), list(side));
+    let metadata = format!(
+        "{{\"zarr_format\":2,\"shape\":{shape},\"chunks\":{chunks},\"dtype\":\"{dtype}\",\"compressor\":null,\"fill_value\":0,\
+         \"order\":\"C\",\"filters\":null}}"
+    );
+    fs::write(folder.join(".zarray"), metadata).unwrap();
+    let cut = store::Blocks { dims, side };
+    for number in 0..cut.len() {
+        let place = cut.place(number);
+        let mut chunk = Vec::new();
+        for (z, y, x) in (0..side[2]).flat_map(|z| (0..side[1]).flat_map(move |y| (0..side[0]).map(move |x| (z, y, x))))
+        {
+            let at = [x, y, z];
+            let [x, y, z] = [0, 1, 2].map(|axis| place[axis] * side[axis] + at[axis]);
+            let inside = x < dims[0] && y < dims[1] && z < dims[2];
+            let value = if inside {
+                &values[(z * dims[1] + y) * dims[0] + x]
+            } else {
+                &values[0]
+            };
+            chunk.extend_from_slice(value);
+        }
+        let [x, y, z] = place;
+        fs::write(folder.join(format!("{z}.{y}.{x}")), chunk).unwrap();
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, rng_seed: RngSeed::Fixed(19), ..ProptestConfig::default() })]
+
+    /// Chunks of any size against the whole: noise, and labels whose runs cross the chunks' faces.
+    #[test]
+    fn chunks_are_the_whole(
+        dims in prop::array::uniform3(1_usize..14), side in prop::array::uniform3(1_usize..9), corner in prop::array::uniform3(0_usize..100),
+        kind in 0_usize..4, run in 1_usize..9, seed in any::<u32>(),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let count = dims.iter().product::<usize>();
+        let mix = |index: usize| (index as u32 ^ seed).wrapping_mul(0x9e37_79b9) >> 7;
+        let label = |index: usize| if mix(index / run) % 3 == 0 { 0 } else { mix(index / run) % 900 };
+        let (dtype, values): (_, Vec<Vec<u8>>) = match kind {
+            0 => ("<u2", (0..count).map(|i| (mix(i) as u16 % 3000).to_le_bytes().to_vec()).collect()),
+            1 => (">i2", (0..count).map(|i| (label(i) as i16).to_be_bytes().to_vec()).collect()),
+            2 => ("<f4", (0..count).map(|i| (mix(i) as f32 / 1000.0).to_le_bytes().to_vec()).collect()),
+            _ => ("<i8", (0..count).map(|i| i64::from(label(i)).to_le_bytes().to_vec()).collect()),
+        };
+        chunked(folder.path(), dims, side, dtype, &values);
+        held(folder.path(), Window::Auto, &Options::default(), corner)?;
+        let (_, on_disk) = open(folder.path(), Window::Auto, &Options::default()).unwrap();
+        let [read, all] = on_disk.chunks_read().unwrap();
+        if kind < 2 {
+            prop_assert_eq!(read, all);
+        }
+        on_disk.read([0; 3], dims, None).unwrap();
+        prop_assert_eq!(on_disk.chunks_read().unwrap()[0], read + all);
+    }
+}
+
+#[test]
+fn stores_of_every_kind_are_read_in_parts() {
+    let folder = crate::zarr::tests::stores("");
+    for entry in fs::read_dir(folder.path()).unwrap().flatten() {
+        for corner in [[0; 3], [3, 1, 2], [8, 5, 4]] {
+            held(&entry.path(), Window::Auto, &Options::default(), corner).unwrap();
+        }
+    }
+}
+
+/// Strips that are read beside strips that are left out, in slices of several.
+#[test]
+fn strips_are_read_where_they_lie() {
+    let folder = tempfile::tempdir().unwrap();
+    let dims = [5, 75, 12];
+    let values: Vec<Vec<u8>> = (0..dims.iter().product::<usize>())
+        .map(|index| {
+            let (y, z) = (index / 5 % 75, index / 375);
+            let code = if z == 6 && y / 16 == 2 {
+                3000
+            } else {
+                10 + (index % 97) as u16
+            };
+            code.to_le_bytes().to_vec()
+        })
+        .collect();
+    let raw = folder.path().join("v_5x75x12_uint16.raw");
+    fs::write(&raw, values.concat()).unwrap();
+    let store = folder.path().join("v.zarr");
+    fs::create_dir(&store).unwrap();
+    chunked(&store, dims, [2, 20, 2], "<u2", &values);
+    for path in [raw, store] {
+        let (loaded, on_disk) = open(&path, Window::Auto, &Options::default()).unwrap();
+        assert_eq!(loaded.volume.dims, dims);
+        let whole = load_with(Some(&path), Window::Auto, &Options::default())
+            .unwrap()
+            .volume;
+        let wanted = on_disk.wanted(|[_, high]| high >= 3000);
+        let cut = *on_disk.strips.cut();
+        for (first, sides) in [([0; 3], dims), ([1, 9, 2], [3, 60, 9]), ([0, 30, 6], [5, 7, 1])] {
+            let (part, read) = on_disk.read(first, sides, Some(&wanted)).unwrap();
+            let (mut expected, mut seen) = (Vec::new(), 0);
+            for (z, y, x) in
+                (0..sides[2]).flat_map(|z| (0..sides[1]).flat_map(move |y| (0..sides[0]).map(move |x| (z, y, x))))
+            {
+                let at = [first[0] + x, first[1] + y, first[2] + z];
+                let strip = cut.number([0, 1, 2].map(|axis| at[axis] / cut.side[axis]));
+                seen += u64::from(wanted.has(strip));
+                expected.push(if wanted.has(strip) {
+                    whole.voxels[(at[2] * dims[1] + at[1]) * dims[0] + at[0]]
+                } else {
+                    on_disk.strips.least(strip)
+                });
+            }
+            assert!(part.voxels == expected, "{}, {first:?}", path.display());
+            assert_eq!(read, seen);
+        }
+        assert!((0..cut.len()).any(|strip| wanted.has(strip)) && !(0..cut.len()).all(|strip| wanted.has(strip)));
     }
 }
