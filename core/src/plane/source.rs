@@ -401,12 +401,10 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
             part_mut(gz, behind),
         );
         let here = self.whole(row);
-        // A row has a place before its first voxel, so there is one to the left of every sample but one that is held.
-        let (right, left) = (
-            places.start + before + 1..places.end + 1,
-            places.start + before - 1..places.end - 1,
-        );
-        let behind = before..gx.len();
+        // A row has a place before its first voxel, so there is one beside every sample but one that is held.
+        let (first, end) = (places.start + before, places.end.min(here.len().saturating_sub(1)));
+        let (right, left) = (first + 1..end + 1, first.saturating_sub(1)..end.saturating_sub(1));
+        let behind = before..before + end.saturating_sub(first);
         difference_row::<V>(part(here, right), part(here, left), part_mut(gx, behind));
         let (below, above) = (self.whole(row + 1), self.whole(row - 1));
         difference_row::<V>(part(below, places.clone()), part(above, places.clone()), gy);
