@@ -184,8 +184,24 @@ fn volumes(place: &Place) -> Vec<(&'static str, &'static str, String)> {
     place.write("j.tiff", tiff());
     place.write("k.raw", &voxels);
     place.write("k_4x3x2_uint8.raw", &voxels);
+    let array = r#"{"zarr_format": 2, "shape": [2, 3, 4], "chunks": [2, 3, 4], "dtype": "|u1", "order": "C",
+        "compressor": null, "filters": null, "fill_value": 0}"#;
+    for folder in ["l.zarr", "m.ome.zarr/0"] {
+        place.write(&format!("{folder}/.zarray"), array);
+        place.write(&format!("{folder}/0.0.0"), &voxels);
+    }
+    let axis = |name: &str| format!(r#"{{"name": "{name}", "type": "space", "unit": "millimeter"}}"#);
+    let axes = ["z", "y", "x"].map(axis).join(", ");
+    let level = r#"{"path": "0", "coordinateTransformations": [{"type": "scale", "scale": [1, 1, 1]}]}"#;
+    place.write("m.ome.zarr/.zgroup", r#"{"zarr_format": 2}"#);
+    place.write(
+        "m.ome.zarr/.zattrs",
+        format!(r#"{{"multiscales": [{{"version": "0.4", "axes": [{axes}], "datasets": [{level}]}}]}}"#),
+    );
     let named = |name: &str| name.to_owned();
     vec![
+        ("Zarr", ".zarr", named("l.zarr")),
+        ("Zarr", ".ome.zarr", named("m.ome.zarr")),
         ("NRRD", ".nrrd", named("a.nrrd")),
         ("NRRD", ".nhdr", named("b.nhdr")),
         ("NIfTI", ".nii", named("c.nii")),

@@ -180,11 +180,14 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_, '_> {
             }
             vectors = canvas.unfinished(&mut self.places, before..vectors);
         }
+        if vectors == 0 {
+            return None;
+        }
         let [front, back] = &mut self.samples;
         self.source.samples_at(&self.places, vectors, [front, back]);
         self.made = vectors;
         self.packed = false;
-        (vectors > 0).then_some(vectors * self.places.lanes)
+        Some(vectors * self.places.lanes)
     }
 
     fn slab(&self) -> Slab<'_> {

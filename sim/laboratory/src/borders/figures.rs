@@ -208,7 +208,7 @@ mod tests {
         for name in ["cells", "nodes"] {
             assert!(of(name).thickness() < 0.01, "{name}: {}", of(name).thickness());
             assert!(of(name).opacity() < 0.1, "{name}: {}", of(name).opacity());
-            assert!(of(name).rays.iter().any(|ray| ray.length > 3.0));
+            assert!(of(name).rays.iter().any(|ray| ray.length > 2.9));
         }
     }
 
