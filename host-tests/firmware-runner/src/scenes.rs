@@ -80,6 +80,8 @@ const DENSE: &str = r##"
 [view]
 azimuth = 20.0
 elevation = 12.0
+[sampling]
+borders = "whole"
 [transfer]
 unit_distance = 1.0
 points = [
@@ -106,6 +108,7 @@ size = [48, 48]
 [sampling]
 planes_per_voxel = 2
 rays_per_voxel = 2
+borders = "whole"
 [transfer]
 unit_distance = 1.0
 points = [
@@ -136,6 +139,8 @@ azimuth = 30.0
 elevation = 10.0
 [image]
 size = [96, 96]
+[sampling]
+borders = "whole"
 [transfer]
 unit_distance = 1.0
 points = [
@@ -162,7 +167,8 @@ pub fn constant_name(name: &str) -> String {
     name.to_uppercase().replace('-', "_")
 }
 
-/// The scenes, in the order in which images render them.
+/// The scenes, in the order in which images render them. Their borders are whole, and programs of theirs link no others; those of
+/// the exported head and of a box are exact.
 ///
 /// # Errors
 /// If the built-in volume or a scene cannot be read.
