@@ -390,7 +390,7 @@ impl Prepared<'_> {
     }
 
     /// How the volume is cut for so many bytes of memory, beside the image and all that the program takes: into runs of slices, or
-    /// of rows of them where less is then read twice, or where no run fits.
+    /// of rows of them where no run of six fits.
     ///
     /// # Errors
     /// [`RenderError::Budget`] if not even some rows of the slices around a plane fit.
@@ -423,18 +423,13 @@ impl Cut {
     /// The cut of slices of `rows` rows, `room` rows of which fit.
     fn of_rows(room: usize, rows: usize) -> Self {
         let whole = room / rows;
-        // What is read of a part that is new: slices and rows but those that the next one has again.
-        let new = |slices: usize, rows: usize| {
-            let twice = slices.saturating_sub(WINDOW - 1) as f64 / slices.max(1) as f64;
-            twice * rows.saturating_sub(2 * BESIDE + 1) as f64 / rows.max(1) as f64
-        };
-        let of_whole = whole.saturating_sub(WINDOW - 1) as f64 / whole.max(1) as f64;
+        // Of six slices three are new, so that no more than twice as much is read; and rows that are whole fold faster.
+        if whole > LEAST {
+            return Self::of_slices(whole);
+        }
         // As many rows for a slice as both have again.
         let slices = ((room as f64 * (WINDOW - 1) as f64 / (2 * BESIDE + 1) as f64).sqrt() as usize).max(LEAST);
         let cut = (room / slices).min(rows);
-        if whole >= LEAST && of_whole >= new(slices, cut) {
-            return Self::of_slices(whole);
-        }
         Self {
             slices,
             cells: [usize::MAX, cut.saturating_sub(2 * BESIDE + 1).max(LEAST_ROWS)],
