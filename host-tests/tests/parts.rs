@@ -130,22 +130,24 @@ fn scene(random: &mut Random) -> Scene {
     scene
 }
 
+/// What random volumes hold.
+const FILLINGS: [Filling; 6] = [
+    Filling::Noise,
+    Filling::Extremes,
+    Filling::Sparse,
+    Filling::Boxes,
+    Filling::Ball,
+    Filling::Ripples,
+];
+
 #[test]
 fn parts_are_the_whole_frame() {
     let folder = tempfile::tempdir().unwrap();
     let mut random = Random::new(1024);
-    let fillings = [
-        Filling::Noise,
-        Filling::Extremes,
-        Filling::Sparse,
-        Filling::Boxes,
-        Filling::Ball,
-        Filling::Ripples,
-    ];
     let mut cut = 0;
     for case in 0..120_u64 {
         let dims = [(); 3].map(|()| 2 + random.below(22) as usize);
-        let mut volume = volume(dims, fillings[random.below(6) as usize], case);
+        let mut volume = volume(dims, FILLINGS[random.below(6) as usize], case);
         volume.spacing = [1.0, 0.7, 1.9];
         // Every third one in chunks, whose store tells no spacing.
         let (loaded, on_disk) = if case % 3 == 2 {
@@ -181,18 +183,10 @@ fn parts_are_the_whole_frame() {
 fn bricks_are_the_whole_frame() {
     let folder = tempfile::tempdir().unwrap();
     let mut random = Random::new(4096);
-    let fillings = [
-        Filling::Noise,
-        Filling::Extremes,
-        Filling::Sparse,
-        Filling::Boxes,
-        Filling::Ball,
-        Filling::Ripples,
-    ];
     let (mut cut_across, mut wrong) = (0, 0);
     for case in 0..210_u64 {
         let dims = [(); 3].map(|()| 2 + random.below(28) as usize);
-        let mut volume = volume(dims, fillings[random.below(6) as usize], case);
+        let mut volume = volume(dims, FILLINGS[random.below(6) as usize], case);
         let (loaded, on_disk) = if case % 2 == 0 {
             volume.spacing = [1.0, 0.7, 1.9];
             on_disk(&volume, &folder)

@@ -358,7 +358,8 @@ fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Sampl
         ]
     });
     let along = about_k(plan, index);
-    if parts.columns == Columns::InRows && axes.iter().take(1).all(Axis::ends_rows) {
+    let [across, _] = &axes;
+    if parts.columns == Columns::InRows && across.ends_rows() {
         let extent = parts.next_rows(&axes, along, [x, y, z]);
         parts.axes = Some(axes);
         return Some(Samples {

@@ -237,7 +237,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         if let Some((key, out)) = self.samples.at_mut::<V>(row, S::LIT) {
             yx_row::<P, V>(p, a, b, in_slice, extent.weights(), out);
             *key = row;
-            if !S::LIT || extent.held == [false; 2] {
+            if !S::LIT || !extent.is_wide() {
                 return;
             }
             let ends = [places.start, places.end - 1].into_iter().zip(faces).zip(extent.held);
@@ -408,7 +408,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         difference_row::<V>(part(here, right), part(here, left), part_mut(gx, behind));
         let (below, above) = (self.whole(row + 1), self.whole(row - 1));
         difference_row::<V>(part(below, places.clone()), part(above, places.clone()), gy);
-        if self.extent.held != [false; 2] {
+        if self.extent.is_wide() {
             let derivatives = [whole_row(this), whole_row(next)];
             self.hold_gradients(row, places, [&mut *gx, &mut *gy, &mut *gz], derivatives);
         }

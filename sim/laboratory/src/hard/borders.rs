@@ -36,6 +36,17 @@ pub(super) fn views(count: usize) -> impl Iterator<Item = View> {
     })
 }
 
+/// A homogeneous cube, of samples and of segments.
+pub(super) fn homogeneous() -> (Volume, [(&'static str, Scene); 2]) {
+    let points = scene(&[(0.0, 0.1)]);
+    let segments = Scene {
+        classification: Classification::Integral,
+        ..points.clone()
+    };
+    let cube = volume([8; 3], [1.0; 3], |_| 1000.0);
+    (cube, [("samples", points), ("segments", segments)])
+}
+
 /// A homogeneous cube from all sides: what is missing from, or too much of, each ray, in steps.
 fn cube(size: Size) -> Result<Case, RenderError> {
     let count = match size {
@@ -49,14 +60,8 @@ fn cube(size: Size) -> Result<Case, RenderError> {
         0.0,
         "what is left is exp(-tau times the ray's length in the box)",
     );
-    let cube = volume([8; 3], [1.0; 3], |_| 1000.0);
-    let points = scene(&[(0.0, 0.1)]);
-    let segments = Scene {
-        classification: Classification::Integral,
-        ..points.clone()
-    };
-    let kinds = [("samples", &points), ("segments", &segments)];
-    for ((kind, scene), (name, borders)) in kinds.into_iter().flat_map(|kind| ALL.map(|borders| (kind, borders))) {
+    let (cube, kinds) = homogeneous();
+    for ((kind, scene), (name, borders)) in kinds.iter().flat_map(|kind| ALL.map(|borders| (kind, borders))) {
         let mut worst: f64 = 0.0;
         for (n, view) in views(count).enumerate() {
             let rate = [1, 2, 3, 5][n % 4];

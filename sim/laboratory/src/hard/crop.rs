@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use slicecast_engine::error::RenderError;
 use slicecast_scene::crop::Crop;
-use slicecast_scene::{Borders, Classification, Scene};
+use slicecast_scene::{Borders, Scene};
 
-use super::borders::views;
+use super::borders::{homogeneous, views};
 use super::scenes::{scene, volume};
 use super::{Case, Size};
 use crate::borders::rays::{rays, seen};
@@ -42,18 +42,9 @@ fn cube(size: Size) -> Result<Case, RenderError> {
         0.0,
         "what is left is exp(-tau times the ray's length in the box)",
     );
-    let cube = volume([8; 3], [1.0; 3], |_| 1000.0);
-    let points = scene(&[(0.0, 0.1)]);
-    let segments = Scene {
-        classification: Classification::Integral,
-        ..points.clone()
-    };
-    let kinds = [("samples", &points), ("segments", &segments)];
+    let (cube, kinds) = homogeneous();
     let borders = [("cells", Borders::Cells), ("nodes", Borders::Nodes)];
-    for ((kind, scene), (name, borders)) in kinds
-        .into_iter()
-        .flat_map(|kind| borders.map(|borders| (kind, borders)))
-    {
+    for ((kind, scene), (name, borders)) in kinds.iter().flat_map(|kind| borders.map(|borders| (kind, borders))) {
         let (mut worst, mut longest) = ([0.0f64; 2], 0.0f64);
         for (n, view) in views(count).enumerate() {
             let rate = [1, 2, 3, 5, 16][n % 5];
@@ -80,7 +71,7 @@ fn cube(size: Size) -> Result<Case, RenderError> {
         let who = format!("wide, {kind}, {name}, rays of up to {longest:.2} voxels");
         case.outcome(format!("{who}, 1 to 5 planes"), few, Some(0.01));
         // Segments have no table of a step's opacities.
-        let allowed = (kind == "segments").then_some(0.01);
+        let allowed = (*kind == "segments").then_some(0.01);
         case.outcome(format!("{who}, 16 planes"), fine, allowed);
     }
     case.note = Some(
