@@ -87,6 +87,13 @@ impl<'a, W> Slab<'a, W> {
         Self { fraction, ..self }
     }
 
+    /// Segments no longer than this fraction.
+    #[inline(always)]
+    pub(crate) fn at_most(self, fraction: u32) -> Self {
+        let fraction = self.fraction.min(fraction);
+        self.of_fraction(fraction)
+    }
+
     /// The same segments with their opacities.
     #[inline(always)]
     pub(crate) const fn of_opacities(self, opacities: &'a [W]) -> Self {

@@ -13,7 +13,8 @@
 //! | [`Blend16`] | s15.16 | -4095 to 8190 beyond a face; -16380 to 20475 beyond an edge, read with weight 0 only | data code | z and y interpolation | x interpolation |
 //! | sample | 12.12, 12.15 | 0 to 4095 | data code | interpolation | classification, gradient |
 //! | gradient | s13.12, s13.15 | -8190 to 8190 | data code over two voxels | gradient | normalisation |
-//! | [`Vector`] | s1.30 | -1 to 1 | | caller | shading |
+//! | [`Vector`] | s1.30 | -1 to 1 | | caller | shading, clip planes |
+//! | [`Distance`] | s33.30 | -2^16 to 2^16 | lengths | caller | clip planes |
 //! | [`Unit`] | s1.15 | -1 to 1 | | normalisation | export |
 //! | [`ReciprocalNorm`] | u32 | 605414 to 2^21 | 2^35 / norm | normalisation | shading |
 //! | [`Opacity`] | 1.31 | 0 to 1 | fraction of light blocked by a step | classification | compositing |
@@ -37,6 +38,8 @@ pub type Direction = FixedI64<U58>;
 pub type Step = FixedI64<U32>;
 /// A sample position, voxels, s15.16. Made by `locate`.
 pub type Position = FixedI32<U16>;
+/// A distance from a clip plane, or a thickness, s33.30, in lengths of the caller's choice.
+pub type Distance = FixedI64<U30>;
 /// An interpolation weight, 0.16: the fraction of a [`Position`].
 pub type Weight = FixedU32<U16>;
 /// A partly interpolated value, s15.16. Lives inside `interpolate`.

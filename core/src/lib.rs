@@ -77,6 +77,7 @@ extern crate std;
 
 pub mod borders;
 pub mod classify;
+pub mod clip;
 pub mod composite;
 pub mod crop;
 pub mod cut;

@@ -12,6 +12,7 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `extent`, `parts` | which pixels have a sample in a plane, or a segment in front of it |
+//! | `clipped` | what clip planes leave of them |
 //! | `source`, `probe` | samples and gradients between the voxels, by rows and by vectors |
 //! | `slabs` | the same of two planes, for segments |
 //! | `kernels` | row kernels of a classifier and a shader |
@@ -21,6 +22,7 @@
 
 mod blocks;
 mod canvas;
+mod clipped;
 mod composite;
 mod depth;
 mod extent;
@@ -45,6 +47,7 @@ pub use self::project::Project;
 pub use self::rgba::Rgba;
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;
+use crate::clip::Clipper;
 use crate::composite::{ChannelFormat, Pixel, Recurrence};
 use crate::lanes::Lanes;
 use crate::locate::{self, Plane, cell};
@@ -179,6 +182,8 @@ pub struct At<'a, X = Code12> {
     /// The blocks that can be seen; `None`: rows are made as a whole. The same bits, if they are all that the pipeline's
     /// [`support`](Pipeline::support) meets; slower where they are many. A tap sees whole rows.
     pub seen: Option<Seen<'a>>,
+    /// What is left by clip planes, if there are any.
+    pub clips: Option<Clipper<'a>>,
     /// What is told which rows of voxels are read; not by a small machine, nor of blocks.
     pub reading: Option<&'a dyn Reading>,
 }

@@ -15,6 +15,7 @@ mod reserved;
 use core::ops::Range;
 
 pub use self::reserved::Reserved;
+use crate::clip::{Clipper, Clips};
 use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::Native;
 use crate::plan::Plan;
@@ -185,6 +186,7 @@ pub struct Stream<'m, L: Pipeline> {
     memory: Memory<'m, L::Element>,
     first: u32,
     rows: u32,
+    clips: Option<Clipper<'m>>,
     pushed: u32,
     folded: u32,
 }
@@ -235,6 +237,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             memory,
             first,
             rows,
+            clips: None,
             pushed: 0,
             folded: 0,
         };
@@ -244,6 +247,15 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             stream.memory.image.get_mut(..needs.image).unwrap_or(&mut []),
         );
         Ok(stream)
+    }
+
+    /// The same frame behind clip planes, made for its plan. To be called before the first slice.
+    #[must_use]
+    pub fn with_clips(self, clips: &'m Clips) -> Self {
+        Self {
+            clips: Some(clips.clipper()),
+            ..self
+        }
     }
 
     /// The number, along k in the whole volume, of the slice that is wanted next; `None` when the frame is complete.
@@ -351,6 +363,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                         plane: plane::<L>(&self.plan, self.plan.phase(number), index),
                         window,
                         seen: None,
+                        clips: self.clips,
                         reading: None,
                     };
                     let rows = Rows {

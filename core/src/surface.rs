@@ -233,6 +233,14 @@ impl Turn {
         self.0
     }
 
+    /// The turn of the same face at another position.
+    #[must_use]
+    pub(crate) fn moved(self, place: impl FnOnce(u32) -> u32) -> Self {
+        let back_face = self.0 < 0;
+        let position = if back_face { !self.0 } else { self.0 };
+        Self::at(place(position as u32), back_face)
+    }
+
     /// A component of the crossing's gradient, of those of the segment's ends.
     #[inline(always)]
     pub fn gradient(self, front: i32, back: i32) -> i32 {

@@ -198,6 +198,7 @@ fn by_planes<P: Precision<Pixel: Weighted>, V: Lanes>(
                     plane: plane(plan, plan.phase(number as u32), index),
                     window: Window::at(near_slice::<Rgba<P>>(plan, index), slice).unwrap(),
                     seen: None,
+                    clips: None,
                     reading: None,
                 };
                 let rows = || (tile_number * tile) as u32;

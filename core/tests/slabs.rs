@@ -244,6 +244,7 @@ fn by_planes<L: Pipeline<Voxel = Code12>, V: Lanes>(
                 plane: plane_of::<L>(plan, Phase::default(), index),
                 window: Window::at(near_slice::<L>(plan, index), slice).unwrap(),
                 seen: blocks.then(|| Seen::new(&every, Grain::of(width as usize))),
+                clips: None,
                 reading: None,
             };
             let rows = Rows {

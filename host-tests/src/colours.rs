@@ -1,6 +1,7 @@
 //! A frame of colour and extinction stated in integers, and its way through the pipeline.
 
 use slicecast::borders::Borders;
+use slicecast::clip::Clip;
 use slicecast::crop::Crop;
 use slicecast::extinction::Medium;
 use slicecast::format::Direction;
@@ -13,7 +14,7 @@ use slicecast_pyramid::volume::{RgbaVolume, Voxels};
 use slicecast_scene::{PrecisionName, Scene, file};
 use slicecast_volume::values::Orientation;
 
-use crate::frame::picture;
+use crate::frame::{clips, picture};
 use crate::random::{Filling, Random, volume};
 
 /// Everything that decides a frame's bits.
@@ -33,6 +34,8 @@ pub struct ColourFrame {
     pub borders: Borders,
     /// The box that the volume is cropped to.
     pub crop: Option<Crop>,
+    /// Clip planes.
+    pub clips: Vec<Clip>,
     /// M and N of the scale of extinctions.
     pub medium: [u32; 2],
     /// Threshold of early termination.
@@ -50,6 +53,7 @@ impl ColourFrame {
             precision: PrecisionName::Compact,
             borders: Borders::Whole,
             crop: None,
+            clips: Vec::new(),
             // 4 · 2^28 / 32767 · 2^15.
             medium: [1_073_774_593, 15],
             early_termination: None,
@@ -93,6 +97,7 @@ impl ColourFrame {
                 picture: picture(&plan),
                 material: None,
                 step_length: 1.0,
+                clips: clips(&plan, &self.clips),
                 plan,
             },
             medium: Medium::new(mantissa, exponent).expect("a scale"),

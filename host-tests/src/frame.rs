@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use slicecast::borders::Borders;
 use slicecast::classify::{colour_of_word, entry};
+use slicecast::clip::{Clip, Clips};
 use slicecast::crop::Crop;
 use slicecast::cut::Cut;
 use slicecast::format::{Direction, Intensity, Step};
@@ -52,6 +53,8 @@ pub struct Frame {
     pub borders: Borders,
     /// The box that the volume is cropped to.
     pub crop: Option<Crop>,
+    /// Clip planes.
+    pub clips: Vec<Clip>,
     /// Table coding; `None` takes the precision's own.
     pub code: Option<AlphaCodeName>,
     /// Table look-up; `None` takes the precision's own.
@@ -103,6 +106,7 @@ impl Frame {
             nearest: false,
             borders: Borders::Whole,
             crop: None,
+            clips: Vec::new(),
             code: None,
             lookup: None,
             early_termination: None,
@@ -140,6 +144,7 @@ impl Frame {
             pieces: 1,
             colours: None,
             crop: None,
+            clips: Vec::new(),
             surfaces: Vec::new(),
         }
     }
@@ -247,6 +252,7 @@ impl Frame {
                 picture: picture(&plan),
                 material: self.material.clone(),
                 step_length: 1.0,
+                clips: clips(&plan, &self.clips),
                 plan,
             },
             table: self.compiled(),
@@ -257,6 +263,11 @@ impl Frame {
         let mut turned = Turned::new(&self.volume, &plan);
         run(&prepared, &turned.slices().expect("12-bit voxels"))
     }
+}
+
+/// Clip planes of a plan; `None` where there are none.
+pub(crate) fn clips(plan: &Plan, clips: &[Clip]) -> Option<Clips> {
+    (!clips.is_empty()).then(|| Clips::new(plan, clips).expect("good clip planes"))
 }
 
 /// A picture of 48 x 40 pixels that turns and shrinks the base plane a little, so that the warp has work to do.

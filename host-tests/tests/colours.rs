@@ -1,6 +1,6 @@
 //! Volumes of colour and extinction: one answer whichever way the slices go, exact answers, and errors against f64.
 
-use super::frames::crop;
+use super::frames::{clips_of, crop};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use slicecast::borders::Borders;
@@ -65,6 +65,7 @@ prop_compose! {
             precision: if wide { PrecisionName::Wide } else { PrecisionName::Compact },
             borders,
             crop,
+            clips: if seed % 3 == 0 { clips_of(seed.rotate_left(9), dims) } else { Vec::new() },
             medium,
             early_termination,
             ..ColourFrame::new(colour_volume(dims, filling, seed, colours))

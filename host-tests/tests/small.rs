@@ -44,6 +44,7 @@ fn folded<L: Pipeline<Voxel = Code12>>(plan: &Plan, slices: &[Slice<'_>], pipeli
                 plane,
                 window,
                 seen: None,
+                clips: None,
                 reading: None,
             };
             let rows = Rows { first: 0, data };

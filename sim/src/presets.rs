@@ -126,6 +126,7 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Sce
         pieces: 1,
         colours: None,
         crop: None,
+        clips: Vec::new(),
         surfaces: Vec::new(),
     };
     scene.check().map_err(|error| SceneError {

@@ -6,12 +6,15 @@
 use core::ops::Range;
 
 use super::canvas::Canvas;
+use super::clipped::Clipped;
 use super::extent::Extent;
 use super::fold::Batches;
+use super::kernels::ClassifierRows;
 use super::scratch::BATCH;
 use super::source::SourceAt;
 use crate::classify::Slab;
 use crate::composite::Colours;
+use crate::rows::part_mut;
 use crate::seen::Seen;
 use crate::tap::Beam;
 
@@ -117,6 +120,9 @@ pub(super) struct Blocks<'s, 'a> {
     made: usize,
     kept: usize,
     packed: bool,
+    clipped: Option<&'s Clipped<'s>>,
+    /// Number of the image's row that rows of places count from.
+    first_row: u32,
 }
 
 impl<'s, 'a> Blocks<'s, 'a> {
@@ -127,6 +133,7 @@ impl<'s, 'a> Blocks<'s, 'a> {
         (first, count): (u32, usize),
         lanes: usize,
         source: &'s dyn SourceAt<i32>,
+        clipped: Option<&'s Clipped<'s>>,
         ([rows, columns], samples, stored): Lists<'s>,
     ) -> Self {
         let met = extent.met(first, count);
@@ -157,6 +164,8 @@ impl<'s, 'a> Blocks<'s, 'a> {
             made: 0,
             kept: 0,
             packed: true,
+            clipped,
+            first_row: first,
         }
     }
 }
@@ -194,6 +203,34 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_, '_> {
         let [front, back] = &self.samples;
         Slab::between(front, back)
     }
+
+    /// Samples only: segments under clip planes go by whole rows.
+    fn clip<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, opacities: &mut [i32]) {
+        let Some(clipped) = self.clipped else { return };
+        let (first, lanes) = (self.places.first, self.places.lanes);
+        let (mut row, mut reach) = (usize::MAX, [0..0, 0..0]);
+        for number in 0..self.made {
+            let (own, column) = self.places.get(number);
+            let image_row = self.first_row + own as u32;
+            if own != row {
+                (row, reach) = (own, clipped.reach(image_row));
+            }
+            let columns = self.places.pixels(column);
+            let opacities = part_mut(&mut *opacities, number * lanes..number * lanes + columns.len());
+            let [left, cut] = &reach;
+            let within = |range: &Range<usize>| range.start <= columns.start && columns.end <= range.end;
+            let meets = |range: &Range<usize>| range.start < columns.end && columns.start < range.end;
+            if !meets(left) {
+                opacities.fill(0);
+            } else if !within(left) || meets(cut) {
+                clipped.weigh(image_row, columns.start - first..columns.end - first, opacities);
+            }
+        }
+    }
+
+    fn clip_colours<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, _: Range<usize>, _: [&mut [i32]; 3]) {}
+
+    fn clip_turns<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, _: Range<usize>, _: &mut [i32]) {}
 
     fn keep(&mut self) {
         let Places { rows, columns, .. } = &self.places;

@@ -115,23 +115,33 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
 }
 
 impl<R: Weighted, V: Lanes> Image<'_, R, FrontToBack, V> {
-    /// Folds the samples of a row: extinction, and red, green and blue times extinction.
+    /// Folds the samples of a span of a row: extinction, and red, green and blue times extinction.
     #[inline(always)]
-    pub(super) fn absorb(&mut self, row: u32, samples: [&[i32]; 4], absorption: Absorption) {
-        V::enter((Absorb, self, row, samples, absorption));
+    pub(super) fn absorb(&mut self, row: u32, span: Range<usize>, samples: [&[i32]; 4], absorption: Absorption) {
+        V::enter((Absorb, self, row, span, samples, absorption));
     }
 }
 
 struct Absorb;
 
-impl<R: Weighted, V: Lanes> Kernel for (Absorb, &mut Image<'_, R, FrontToBack, V>, u32, [&[i32]; 4], Absorption) {
+impl<R: Weighted, V: Lanes> Kernel
+    for (
+        Absorb,
+        &mut Image<'_, R, FrontToBack, V>,
+        u32,
+        Range<usize>,
+        [&[i32]; 4],
+        Absorption,
+    )
+{
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let (_, image, row, samples, absorption) = self;
+        let (_, image, row, span, samples, absorption) = self;
         let (recurrence, dither, floor) = (image.recurrence, image.dither, image.floor);
-        let mut pixels = image.pixels(image.start(row), image.columns.clone());
+        let first = image.columns.start;
+        let mut pixels = image.pixels(image.start(row), first + span.start..first + span.end);
         fold_weighted_row::<R, V>(recurrence, &mut pixels, samples, absorption, dither, floor);
     }
 }

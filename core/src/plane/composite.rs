@@ -4,6 +4,7 @@ use core::marker::PhantomData;
 
 use super::blocks::Blocks;
 use super::canvas::{AllFinished, Canvas, Image};
+use super::clipped::Clipped;
 use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kept::{Kept, KeptRows};
@@ -131,6 +132,7 @@ where
         );
         let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fractions(extent, plan.exact());
         let shader = Kernels::<S, P, V>::of(&self.shader, precision);
+        let clipped = Clipped::of(at, extent, C::SLABS);
         let spacing = plan.spacing();
         // Two constants, before which no code for blocks is compiled.
         if !V::SMALL
@@ -168,12 +170,13 @@ where
                 }
                 _ => &probes,
             };
-            let mut blocks = Blocks::new(seen, extent, (first, count), V::COUNT, probes, (lists, samples, stored));
+            let lists = (lists, samples, stored);
+            let mut blocks = Blocks::new(seen, extent, (first, count), V::COUNT, probes, clipped.as_ref(), lists);
             fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
             return;
         }
         batch.opacities = part_mut(batch.opacities, 0..n);
-        let (support, met) = (self.classifier.support(), extent.met(first, count));
+        let (support, met) = ((self.classifier.support(), clipped.as_ref()), extent.met(first, count));
         let around = (extent, behind);
         if C::SLABS {
             let Some((before, ahead, [front_kept, kept])) = before else {
@@ -281,8 +284,9 @@ where
         let At {
             plan, plane, window, ..
         } = at;
-        // Small machines have no whole volume at hand, and observers see whole rows.
-        let seen = at.seen.filter(|_| !V::SMALL && tap.is_none());
+        // Small machines have no whole volume at hand, and observers see whole rows; segments that are cut lie in rows too.
+        let cut = C::SLABS && at.clips.is_some();
+        let seen = at.seen.filter(|_| !V::SMALL && tap.is_none() && !cut);
         let [mut width, _, _] = plan.dims();
         if seen.is_some() {
             width = width.max(BATCH_WIDTH);

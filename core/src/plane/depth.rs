@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 
+use super::clipped::Clipped;
 use super::extent::around;
 use super::kept::Kept;
 use super::parts::{Columns, Parts, Segments, Way};
@@ -9,6 +10,7 @@ use super::scratch::{self, Scratch, ScratchError};
 use super::source::{Sheared, Source};
 use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::{Slab, Support};
+use crate::clip::Remainder;
 use crate::composite::{Channel, Pixel, Recurrence};
 use crate::cut::crossed;
 use crate::format::Opacity;
@@ -72,6 +74,22 @@ impl<P: Precision, S: AsRef<[Surface]>> Depth<P, S> {
     }
 }
 
+impl<P: Precision, S: AsRef<[Surface]>> Depth<P, S> {
+    /// The first surfaces in what clip planes leave of segments.
+    fn find_left(&self, way: Way, depths: &mut [u32], slab: Slab<'_>, left: Remainder) {
+        if left.weight() == 0 {
+            return;
+        }
+        for (depth, (&front, &back)) in depths.iter_mut().zip(slab.front.iter().zip(slab.back)) {
+            if *depth == NO_DEPTH
+                && let Some(first) = self.first(left.ends([front, back]))
+            {
+                *depth = way.at(left.place(first));
+            }
+        }
+    }
+}
+
 impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
     type Precision = P;
     type Voxel = Code12;
@@ -125,6 +143,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
             let Scratch { source, front, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let mut front = Sheared::<P, V, Unlit>::new(self.precision, ahead, window, spacing, front, front_rows);
             let mut back = Sheared::<P, V, Unlit>::new(self.precision, extent, behind, spacing, source, back_rows);
+            let clipped = Clipped::of(at, extent, true);
             for row in extent.met(rows.first, count) {
                 let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));
                 let range = around(behind, extent.voxel_rows(back_row));
@@ -145,7 +164,13 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
                 front.make(front_row);
                 back.make(back_row);
                 let slab = Slab::between(front.slab(front_row).back, back.slab(back_row).back);
-                V::enter((Find, PhantomData::<V>, self, way, depths, slab));
+                if let Some(clipped) = &clipped {
+                    clipped.each(row, 0..depths.len(), &mut |columns, left| {
+                        self.find_left(way, part_mut(&mut *depths, columns.clone()), slab.span(columns), left);
+                    });
+                } else {
+                    V::enter((Find, PhantomData::<V>, self, way, depths, slab));
+                }
             }
         }
         Ok(())

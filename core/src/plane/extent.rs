@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 
+use crate::borders::Part;
 use crate::format::Weight;
 use crate::locate::Cell;
 use crate::slice::{RowRange, Slice, Window};
@@ -16,10 +17,10 @@ pub(super) struct Extent {
     /// Column of the volume under the first of `columns`.
     pub(super) voxel: usize,
     pub(super) height: i32,
-    /// What of the pixels' segments lies in the volume, 0.16.
-    pub(super) fraction: u32,
-    /// The same of the first and of the last column, where it is less.
-    pub(super) ends: [Option<u32>; 2],
+    /// Which part of the pixels' segments lies in the volume.
+    pub(super) part: Part,
+    /// The same of the first and of the last column, where it is another.
+    pub(super) ends: [Option<Part>; 2],
     /// Whether the samples of the first and of the last column lie beyond the voxels and are held to them.
     pub(super) held: [bool; 2],
 }
@@ -27,7 +28,7 @@ pub(super) struct Extent {
 impl Extent {
     /// Of some pixels whose samples have these cells.
     #[inline(always)]
-    pub(super) fn of([columns, rows]: [Range<u32>; 2], [x, y, z]: [Cell; 3], height: u32, fraction: u32) -> Self {
+    pub(super) fn of([columns, rows]: [Range<u32>; 2], [x, y, z]: [Cell; 3], height: u32, part: Part) -> Self {
         Self {
             x,
             y,
@@ -36,14 +37,14 @@ impl Extent {
             columns: columns.start as usize..columns.end as usize,
             rows,
             height: height as i32,
-            fraction,
+            part,
             ends: [None; 2],
             held: [false; 2],
         }
     }
 
     /// The same with columns at both ends that are cut otherwise, or held, in slices of this width.
-    pub(super) fn with_ends(mut self, ends: [Option<u32>; 2], width: u32) -> Self {
+    pub(super) fn with_ends(mut self, ends: [Option<Part>; 2], width: u32) -> Self {
         let last = width as i32 - 1;
         let behind = self.x.index.wrapping_add(self.columns.end as i32 - 1);
         let [low, high] = ends;

@@ -8,16 +8,20 @@ use core::ops::Range;
 
 use super::Reading;
 use super::canvas::Canvas;
+use super::clipped::Clipped;
 use super::extent::{Extent, around};
 use super::kernels::{ClassifierRows, ShaderRows};
 use super::scratch::BatchRows;
 use super::source::Source;
+use crate::borders::WHOLE;
 use crate::classify::{Slab, Support};
+use crate::clip::Remainder;
 use crate::composite::Colours;
 use crate::locate::Plane;
 use crate::rows::{part, part_mut, three};
 use crate::slice::Window;
 use crate::stage::Stage;
+use crate::surface::Turn;
 use crate::tap::{Beam, Bits, Tap};
 
 /// A way through the samples of a plane, batch by batch.
@@ -32,6 +36,24 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
     fn keep(&mut self);
     /// Begins another part of a batch that was kept.
     fn again(&mut self);
+    /// Leaves of the opacities of a part what clip planes leave of the segments.
+    fn clip<C: ClassifierRows<W> + ?Sized>(&self, classifier: &C, part: u32, opacities: &mut [W]);
+    /// Makes the colours of visible segments those of what is left of them.
+    fn clip_colours<C: ClassifierRows<W> + ?Sized>(
+        &self,
+        classifier: &C,
+        part: u32,
+        visible: Range<usize>,
+        colours: [&mut [W]; 3],
+    );
+    /// Makes the turns of visible crossings those of what is left of their segments.
+    fn clip_turns<C: ClassifierRows<W> + ?Sized>(
+        &self,
+        classifier: &C,
+        part: u32,
+        visible: Range<usize>,
+        turns: &mut [W],
+    );
     /// The next visible samples of the batch, side by side.
     fn visible(&mut self, canvas: &mut X, opacities: &mut [W]) -> Option<Range<usize>>;
     /// Their gradients, spaced; with their turns, those of crossings.
@@ -85,6 +107,7 @@ pub(super) fn fold<B, C, S, X>(
                 canvas.begin_part(part);
             }
             classifier.opacity_row(batches.slab().span(0..len).of_part(part), opacities);
+            batches.clip(classifier, part, opacities);
             if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0, part)) {
                 tap.row(Stage::Opacity, at, &[&&*opacities]);
             }
@@ -110,7 +133,8 @@ pub(super) fn fold<B, C, S, X>(
                     if B::WHOLE_ROWS && tap.is_none() {
                         slab = slab.of_opacities(opacities);
                     }
-                    classifier.colour_row(slab.span(visible.clone()).of_part(part), [r, g, b]);
+                    classifier.colour_row(slab.span(visible.clone()).of_part(part), [&mut *r, &mut *g, &mut *b]);
+                    batches.clip_colours(classifier, part, visible.clone(), [r, g, b]);
                 }
                 if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
                     see(*tap, Stage::Colour, at, &colours.rows);
@@ -121,6 +145,7 @@ pub(super) fn fold<B, C, S, X>(
                     let gradients = [&mut *gx, &mut *gy, &mut *gz];
                     if part & 1 == 1 {
                         classifier.turn_row(batches.slab().span(visible.clone()).of_part(part), &mut *r);
+                        batches.clip_turns(classifier, part, visible.clone(), &mut *r);
                         batches.gradients(visible.clone(), opacities, Some(&*r), gradients);
                     } else {
                         batches.gradients(visible.clone(), opacities, None, gradients);
@@ -165,6 +190,7 @@ pub(super) struct WholeRows<'s, 'w, S: ?Sized> {
     /// The plane in front, where segments are classified.
     front: Option<(&'s Extent, &'s Window<'w>)>,
     support: Support,
+    clipped: Option<&'s Clipped<'s>>,
     source: &'s mut S,
     rows: Range<u32>,
     reading: Option<&'s dyn Reading>,
@@ -179,7 +205,7 @@ impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
         plane: &'s Plane,
         (extent, window): (&'s Extent, &'s Window<'w>),
         front: Option<(&'s Extent, &'s Window<'w>)>,
-        support: Support,
+        (support, clipped): (Support, Option<&'s Clipped<'s>>),
         source: &'s mut S,
         rows: Range<u32>,
         reading: Option<&'s dyn Reading>,
@@ -190,6 +216,7 @@ impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
             window,
             front,
             support,
+            clipped,
             source,
             rows,
             reading,
@@ -204,6 +231,45 @@ impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
     }
 }
 
+/// The ends of what is left of a segment.
+fn rest(slab: Slab<'_>, columns: &Range<usize>, left: Remainder) -> [i32; 2] {
+    let Slab { front, back, .. } = slab.span(columns.clone());
+    match (front.first(), back.first()) {
+        (Some(front), Some(back)) => left.ends([*front, *back]),
+        _ => [0; 2],
+    }
+}
+
+/// A segment alone.
+fn one([front, back]: &[i32; 2]) -> Slab<'_> {
+    Slab::between(core::slice::from_ref(front), core::slice::from_ref(back))
+}
+
+impl<S: Source<i32> + ?Sized> WholeRows<'_, '_, S> {
+    /// Goes through those segments of a span that are cut: their places in it, what is left of them, its ends, and its share of
+    /// a step.
+    #[inline(always)]
+    fn each_rest(&self, span: Range<usize>, see: &mut dyn FnMut(usize, Remainder, [i32; 2], u32)) {
+        let (Some(clipped), slab) = (self.clipped, self.source.slab(self.voxel_row())) else {
+            return;
+        };
+        if slab.front.is_empty() {
+            return;
+        }
+        let first = span.start;
+        clipped.each(self.row, span, &mut |columns, left| {
+            if left != Remainder::WHOLE && left.weight() > 0 {
+                see(
+                    columns.start - first,
+                    left,
+                    rest(slab, &columns, left),
+                    clipped.fraction(left),
+                );
+            }
+        });
+    }
+}
+
 impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for WholeRows<'_, '_, S> {
     const WHOLE_ROWS: bool = true;
 
@@ -211,7 +277,7 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     fn next(&mut self, canvas: &mut X) -> Option<usize> {
         loop {
             self.row = self.rows.next()?;
-            if canvas.finished(self.row) {
+            if canvas.finished(self.row) || self.clipped.is_some_and(|clipped| clipped.is_empty(self.row)) {
                 continue;
             }
             let voxel_row = self.voxel_row();
@@ -234,6 +300,66 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     #[inline(always)]
     fn slab(&self) -> Slab<'_> {
         self.source.slab(self.voxel_row())
+    }
+
+    #[inline(always)]
+    fn clip<C: ClassifierRows<i32> + ?Sized>(&self, classifier: &C, part: u32, opacities: &mut [i32]) {
+        let (Some(clipped), all) = (self.clipped, 0..opacities.len()) else {
+            return;
+        };
+        let slab = self.source.slab(self.voxel_row());
+        if slab.front.is_empty() {
+            clipped.weigh(self.row, all, opacities);
+            return;
+        }
+        clipped.each(self.row, all, &mut |columns, left| {
+            let opacities = part_mut(&mut *opacities, columns.clone());
+            if left.weight() == 0 {
+                opacities.fill(0);
+            } else if left != Remainder::WHOLE {
+                let ends = rest(slab, &columns, left);
+                classifier.opacity_row(
+                    one(&ends).of_part(part).of_fraction(clipped.fraction(left)),
+                    &mut *opacities,
+                );
+                // The opacity of a surface has no length.
+                if part & 1 == 1 && left.fade < WHOLE {
+                    clipped.fade(opacities, left.fade);
+                }
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn clip_colours<C: ClassifierRows<i32> + ?Sized>(
+        &self,
+        classifier: &C,
+        part: u32,
+        visible: Range<usize>,
+        [red, green, blue]: [&mut [i32]; 3],
+    ) {
+        self.each_rest(visible, &mut |at, _, ends, fraction| {
+            let colours = [&mut *red, &mut *green, &mut *blue];
+            let colours = colours.map(|row| part_mut(row, at..at + 1));
+            classifier.colour_row(one(&ends).of_part(part).of_fraction(fraction), colours);
+        });
+    }
+
+    #[inline(always)]
+    fn clip_turns<C: ClassifierRows<i32> + ?Sized>(
+        &self,
+        classifier: &C,
+        part: u32,
+        visible: Range<usize>,
+        turns: &mut [i32],
+    ) {
+        self.each_rest(visible, &mut |at, left, ends, _| {
+            let turns = part_mut(&mut *turns, at..at + 1);
+            classifier.turn_row(one(&ends).of_part(part), &mut *turns);
+            for turn in turns {
+                *turn = left.turn(Turn::from_bits(*turn)).to_bits();
+            }
+        });
     }
 
     #[inline(always)]

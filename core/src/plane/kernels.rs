@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use super::extent::Extent;
 use super::parts::Exact;
-use crate::borders::{WHOLE, fraction_row};
+use crate::borders::{Part, WHOLE, fraction_row};
 use crate::classify::{Classifier, Slab};
 use crate::composite::Colours;
 use crate::lanes::{Kernel, Lanes};
@@ -62,8 +62,8 @@ impl<'a, T, P, V> Kernels<'a, T, P, V> {
     /// For the fractions of an extent.
     pub(super) fn of_fractions(self, extent: &Extent, exact: Option<&'static Exact>) -> Self {
         let fractions = Fractions {
-            row: extent.fraction,
-            ends: extent.ends,
+            row: extent.part.length(),
+            ends: extent.ends.map(|end| end.map(Part::length)),
             exact,
         };
         Self(self.0, self.1, fractions, PhantomData)
@@ -80,7 +80,7 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
     #[inline(always)]
     fn opacity_row(&self, slab: Slab<'_>, out: &mut [i32]) {
         let Fractions { row, ends, exact } = self.2;
-        V::enter((OpacityRow, self, slab.of_fraction(row), &mut *out));
+        V::enter((OpacityRow, self, slab.at_most(row), &mut *out));
         // Segments are shorter themselves.
         let Some(exact) = exact.filter(|_| !C::SLABS) else {
             return;
@@ -114,7 +114,7 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
 
     #[inline(always)]
     fn colour_row(&self, slab: Slab<'_>, out: [&mut [i32]; 3]) {
-        V::enter((ColourRow, self, slab.of_fraction(self.2.row), out));
+        V::enter((ColourRow, self, slab.at_most(self.2.row), out));
     }
 
     #[inline(always)]

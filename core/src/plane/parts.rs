@@ -9,7 +9,7 @@ use core::ops::Range;
 
 use super::extent::Extent;
 use super::slabs::window_behind;
-use crate::borders::{Borders, Part, Side, WHOLE, about_k, along_k, fraction_row};
+use crate::borders::{Borders, Part, Side, about_k, along_k, fraction_row};
 use crate::format::{Position, Weight};
 use crate::lanes::Small;
 use crate::locate::{Cell, Plane, cell, cut, end_plane, inside};
@@ -222,7 +222,7 @@ impl<'a> Parts<'a> {
         let Plane { x, y, z, .. } = *self.plane;
         let pixels = self.whole([[x; 2], [y; 2]])?;
         Some(Samples {
-            extent: Extent::of(pixels, [x, y, z].map(cell), self.height(), WHOLE),
+            extent: Extent::of(pixels, [x, y, z].map(cell), self.height(), Part::WHOLE),
             window: *window,
             whole_rows: true,
         })
@@ -240,7 +240,12 @@ impl<'a> Parts<'a> {
         let pixels = self.whole([ends.map(|end| end.x), ends.map(|end| end.y)])?;
         let [front, back] = ends.map(|end| {
             Some(Samples {
-                extent: Extent::of(pixels.clone(), [end.x, end.y, end.z].map(cell), self.height(), WHOLE),
+                extent: Extent::of(
+                    pixels.clone(),
+                    [end.x, end.y, end.z].map(cell),
+                    self.height(),
+                    Part::WHOLE,
+                ),
                 window: window_behind(window, cell(end.z).index != cell(front.z).index, lit)?,
                 whole_rows: true,
             })
@@ -300,8 +305,8 @@ impl Parts<'_> {
             }
             let (touched, inner) = (&columns.touched, &columns.inner);
             let end = |pixel: u32, inside: bool| {
-                let fraction = columns.side.part(pixel).and(part).length();
-                (!inside && fraction > 0).then_some(fraction)
+                let end = columns.side.part(pixel).and(part);
+                (!inside && end.length() > 0).then_some(end)
             };
             let ends = [
                 end(touched.start, touched.start == inner.start),
@@ -310,7 +315,7 @@ impl Parts<'_> {
             let [low, high] = ends.map(|end| u32::from(end.is_some()));
             let pixels = [inner.start - low..inner.end + high, row.pixels.clone()];
             let cells = [cell(x), rows.cell(&row, y), cell(z)];
-            let extent = Extent::of(pixels, cells, rows.voxels, part.length());
+            let extent = Extent::of(pixels, cells, rows.voxels, part);
             return Some(extent.with_ends(ends, columns.voxels));
         }
     }
@@ -327,7 +332,7 @@ fn between(samples: [Position; 2], voxels: u32, pixels: u32) -> Range<u32> {
 fn extent([columns, rows]: &[Axis; 2], [column, row]: &[Band; 2], part: Part, [x, y, z]: [Position; 3]) -> Extent {
     let cells = [columns.cell(column, x), rows.cell(row, y), cell(z)];
     let pixels = [column.pixels.clone(), row.pixels.clone()];
-    Extent::of(pixels, cells, rows.voxels, part.length())
+    Extent::of(pixels, cells, rows.voxels, part)
 }
 
 /// Gives the samples of a column windows that hold what gradients look at, and so cost no whole rows.
@@ -534,7 +539,7 @@ mod tests {
             }
             let ends = at_end.into_iter().zip(extent.ends);
             let fraction = ends.filter_map(|(at_end, end)| end.filter(|_| at_end)).next();
-            let fraction = fraction.unwrap_or(extent.fraction);
+            let fraction = fraction.unwrap_or(extent.part).length();
             let cells = [extent.y.index + row as i32, extent.z.index, wx, wy, wz];
             let voxel = whole_rows.then_some(voxel as usize);
             prop_assert_eq!(found.insert([column as u32, row], (fraction, cells, voxel)), None);

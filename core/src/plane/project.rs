@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 
+use super::clipped::Clipped;
 use super::kept::{Kept, KeptRows};
 use super::parts::{Columns, Parts, Samples};
 use super::scratch::{self, Scratch, ScratchError};
@@ -12,7 +13,7 @@ use crate::composite::Pixel;
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::project::{Extreme, keep_row, resolve};
-use crate::rows::part_mut;
+use crate::rows::{part, part_mut};
 use crate::shade::Unlit;
 use crate::slice::Code12;
 use crate::stage::Stage;
@@ -85,7 +86,11 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
                 source,
                 KeptRows::default(),
             );
+            let clipped = Clipped::of(at, &extent, false);
             for row in extent.met(rows.first, count) {
+                if clipped.as_ref().is_some_and(|clipped| clipped.is_empty(row)) {
+                    continue;
+                }
                 let voxel_row = extent.voxel_row(row);
                 source.make(voxel_row);
                 let samples = source.slab(voxel_row).back;
@@ -100,7 +105,16 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
                 }
                 let start = (row - rows.first) as usize * base_width;
                 let columns = start + extent.columns.start..start + extent.columns.end;
-                V::enter((Keep, PhantomData::<(X, V)>, part_mut(&mut *rows.data, columns), samples));
+                let kept = part_mut(&mut *rows.data, columns);
+                if let Some(clipped) = &clipped {
+                    clipped.each(row, 0..samples.len(), &mut |columns, left| {
+                        if left.weight() > 0 {
+                            keep_row::<X, i32>(part_mut(&mut *kept, columns.clone()), part(samples, columns));
+                        }
+                    });
+                } else {
+                    V::enter((Keep, PhantomData::<(X, V)>, kept, samples));
+                }
             }
         }
         Ok(())

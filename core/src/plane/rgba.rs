@@ -3,6 +3,7 @@
 use core::marker::PhantomData;
 
 use super::canvas::{AllFinished, Canvas as _, Image};
+use super::clipped::Clipped;
 use super::extent::around;
 use super::kept::{Kept, KeptRows};
 use super::parts::{Columns, Parts, Samples};
@@ -101,7 +102,9 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         if extent.columns.is_empty() {
             return;
         }
-        let absorption = self.medium.absorption(precision.formats().sample_bits, extent.fraction);
+        let bits = precision.formats().sample_bits;
+        let absorption = self.medium.absorption(bits, extent.part.length());
+        let clipped = Clipped::of(at, extent, false);
         let mut image = Image::<P::Pixel, FrontToBack, V>::new(
             (rows.first, &mut *rows.data),
             base_width,
@@ -116,7 +119,10 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         });
         for row in extent.met(rows.first, count) {
             let voxel_row = extent.voxel_row(row);
-            if around(wt, extent.voxel_rows(voxel_row)).high == 0 || image.finished(row) {
+            if around(wt, extent.voxel_rows(voxel_row)).high == 0
+                || image.finished(row)
+                || clipped.as_ref().is_some_and(|clipped| clipped.is_empty(row))
+            {
                 continue;
             }
             if let Some(reading) = reading {
@@ -137,7 +143,17 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
                 tap.row(Stage::Interpolation, beam, &[t, r, g, b]);
                 image.look(row, 0..t.len(), &mut |rows| tap.row(Stage::Before, beam, rows));
             }
-            image.absorb(row, samples, absorption);
+            if let Some(clipped) = &clipped {
+                clipped.each(row, 0..extent.columns.len(), &mut |columns, left| {
+                    if left.weight() > 0 {
+                        let absorption = self.medium.absorption(bits, clipped.fraction(left));
+                        let samples = samples.map(|run| part(run, columns.clone()));
+                        image.absorb(row, columns, samples, absorption);
+                    }
+                });
+            } else {
+                image.absorb(row, 0..extent.columns.len(), samples, absorption);
+            }
             if let Some(tap) = &mut tap {
                 let all = 0..extent.columns.len();
                 image.look(row, all, &mut |rows| tap.row(Stage::After, beam, rows));

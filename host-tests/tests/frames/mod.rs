@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 use slicecast::borders::Borders;
+use slicecast::clip::Clip;
 use slicecast::crop::Crop;
-use slicecast::format::{Coefficient, Opacity, Position, Vector};
+use slicecast::format::{Coefficient, Distance, Opacity, Position, Vector};
 use slicecast::plan::PlanError;
 use slicecast::shade::{Highlight, Light};
 use slicecast::surface::{Face, Surface, VALUE_MAX};
@@ -190,6 +191,54 @@ fn box_of(seed: u64) -> Crop {
     }
 }
 
+/// Clip planes that meet most volumes of these sides: along the voxels or askew, through voxels or anywhere, half spaces, slabs
+/// thinner than a step, hard and soft, either side.
+pub fn clips_of(seed: u64, dims: [usize; 3]) -> Vec<Clip> {
+    let mut random = Random::new(seed);
+    let mut pick = |low: i64, high: i64| low + i64::from(random.below((high - low + 1) as u32));
+    let one = 1i64 << 30;
+    let count = pick(1, 3);
+    (0..count)
+        .map(|_| {
+            let slope = match pick(0, 3) {
+                0 => {
+                    let axis = pick(0, 2) as usize;
+                    let sign = 2 * pick(0, 1) - 1;
+                    [0, 1, 2].map(|a| if a == axis { sign * one } else { 0 })
+                }
+                1 => [(); 3].map(|()| pick(-2, 2) * one / 4),
+                _ => [(); 3].map(|()| pick(-one, one)),
+            };
+            let slope = if slope == [0; 3] { [0, 0, one] } else { slope };
+            // Through a place in the volume, at a voxel, between two, or anywhere.
+            let place = dims.map(|side| {
+                let side = side as i64;
+                match pick(0, 2) {
+                    0 => pick(0, side) * one,
+                    1 => (2 * pick(0, side) - 1) * one / 2,
+                    _ => pick(-1, side) * one + pick(0, one - 1),
+                }
+            });
+            let distance: i64 = (slope.iter().zip(place))
+                .map(|(slope, place)| (i128::from(*slope) * i128::from(place) >> 30) as i64)
+                .sum();
+            let mut length = || match pick(0, 2) {
+                0 => 0,
+                1 => pick(1, one / 2),
+                _ => pick(one / 2, 8 * one),
+            };
+            let (thickness, falloff) = (length(), length());
+            Clip {
+                slope: slope.map(|slope| Vector::from_bits(slope as i32)),
+                distance: Distance::from_bits(-distance),
+                thickness: (thickness > 0).then(|| Distance::from_bits(thickness)),
+                falloff: Distance::from_bits(falloff),
+                outside: pick(0, 2) == 0,
+            }
+        })
+        .collect()
+}
+
 /// Any of these boxes.
 pub fn crop() -> impl Strategy<Value = Crop> {
     any::<u64>().prop_map(box_of)
@@ -253,6 +302,11 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             borders,
             // Two in five.
             crop: (seed % 5 < 2).then(|| box_of(seed.rotate_left(21))),
+            clips: if seed % 7 < 2 {
+                clips_of(seed.rotate_left(13), dims)
+            } else {
+                Vec::new()
+            },
             code,
             lookup,
             early_termination,

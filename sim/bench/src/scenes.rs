@@ -75,6 +75,7 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         pieces: 1,
         colours: None,
         crop: None,
+        clips: Vec::new(),
         surfaces: Vec::new(),
     }
 }

@@ -48,7 +48,9 @@ pub fn model<'a>(prepared: &Coloured<'a>, positions: ModelPositions) -> Absorbin
     };
     let [nx, ny, _] = volume.dims;
     let voxel = move |[x, y, z]: [usize; 3]| volume.voxels.codes(x + nx * (y + ny * z)).map(|code| volume.tau(code));
-    Absorbing::new(geometry, lattice, positions, voxel).with_nearest(scene.interpolation == Interpolation::Nearest)
+    Absorbing::new(geometry, lattice, positions, voxel)
+        .with_nearest(scene.interpolation == Interpolation::Nearest)
+        .with_clips(&scene.clips)
 }
 
 /// Compares a scene's pipeline with the model.

@@ -16,7 +16,7 @@ use slicecast_engine::camera::{Material, Setup};
 use slicecast_engine::tiles::Tile;
 use slicecast_model::gradient::normalise;
 use slicecast_model::shade::{Lights, ResolvedLight};
-use slicecast_model::{Classified, Model, Part, Pixel, between};
+use slicecast_model::{Classified, Left, Model, Part, Pixel, between};
 use slicecast_scene::{Blend, Borders};
 
 /// What the model knows of a sample of the current plane.
@@ -25,6 +25,8 @@ struct Sample {
     value: f64,
     /// What of its segment lies in the volume.
     fraction: f64,
+    /// What clip planes leave of that.
+    left: Left,
     /// The sample, or the parts of the segment that ends at it.
     parts: Vec<Known>,
 }
@@ -328,14 +330,19 @@ impl<'a> Lockstep<'a> {
                     after: pixel,
                 }
             };
-            let fraction = place.fraction;
-            let parts = self.model.parts(front, value, fraction);
+            let (fraction, left) = (place.fraction, place.left);
+            let parts = self.model.parts(front, value, fraction, left);
             let parts = if self.blend == Blend::BackToFront {
                 parts.iter().rev().map(&mut known).collect()
             } else {
                 parts.iter().map(&mut known).collect()
             };
-            self.samples[index] = Some(Sample { value, fraction, parts });
+            self.samples[index] = Some(Sample {
+                value,
+                fraction,
+                left,
+                parts,
+            });
             self.pixels[index] = pixel;
         }
     }
@@ -414,15 +421,15 @@ impl Tap for Lockstep<'_> {
 impl Lockstep<'_> {
     /// The model's part of the row's own samples, if it has one of that number.
     fn part(&self, offset: usize, number: u32) -> Option<Part> {
-        let fraction = match (&self.samples[self.row + offset], self.model.geometry().borders) {
-            (Some(sample), _) => sample.fraction,
-            (None, Borders::Whole) => 1.0,
+        let (fraction, left) = match (&self.samples[self.row + offset], self.model.geometry().borders) {
+            (Some(sample), _) => (sample.fraction, sample.left),
+            (None, Borders::Whole) => (1.0, Left::WHOLE),
             // The model's ray misses the box.
-            (None, _) => 0.0,
+            (None, _) => (0.0, Left::WHOLE),
         };
         let parts = self
             .model
-            .parts(self.fronts.get(offset).copied(), self.values[offset], fraction);
+            .parts(self.fronts.get(offset).copied(), self.values[offset], fraction, left);
         parts.into_iter().find(|part| part.number == number)
     }
 

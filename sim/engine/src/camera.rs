@@ -3,8 +3,9 @@
 use std::ops::RangeInclusive;
 
 use slicecast::borders;
+use slicecast::clip::{Clip, ClipError, Clips};
 use slicecast::crop::Crop;
-use slicecast::format::{Coefficient, Direction, Intensity, Position, Step, Vector};
+use slicecast::format::{Coefficient, Direction, Distance, Intensity, Position, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
 pub use slicecast::screen::PICTURE_SIDE_MAX;
@@ -12,6 +13,7 @@ use slicecast::shade::{self, Phong, PhongError};
 use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
 
+use crate::tiles::Geometry;
 use slicecast_scene::check::shown;
 use slicecast_scene::{Borders, CameraAxes, Frame, Highlight, Interpolation, Light, Lighting, Scene};
 use slicecast_volume::Volume;
@@ -34,6 +36,9 @@ pub enum CameraError {
         /// The spacing given, in its own unit.
         spacing: [f64; 3],
     },
+    /// Clip planes.
+    #[error("the clip planes: {0}")]
+    Clip(#[from] ClipError),
     /// Lights and material.
     #[error("the lighting: {0}")]
     Lighting(#[from] PhongError),
@@ -118,6 +123,32 @@ pub fn crop(scene: &Scene, spacing: [f64; 3]) -> Option<Crop> {
         high: face(1),
     })
 }
+
+/// The clip planes of a scene on a volume with this spacing; `None` if it has none.
+///
+/// # Errors
+/// [`CameraError::Clip`] for a plane that the pipeline does not take.
+pub fn clips(scene: &Scene, plan: &Plan, spacing: [f64; 3]) -> Result<Option<Clips>, CameraError> {
+    if scene.clips.is_empty() {
+        return Ok(None);
+    }
+    let clip = |clip: &slicecast_scene::clip::Clip| {
+        let plane = clip.in_voxels(spacing);
+        let length = |length: f64| Distance::from_bits((length * LENGTH) as i64);
+        Clip {
+            slope: plane.slope.map(|slope| Vector::from_bits((slope * LENGTH) as i32)),
+            distance: length(plane.distance),
+            thickness: plane.thickness.map(length),
+            falloff: length(plane.falloff),
+            outside: clip.outside,
+        }
+    };
+    let planes: Vec<Clip> = scene.clips.iter().map(clip).collect();
+    Ok(Some(Clips::new(plan, &planes)?))
+}
+
+/// Units of a distance from a clip plane in a length.
+const LENGTH: f64 = 1_073_741_824.0;
 
 /// The length of a ray's step between two sample planes, in the unit of the spacing.
 pub fn step_length(scene: &Scene, plan: &Plan, spacing: [f64; 3]) -> f64 {
@@ -310,12 +341,24 @@ pub fn picture(scene: &Scene, plan: &Plan, dims: [usize; 3], spacing: [f64; 3]) 
 pub struct Setup {
     /// The geometry.
     pub plan: Plan,
+    /// Clip planes, if there are any.
+    pub clips: Option<Clips>,
     /// The picture.
     pub picture: Picture,
     /// Lights; `None` is an unlit scene.
     pub material: Option<Material>,
     /// Length of a ray's step, in the unit of the spacing.
     pub step_length: f64,
+}
+
+impl Setup {
+    /// What a frame is folded with.
+    pub const fn geometry(&self) -> Geometry<'_> {
+        Geometry {
+            plan: &self.plan,
+            clips: self.clips.as_ref(),
+        }
+    }
 }
 
 /// What a view sees of a volume without looking into it.
@@ -351,6 +394,7 @@ pub fn set_up(scene: &Scene, volume: impl Into<Shape>) -> Result<Setup, CameraEr
             None => None,
         },
         step_length: step_length(scene, &plan, spacing),
+        clips: clips(scene, &plan, spacing)?,
         plan,
     })
 }

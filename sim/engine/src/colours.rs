@@ -232,7 +232,7 @@ impl<'a> Coloured<'a> {
         let mut image = new_image(plan, &pipeline)?;
         match layer {
             Layer::Tiles(rows) => fold_tiles(
-                plan,
+                self.setup.geometry(),
                 &pipeline,
                 (slices, None),
                 &mut image,
@@ -240,7 +240,7 @@ impl<'a> Coloured<'a> {
                 self.simd,
                 progress,
             ),
-            Layer::Stream => fold_stream(plan, &pipeline, slices, &mut image, progress, None)?,
+            Layer::Stream => fold_stream(self.setup.geometry(), &pipeline, slices, &mut image, progress, None)?,
         }
         let behind = self.scene.image.background;
         Ok(Frame {

@@ -51,7 +51,7 @@ fn of_precision<P: Precision>(
     let pipeline = Depth::new(precision, surfaces, plan).unwrap_or_else(|error| unreachable!("{error}"));
     let mut image = new_image(plan, &pipeline)?;
     fold_oriented(
-        plan,
+        prepared.setup.geometry(),
         &pipeline,
         volume,
         &mut image,

@@ -44,6 +44,11 @@ pub enum RenderError {
     /// A crop box, where the whole volume is needed: exported vectors know no box.
     #[error("this command knows the whole volume, and the scene has a crop box ([crop]); expected a scene without one")]
     Cropped,
+    /// Clip planes, likewise.
+    #[error(
+        "this command knows the whole volume, and the scene has clip planes ([[clip]]); expected a scene without them"
+    )]
+    Clipped,
     /// A volume of colours, and a scene that asks for what there is not.
     #[error("{0}")]
     Colours(#[from] ColourError),

@@ -98,11 +98,12 @@ impl<'a> Prepared<'a> {
     /// For what knows the whole volume alone.
     ///
     /// # Errors
-    /// [`RenderError::Cropped`] if the scene has a crop box.
+    /// [`RenderError::Cropped`] if the scene has a crop box, [`RenderError::Clipped`] if it has clip planes.
     pub fn check_uncropped(&self) -> Result<(), RenderError> {
         match self.scene.crop {
-            None => Ok(()),
             Some(_) => Err(RenderError::Cropped),
+            None if self.setup.clips.is_some() => Err(RenderError::Clipped),
+            None => Ok(()),
         }
     }
 
@@ -111,10 +112,10 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`RenderError::Camera`] if the setup's material has been changed to one that the pipeline does not take.
     pub fn rendering(&self) -> Result<Box<dyn Framing>, RenderError> {
-        let Setup { material, plan, .. } = &self.setup;
+        let (material, geometry) = (self.setup.material.as_ref(), self.setup.geometry());
         let rendering = match &self.segments {
-            Some(segments) => rendering_of_segments(self.scene, segments, material.as_ref(), *plan),
-            None => rendering(self.scene, &self.table, material.as_ref(), *plan),
+            Some(segments) => rendering_of_segments(self.scene, segments, material, geometry),
+            None => rendering(self.scene, &self.table, material, geometry),
         };
         Ok(rendering.map_err(CameraError::from)?)
     }

@@ -2,7 +2,6 @@
 
 use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
-use slicecast::plan::Plan;
 use slicecast::plane::{Composite, Pictured, Project};
 use slicecast::precision::Precision;
 #[doc(hidden)]
@@ -16,6 +15,7 @@ use crate::expanded::Expanded;
 use crate::rendering::{Framing, Under};
 use crate::segments::Segments;
 use crate::table::{Correction, Table, has_fine_colours};
+use crate::tiles::Geometry;
 #[doc(hidden)]
 pub use slicecast_scene::PrecisionName;
 use slicecast_scene::{AlphaCodeName, Blend, Scene};
@@ -68,9 +68,9 @@ pub fn rendering(
     scene: &Scene,
     table: &Table,
     material: Option<&Material>,
-    plan: Plan,
+    geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, PhongError> {
-    rendering_over(scene.precision, scene, table.expanded(), material, plan)
+    rendering_over(scene.precision, scene, table.expanded(), material, geometry)
 }
 
 /// The rendering of a scene in a precision, over a table.
@@ -82,9 +82,9 @@ pub fn rendering_over(
     scene: &Scene,
     table: Expanded,
     material: Option<&Material>,
-    plan: Plan,
+    geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, PhongError> {
-    with_precision!(precision, precision => of_precision(precision, scene, table, material, plan))
+    with_precision!(precision, precision => of_precision(precision, scene, table, material, geometry))
 }
 
 /// The rendering of a composited scene whose segments are classified.
@@ -95,10 +95,10 @@ pub fn rendering_of_segments(
     scene: &Scene,
     segments: &Segments,
     material: Option<&Material>,
-    plan: Plan,
+    geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, PhongError> {
     let back_to_front = scene.blend == Blend::BackToFront;
-    with_precision!(scene.precision, p => composited(p, scene, segments.clone(), material, plan, back_to_front))
+    with_precision!(scene.precision, p => composited(p, scene, segments.clone(), material, geometry, back_to_front))
 }
 
 fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
@@ -106,13 +106,13 @@ fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     scene: &Scene,
     table: Expanded,
     material: Option<&Material>,
-    plan: Plan,
+    geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, PhongError> {
     Ok(match scene.blend {
-        Blend::FrontToBack => return composited(precision, scene, table, material, plan, false),
-        Blend::BackToFront => return composited(precision, scene, table, material, plan, true),
-        Blend::Maximum => under(plan, Project::<_, _, Maximum>::new(precision, table)),
-        Blend::Minimum => under(plan, Project::<_, _, Minimum>::new(precision, table)),
+        Blend::FrontToBack => return composited(precision, scene, table, material, geometry, false),
+        Blend::BackToFront => return composited(precision, scene, table, material, geometry, true),
+        Blend::Maximum => under(geometry, Project::<_, _, Maximum>::new(precision, table)),
+        Blend::Minimum => under(geometry, Project::<_, _, Minimum>::new(precision, table)),
     })
 }
 
@@ -121,7 +121,7 @@ fn composited<P, C>(
     scene: &Scene,
     classifier: C,
     material: Option<&Material>,
-    plan: Plan,
+    geometry: Geometry<'_>,
     back_to_front: bool,
 ) -> Result<Box<dyn Framing>, PhongError>
 where
@@ -132,28 +132,28 @@ where
         (false, Some(material)) => {
             let phong = material.phong(precision)?;
             let pipeline = Composite::new(precision, classifier, phong);
-            under(plan, early(pipeline, scene.early_termination))
+            under(geometry, early(pipeline, scene.early_termination))
         }
         (false, None) => {
             let pipeline = Composite::new(precision, classifier, Unlit);
-            under(plan, early(pipeline, scene.early_termination))
+            under(geometry, early(pipeline, scene.early_termination))
         }
         (true, Some(material)) => {
             let phong = material.phong(precision)?;
             under(
-                plan,
+                geometry,
                 Composite::<_, _, _, BackToFront>::new(precision, classifier, phong),
             )
         }
         (true, None) => under(
-            plan,
+            geometry,
             Composite::<_, _, _, BackToFront>::new(precision, classifier, Unlit),
         ),
     })
 }
 
-fn under<L: Pictured<Voxel = Code12> + Send + 'static>(plan: Plan, pipeline: L) -> Box<dyn Framing> {
-    Box::new(Under::new(plan, pipeline))
+fn under<L: Pictured<Voxel = Code12> + Send + 'static>(geometry: Geometry<'_>, pipeline: L) -> Box<dyn Framing> {
+    Box::new(Under::new(geometry, pipeline))
 }
 
 /// Ends rays early if a scene asks for it.

@@ -6,11 +6,13 @@
 //! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
 //! finished rays end, as any renderer of rays would have it, and that is what is measured.
 
+mod clips;
 mod grid;
 
 use rayon::prelude::*;
 use slicecast::borders::{Borders, Part, Side, WHOLE, about_k, along_k, fraction_of};
 use slicecast::classify::Classifier;
+use slicecast::clip::{ClipPlane, Clips, Remainder, halves};
 use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
 use slicecast::format::{Opacity, Position, Step, Weight};
 use slicecast::gradient::{coarsen, space};
@@ -109,6 +111,7 @@ pub fn depths(prepared: &Prepared<'_>) -> Result<Option<Vec<u32>>, PhongError> {
 struct Rays<'a, P: Precision> {
     precision: P,
     plan: &'a Plan,
+    clips: &'a [ClipPlane],
     grid: Grid<'a>,
     table: AnyTable<'a>,
     segments: Option<&'a Segments>,
@@ -131,12 +134,15 @@ struct Located {
     visit: Visit,
     /// What of the segment lies in the volume, 0.16.
     fraction: u32,
+    /// What clip planes leave of that; `None` is nothing.
+    left: Option<Remainder>,
 }
 
 /// What counts of a segment: its ends, and which part of it that is.
 struct Segment {
     ends: [Cells; 2],
     part: Part,
+    left: Option<Remainder>,
 }
 
 /// A ray of the base plane.
@@ -161,6 +167,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             precision,
             grid: Grid::of(prepared.volume, plan),
             plan,
+            clips: prepared.setup.clips.as_ref().map_or(&[], Clips::planes),
             table: prepared.table.classifier(),
             segments: prepared.segments.as_ref(),
             phong: material.map(|material| material.phong(precision)).transpose()?,
@@ -209,9 +216,10 @@ impl<'a, P: Precision> Rays<'a, P> {
         let depth = |pixel| {
             let ray = &self.ray(pixel);
             let met = |index: u32| {
-                let Segment { ends, part } = self.segment(ray, index)?;
-                let position = pipeline.first(ends.map(|cells| self.sample::<false>(cells)))?;
-                let way = (u64::from(part.length()) * u64::from(position)) >> 16;
+                let Segment { ends, part, left } = self.segment(ray, index)?;
+                let left = left?;
+                let position = pipeline.first(left.ends(ends.map(|cells| self.sample::<false>(cells))))?;
+                let way = (u64::from(part.length()) * u64::from(left.place(position))) >> 16;
                 Some((index << 16) + part.from + way as u32)
             };
             (0..self.plan.ends() - 1).find_map(met).unwrap_or(NO_DEPTH)
@@ -270,30 +278,36 @@ impl<'a, P: Precision> Rays<'a, P> {
             let Segment {
                 ends: [front, cells],
                 part,
+                left,
             } = self.segment(ray, index.checked_sub(1)?)?;
             return Some(Located {
                 cells,
                 front: Some(front),
                 visit,
                 fraction: part.length(),
+                left,
             });
         }
         if self.plan.borders() == Borders::Whole {
             let cells = self.cells(ray, positions)?;
+            let left = self.left(ray, index, false, Part::WHOLE);
             return Some(Located {
                 cells,
                 front: None,
                 visit,
                 fraction: WHOLE,
+                left,
             });
         }
         let part = |axis: usize, pixel| Side::of(self.plan, ray.start[axis], axis, index).part(pixel);
-        let fraction = (part(0, ray.column).and(part(1, ray.row))).fraction(about_k(self.plan, index));
+        let part = part(0, ray.column).and(part(1, ray.row)).and(about_k(self.plan, index));
+        let fraction = part.length();
         (fraction > 0).then(|| Located {
             cells: self.held(ray, positions),
             front: None,
             visit,
             fraction,
+            left: self.left(ray, index, false, part),
         })
     }
 
@@ -306,6 +320,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             return Some(Segment {
                 ends: [front, back],
                 part: Part::WHOLE,
+                left: self.left(ray, index + 1, true, Part::WHOLE),
             });
         }
         let along = |axis: usize, pixel| Side::behind(self.plan, ray.start[axis], axis, index).part(pixel);
@@ -313,7 +328,25 @@ impl<'a, P: Precision> Rays<'a, P> {
             .and(along(1, ray.row))
             .and(along_k(self.plan, index));
         let ends = [part.from, part.to].map(|place| self.held(ray, self.cut(ray, index, place)));
-        (part.length() > 0).then_some(Segment { ends, part })
+        (part.length() > 0).then(|| Segment {
+            ends,
+            part,
+            left: self.left(ray, index + 1, true, part),
+        })
+    }
+
+    /// What clip planes leave of a part of a ray's segment: of that about a plane's sample, or of that which ends at a plane.
+    /// `None` is nothing.
+    #[inline(always)]
+    fn left(&self, ray: &Ray, index: u32, segments: bool, part: Part) -> Option<Remainder> {
+        if self.clips.is_empty() {
+            return Some(Remainder::WHOLE);
+        }
+        let [i, j] = ray.start;
+        let pixel = |pixel: u32| Step::from_bits(i64::from(pixel) << 32);
+        let start = [i + pixel(ray.column), j + pixel(ray.row)];
+        let left = clips::left(self.clips, self.plan, start, halves(self.plan, index, segments), part);
+        (left.weight() > 0).then_some(left)
     }
 
     /// Where the first pixel of a ray's phase lies at a place of the segment behind a plane at which segments end.
@@ -419,7 +452,13 @@ impl<'a, P: Precision> Rays<'a, P> {
                 front,
                 visit: at,
                 fraction,
+                left,
             } = located;
+            if !W::EVERYTHING && left.is_none() {
+                continue;
+            }
+            // What is not left is as it would be, but clear.
+            let (clear, left) = (left.is_none(), left.unwrap_or(Remainder::WHOLE));
             let inner = self.grid.is_inner(cells);
             let sample = if inner {
                 self.sample::<true>(cells)
@@ -429,22 +468,31 @@ impl<'a, P: Precision> Rays<'a, P> {
             let front_sample = front.map(|cells| self.sample::<false>(cells));
             witness.sample(at, sample, front_sample);
             let segment = match (self.segments, front_sample) {
-                (Some(segments), Some(front)) => Some((segments, [front, sample])),
+                (Some(segments), Some(front)) => Some((segments, left.ends([front, sample]))),
                 _ => None,
             };
             let parts = segment.map_or(1, |(segments, ends)| segments.parts_of(p, ends));
             for turn in 0..parts {
                 let part = if BACK_TO_FRONT { parts - 1 - turn } else { turn };
                 let opacity = match segment {
-                    Some((segments, ends)) => segments.part_opacity(p, ends, fraction, part),
-                    None => fraction_of(self.table.opacity(p, sample), fraction),
+                    _ if clear => Opacity::ZERO,
+                    Some((segments, ends)) => {
+                        let opacity = segments.part_opacity(p, ends, share(fraction, left.weight()), part);
+                        // The opacity of a surface has no length.
+                        if part & 1 == 1 {
+                            fraction_of(opacity, left.fade)
+                        } else {
+                            opacity
+                        }
+                    }
+                    None => fraction_of(fraction_of(self.table.opacity(p, sample), fraction), left.weight()),
                 };
                 if !W::EVERYTHING && opacity.to_bits() == 0 {
                     continue;
                 }
                 let before = pixel;
                 let colour = match segment {
-                    Some((segments, ends)) => segments.part_colour(p, ends, fraction, part),
+                    Some((segments, ends)) => segments.part_colour(p, ends, share(fraction, left.weight()), part),
                     None => self.table.colour(p, sample),
                 };
                 let lit = self.phong.as_ref().map(|phong| {
@@ -455,7 +503,7 @@ impl<'a, P: Precision> Rays<'a, P> {
                     };
                     if let (Some(front), Some((segments, ends))) = (front, segment) {
                         let front = self.gradient::<false>(front);
-                        let crossing = (part & 1 == 1).then(|| segments.turn(p, ends, part));
+                        let crossing = (part & 1 == 1).then(|| left.turn(segments.turn(p, ends, part)));
                         gradient = [0, 1, 2].map(|axis| match crossing {
                             None => front[axis] + gradient[axis],
                             Some(turn) => turn.gradient(front[axis], gradient[axis]),
@@ -492,9 +540,14 @@ impl<'a, P: Precision> Rays<'a, P> {
     fn projected<X: Extreme, W: Witness>(&self, ray: &Ray, witness: &mut W) -> Pixel<ChannelOf<P>> {
         let mut kept = X::EMPTY;
         for step in 0..self.plan.planes() {
-            if let Some(Located { cells, visit: at, .. }) = self.locate(ray, step, witness) {
+            if let Some(Located {
+                cells, visit: at, left, ..
+            }) = self.locate(ray, step, witness)
+            {
                 let sample = self.sample::<false>(cells);
-                kept = X::keep(kept, sample);
+                if left.is_some() {
+                    kept = X::keep(kept, sample);
+                }
                 witness.sample(at, sample, None);
             }
         }
@@ -540,6 +593,11 @@ impl<'a, P: Precision> Rays<'a, P> {
         };
         trilinear(self.precision, corners, cells.map(|c| c.weight))
     }
+}
+
+/// The product of two shares, 0.16, to nearest.
+fn share(a: u32, b: u32) -> u32 {
+    ((u64::from(a) * u64::from(b) + 0x8000) >> 16) as u32
 }
 
 /// The voxels that `value` gives around a sample's neighbour.

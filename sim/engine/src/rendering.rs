@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 
 use slicecast::classify::Support;
+use slicecast::clip::Clips;
 use slicecast::plan::Plan;
 use slicecast::plane::{Pictured, Pipeline, near_slice, planes};
 use slicecast::slice::{Code12, Slice};
@@ -23,7 +24,7 @@ use crate::picture::picture;
 use crate::shard::Shard;
 use crate::simd::Simd;
 use crate::stream::fold_stream;
-use crate::tiles::{TILE_ROWS, Tile, Tiling, fold_oriented, fold_tile, fold_tiles, fold_tiles_tapped};
+use crate::tiles::{Geometry, TILE_ROWS, Tile, Tiling, fold_oriented, fold_tile, fold_tiles, fold_tiles_tapped};
 
 /// What is told how many steps of how many are done.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
@@ -86,15 +87,17 @@ pub trait Framing: Rendering {
 /// A rendering of a pipeline's type.
 pub struct Under<L: Pipeline> {
     plan: Plan,
+    clips: Option<Clips>,
     pipeline: L,
     image: Vec<L::Element>,
 }
 
 impl<L: Pipeline> Under<L> {
     /// A pipeline without an image.
-    pub const fn new(plan: Plan, pipeline: L) -> Self {
+    pub fn new(Geometry { plan, clips }: Geometry<'_>, pipeline: L) -> Self {
         Self {
-            plan,
+            plan: *plan,
+            clips: clips.cloned(),
             pipeline,
             image: Vec::new(),
         }
@@ -103,6 +106,14 @@ impl<L: Pipeline> Under<L> {
     /// Elements of a row of the image.
     fn row_len(&self) -> usize {
         L::CHANNELS * self.plan.base()[0] as usize
+    }
+}
+
+/// Not a method: images are changed meanwhile.
+const fn geometry<'a>(plan: &'a Plan, clips: &'a Option<Clips>) -> Geometry<'a> {
+    Geometry {
+        plan,
+        clips: clips.as_ref(),
     }
 }
 
@@ -129,8 +140,8 @@ impl<L: Pipeline<Voxel = Code12> + Send> Rendering for Under<L> {
     }
 
     fn fold(&mut self, volume: &Oriented<'_>, tile_rows: usize, simd: Simd, progress: Progress<'_>) {
-        let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
-        fold_oriented(plan, pipeline, volume, image, tile_rows.into(), simd, progress);
+        let (geometry, pipeline, image) = (geometry(&self.plan, &self.clips), &self.pipeline, &mut self.image);
+        fold_oriented(geometry, pipeline, volume, image, tile_rows.into(), simd, progress);
     }
 
     fn parts(&self, most: usize) -> Vec<Part> {
@@ -157,24 +168,41 @@ impl<L: Pipeline<Voxel = Code12> + Send> Rendering for Under<L> {
         };
         let plan = part.brick.as_ref().map_or(self.plan, |brick| brick.plan(&self.plan));
         let (pipeline, image) = (&self.pipeline, &mut self.image);
-        fold_oriented(&plan, pipeline, volume, image, tiling, simd, progress);
+        fold_oriented(
+            geometry(&plan, &self.clips),
+            pipeline,
+            volume,
+            image,
+            tiling,
+            simd,
+            progress,
+        );
     }
 
     fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>) {
-        let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
-        fold_tiles(plan, pipeline, (slices, None), image, tile_rows.into(), simd, progress);
+        let (geometry, pipeline, image) = (geometry(&self.plan, &self.clips), &self.pipeline, &mut self.image);
+        fold_tiles(
+            geometry,
+            pipeline,
+            (slices, None),
+            image,
+            tile_rows.into(),
+            simd,
+            progress,
+        );
     }
 
     fn fold_tapped(&mut self, slices: &[Slice<'_>], tile_rows: usize, progress: Progress<'_>, lend: LendTap<'_>) {
-        let (plan, pipeline, image) = (&self.plan, &self.pipeline, &mut self.image);
-        fold_tiles_tapped(plan, pipeline, slices, image, tile_rows, progress, lend);
+        let (geometry, pipeline, image) = (geometry(&self.plan, &self.clips), &self.pipeline, &mut self.image);
+        fold_tiles_tapped(geometry, pipeline, slices, image, tile_rows, progress, lend);
     }
 
     fn fold_tile(&mut self, slices: &[Slice<'_>], tile: Tile, tap: &mut dyn Tap) {
         let row_len = self.row_len();
         let first = (tile.phase as usize * self.plan.base()[1] as usize + tile.first as usize) * row_len;
         let data = self.image.get_mut(first..first + tile.rows as usize * row_len);
-        fold_tile(&self.plan, &self.pipeline, slices, tile, data.unwrap_or(&mut []), tap);
+        let geometry = geometry(&self.plan, &self.clips);
+        fold_tile(geometry, &self.pipeline, slices, tile, data.unwrap_or(&mut []), tap);
     }
 
     fn stream(
@@ -183,7 +211,8 @@ impl<L: Pipeline<Voxel = Code12> + Send> Rendering for Under<L> {
         progress: Progress<'_>,
         tap: Option<&mut dyn Tap>,
     ) -> Result<(), StreamError> {
-        fold_stream(&self.plan, &self.pipeline, slices, &mut self.image, progress, tap)
+        let geometry = geometry(&self.plan, &self.clips);
+        fold_stream(geometry, &self.pipeline, slices, &mut self.image, progress, tap)
     }
 
     fn base(&self) -> BaseImage {

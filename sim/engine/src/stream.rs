@@ -1,19 +1,19 @@
 //! Frames through the stream layer, slice by slice, as firmware makes them.
 
-use slicecast::plan::Plan;
 use slicecast::plane::Pipeline;
 use slicecast::slice::{RowRange, Slice, Voxel as _};
 use slicecast::stream::{Memory, Needs, Stream, StreamError};
 use slicecast::tap::Tap;
 
 use crate::oriented::packed;
+use crate::tiles::Geometry;
 
 /// Renders through the stream layer, perhaps under a tap.
 ///
 /// # Errors
 /// [`StreamError`] if a slice is refused.
 pub fn fold_stream<L: Pipeline>(
-    plan: &Plan,
+    Geometry { plan, clips }: Geometry<'_>,
     pipeline: &L,
     slices: &[Slice<'_, L::Voxel>],
     image: &mut [L::Element],
@@ -30,6 +30,9 @@ pub fn fold_stream<L: Pipeline>(
         image,
     };
     let mut stream = Stream::new(*plan, pipeline, memory)?;
+    if let Some(clips) = clips {
+        stream = stream.with_clips(clips);
+    }
     let mut pushed = 0;
     while let Some(wanted) = stream.wanted() {
         // What is held of the volume begins with this slice.

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use slicecast::clip::Clips;
 use slicecast::lanes::Lanes;
 use slicecast::locate::{Plane, cell};
 use slicecast::plan::{Phase, Plan};
@@ -23,6 +24,15 @@ use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
 
 /// Rows of the base plane that one thread takes through all slices at a time.
 pub const TILE_ROWS: usize = 32;
+
+/// The geometry of a frame, and what clip planes leave of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<'a> {
+    /// The plan.
+    pub plan: &'a Plan,
+    /// Clip planes, made for the plan's view and volume.
+    pub clips: Option<&'a Clips>,
+}
 
 /// The tiles that are folded.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +69,7 @@ pub struct Tile {
 /// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or, where the volume's blocks
 /// are known and few of them can be seen, those blocks.
 pub(crate) fn fold_oriented<L: Pipeline<Voxel = Code12>>(
-    plan: &Plan,
+    geometry: Geometry<'_>,
     pipeline: &L,
     volume: &Oriented<'_>,
     image: &mut [L::Element],
@@ -67,15 +77,20 @@ pub(crate) fn fold_oriented<L: Pipeline<Voxel = Code12>>(
     simd: Simd,
     progress: Progress<'_>,
 ) {
-    let sight = volume.sight(Looks::of::<L>(plan), pipeline.support(), L::BACK_TO_FRONT, simd);
+    let sight = volume.sight(
+        Looks::of::<L>(geometry.plan),
+        pipeline.support(),
+        L::BACK_TO_FRONT,
+        simd,
+    );
     let slices = (volume.slices, sight.as_ref());
-    fold_tiles(plan, pipeline, slices, image, tiling, simd, progress);
+    fold_tiles(geometry, pipeline, slices, image, tiling, simd, progress);
 }
 
 /// Folds all planes into an image, tile by tile on rayon's current threads: the blocks of slices that can be seen, or rows as a
 /// whole where none are named.
 pub(crate) fn fold_tiles<L: Pipeline>(
-    plan: &Plan,
+    geometry: Geometry<'_>,
     pipeline: &L,
     (slices, seen): (&[Slice<'_, L::Voxel>], Option<&Sight>),
     image: &mut [L::Element],
@@ -83,6 +98,7 @@ pub(crate) fn fold_tiles<L: Pipeline>(
     simd: Simd,
     progress: Progress<'_>,
 ) {
+    let plan = geometry.plan;
     let mut sizes = Sizes::of::<L>(plan);
     // Blocks are made where they lie.
     if L::SLABS && seen.is_none() {
@@ -91,7 +107,7 @@ pub(crate) fn fold_tiles<L: Pipeline>(
     each_tile(plan, image, sizes, tiling, progress, &|tile, data, memory| {
         let fold = FoldTile::new(
             pipeline,
-            Way::of::<L>(plan, slices, seen, tile, tiling.part),
+            Way::of::<L>(geometry, slices, seen, tile, tiling.part),
             (data, memory),
             None,
         );
@@ -101,7 +117,7 @@ pub(crate) fn fold_tiles<L: Pipeline>(
 
 /// Folds all planes into an image like [`fold_tiles`], by the scalar definitions, each tile under a tap that `lend` lends.
 pub(crate) fn fold_tiles_tapped<L: Pipeline>(
-    plan: &Plan,
+    geometry: Geometry<'_>,
     pipeline: &L,
     slices: &[Slice<'_, L::Voxel>],
     image: &mut [L::Element],
@@ -110,14 +126,14 @@ pub(crate) fn fold_tiles_tapped<L: Pipeline>(
     lend: LendTap<'_>,
 ) {
     each_tile(
-        plan,
+        geometry.plan,
         image,
-        Sizes::of::<L>(plan),
+        Sizes::of::<L>(geometry.plan),
         tile_rows.into(),
         progress,
         &|tile, data, memory| {
             lend(tile, &mut |tap| {
-                enough(fold_scalar(plan, pipeline, slices, tile, data, memory, tap))
+                enough(fold_scalar(geometry, pipeline, slices, tile, data, memory, tap))
             });
         },
     );
@@ -220,19 +236,19 @@ fn each_tile<E: Send>(
 
 /// Folds all planes into the rows of a tile by the scalar definitions, under a tap.
 pub(crate) fn fold_tile<L: Pipeline>(
-    plan: &Plan,
+    geometry: Geometry<'_>,
     pipeline: &L,
     slices: &[Slice<'_, L::Voxel>],
     tile: Tile,
     data: &mut [L::Element],
     tap: &mut dyn Tap,
 ) {
-    let mut memory = Sizes::of::<L>(plan).memory();
-    enough(fold_scalar(plan, pipeline, slices, tile, data, &mut memory, tap));
+    let mut memory = Sizes::of::<L>(geometry.plan).memory();
+    enough(fold_scalar(geometry, pipeline, slices, tile, data, &mut memory, tap));
 }
 
 fn fold_scalar<L: Pipeline>(
-    plan: &Plan,
+    geometry: Geometry<'_>,
     pipeline: &L,
     slices: &[Slice<'_, L::Voxel>],
     tile: Tile,
@@ -242,7 +258,7 @@ fn fold_scalar<L: Pipeline>(
 ) -> Result<(), ScratchError> {
     FoldTile::new(
         pipeline,
-        Way::of::<L>(plan, slices, None, tile, None),
+        Way::of::<L>(geometry, slices, None, tile, None),
         (data, memory),
         Some(tap),
     )
@@ -258,6 +274,7 @@ const FINISHED_EVERY: u32 = 16;
 /// A tile's way through all planes.
 struct Way<'a, 's, X> {
     plan: &'a Plan,
+    clips: Option<&'a Clips>,
     slices: &'a [Slice<'s, X>],
     /// The blocks that can be seen; none: rows are made as a whole.
     seen: Option<&'a Sight>,
@@ -278,7 +295,7 @@ struct Way<'a, 's, X> {
 impl<'a, 's, X: Voxel> Way<'a, 's, X> {
     /// The way of a kind of pipeline.
     fn of<L: Pipeline<Voxel = X>>(
-        plan: &'a Plan,
+        Geometry { plan, clips }: Geometry<'a>,
         slices: &'a [Slice<'s, X>],
         seen: Option<&'a Sight>,
         tile: Tile,
@@ -289,6 +306,7 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
             planes: part.map_or(planes::<L>(plan), |part| part.planes.clone()),
             first_slice: part.map_or(0, |part| part.slices.start as i32),
             plan,
+            clips,
             slices,
             seen,
             tile,
@@ -327,6 +345,7 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
                     plane,
                     window,
                     seen: self.seen.map(|sight| sight.at(place(z).unwrap_or(0))),
+                    clips: self.clips.map(Clips::clipper),
                     reading: fresh.as_ref().map(|ahead| ahead as &dyn Reading),
                 };
                 match self.brick {

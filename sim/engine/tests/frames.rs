@@ -91,6 +91,7 @@ fn framed(precision: PrecisionName, background: [f64; 3], check: impl Fn(&Frame,
         pieces: 1,
         colours: None,
         crop: None,
+        clips: Vec::new(),
         surfaces: Vec::new(),
     };
     let prepared = Prepared::new(&scene, &volume).unwrap();

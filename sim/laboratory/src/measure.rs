@@ -14,7 +14,7 @@ use slicecast_compare::Tiles;
 use slicecast_compare::image::{ImageFigures, base_figures};
 use slicecast_compare::lockstep::Lockstep;
 use slicecast_compare::stages::{StageErrors, StageReport};
-use slicecast_engine::camera::{CameraError, Setup};
+use slicecast_engine::camera::CameraError;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::frame::Prepared;
@@ -112,10 +112,10 @@ impl Runner {
     /// The configuration's rendering of a scene, its image untouched.
     fn begun(&self, prepared: &Prepared<'_>) -> Result<Box<dyn Rendering>, RenderError> {
         let table = (self.table)(prepared, self.lookup);
-        let Setup { material, plan, .. } = &prepared.setup;
+        let (material, geometry) = (prepared.setup.material.as_ref(), prepared.setup.geometry());
         let mut rendering: Box<dyn Rendering> = match self.kind {
             Kind::Named(name) => {
-                let rendering = rendering_over(name, prepared.scene, table, material.as_ref(), *plan);
+                let rendering = rendering_over(name, prepared.scene, table, material, geometry);
                 rendering.map_err(CameraError::from)?
             }
             Kind::Study(study) => under(study, prepared, table)?,
@@ -195,13 +195,19 @@ fn table<A: Coded>(prepared: &Prepared<'_>, lookup: LookupName) -> Expanded {
 
 /// The rendering of a study, of a lit scene or of an unlit one.
 fn under(precision: Study, prepared: &Prepared<'_>, table: Expanded) -> Result<Box<dyn Rendering>, RenderError> {
-    let (plan, bits) = (prepared.setup.plan, prepared.scene.early_termination);
+    let (geometry, bits) = (prepared.setup.geometry(), prepared.scene.early_termination);
     Ok(match &prepared.setup.material {
         Some(material) => {
             let phong = material.phong(precision).map_err(CameraError::from)?;
-            Box::new(Under::new(plan, early(Composite::new(precision, table, phong), bits)))
+            Box::new(Under::new(
+                geometry,
+                early(Composite::new(precision, table, phong), bits),
+            ))
         }
-        None => Box::new(Under::new(plan, early(Composite::new(precision, table, Unlit), bits))),
+        None => Box::new(Under::new(
+            geometry,
+            early(Composite::new(precision, table, Unlit), bits),
+        )),
     })
 }
 

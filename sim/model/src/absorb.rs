@@ -8,6 +8,7 @@
 //! | tau, C tau | per unit of the volume's spacing |
 //! | d | unit of the spacing |
 
+use super::clip::{ClipPlane, left};
 use super::composite::Pixel;
 use super::interpolate::{Cell, trilinear};
 use super::pyramid::Voxel;
@@ -15,6 +16,7 @@ use super::rays::{Geometry, Lattice};
 use super::render::Positions;
 use super::warp::ModelImage;
 use slicecast_scene::Borders;
+use slicecast_scene::clip::Clip;
 
 /// The f64 model of a volume of colour and extinction under a view.
 pub struct Absorbing<'a> {
@@ -25,6 +27,7 @@ pub struct Absorbing<'a> {
     voxel: Box<dyn Fn([usize; 3]) -> Voxel + Send + Sync + 'a>,
     /// Whether samples are moved to the nearest voxel.
     nearest: bool,
+    clips: Vec<ClipPlane>,
 }
 
 impl<'a> Absorbing<'a> {
@@ -42,6 +45,7 @@ impl<'a> Absorbing<'a> {
             positions,
             voxel,
             nearest: false,
+            clips: Vec::new(),
         }
     }
 
@@ -49,6 +53,13 @@ impl<'a> Absorbing<'a> {
     #[must_use]
     pub fn with_nearest(self, nearest: bool) -> Self {
         Self { nearest, ..self }
+    }
+
+    /// The same behind clip planes.
+    #[must_use]
+    pub fn with_clips(self, clips: &[Clip]) -> Self {
+        let clips = clips.iter().map(|clip| ClipPlane::of(clip, &self.geometry)).collect();
+        Self { clips, ..self }
     }
 
     /// The lattice of rays.
@@ -73,13 +84,20 @@ impl<'a> Absorbing<'a> {
         });
         if self.geometry.borders != Borders::Whole {
             let fraction = self.geometry.fraction(exact);
-            return (fraction > 0.0).then(|| (self.geometry.held(at), fraction));
+            let left = self.left(exact);
+            return (fraction > 0.0).then(|| (self.geometry.held(at), fraction * left));
         }
         let inside = match &self.positions {
             Positions::Exact => self.geometry.inside_tolerant(at),
             Positions::Given(_) | Positions::GivenEnds(_) => self.geometry.inside(at),
         };
-        inside.map(|at| (at, 1.0))
+        inside.map(|at| (at, self.left(exact)))
+    }
+
+    /// The share of a sample's segment that clip planes leave, of what lies in the box.
+    fn left(&self, middle: [f64; 3]) -> f64 {
+        let (front, way) = (self.geometry.front(middle), self.geometry.way());
+        left(&self.clips, front, way, self.geometry.part(middle)).weight()
     }
 
     /// Red, green and blue times extinction, and extinction, at a position of the frame.

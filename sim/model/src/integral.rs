@@ -22,6 +22,7 @@
 //! the faces of its crop box; places are held to the voxels. With whole borders the discrete model has planes at the centres, each as thick as a step: half a step on
 //! either side counts as error of the algorithm.
 
+use super::clip::ClipPlane;
 use super::composite::Pixel;
 use super::gradient::normalise;
 use super::interpolate::Cell;
@@ -74,7 +75,7 @@ impl Model<'_> {
         };
         let mut pixel = Pixel::TRANSPARENT;
         let mut inside = None;
-        for [from, to] in cells(start, geometry) {
+        for [from, to] in cells(start, geometry, self.clips()) {
             let mut reached = from;
             for (z, surface) in ray.surfaces(from, to, &mut inside) {
                 pixel = behind(pixel, ray.volume(reached, z, pixel.transparency));
@@ -104,7 +105,7 @@ fn behind(front: Pixel, part: Pixel) -> Pixel {
 }
 
 /// The parts of a ray between the faces of voxel cells, from its entry to its exit, of the box that counts.
-fn cells(start: [f64; 2], geometry: &Geometry) -> Vec<[f64; 2]> {
+fn cells(start: [f64; 2], geometry: &Geometry, clips: &[ClipPlane]) -> Vec<[f64; 2]> {
     let Geometry { shear, dims, faces, .. } = *geometry;
     let mut range = faces[2];
     for axis in 0..2 {
@@ -134,6 +135,16 @@ fn cells(start: [f64; 2], geometry: &Geometry) -> Vec<[f64; 2]> {
             (0..dims[axis]).for_each(|i| within((i as f64 - start[axis]) / shear[axis]));
         }
     }
+    // Where the shares that clip planes leave have corners.
+    let [si, sj] = shear;
+    for plane in clips {
+        let first = plane.distance([start[0], start[1], 0.0]);
+        let along = plane.distance([start[0] + si, start[1] + sj, 1.0]) - first;
+        plane
+            .corners()
+            .into_iter()
+            .for_each(|corner| within((corner - first) / along));
+    }
     cuts.sort_by(f64::total_cmp);
     cuts.windows(2)
         .map(|pair| [pair[0], pair[1]])
@@ -153,12 +164,18 @@ impl Ray<'_> {
         let (classified, piece) = self.model.as_written_on_piece(self.model.value_at(at));
         let length =
             geometry.step_length() * geometry.planes_per_voxel as f64 / self.model.classifier().unit_distance();
-        let tau = -(-classified.opacity.min(OPACITY_MAX)).ln_1p() * length;
+        let tau = -(-classified.opacity.min(OPACITY_MAX)).ln_1p() * length * self.left(z);
         let colour = match self.model.lights() {
             Some(lights) if tau > 0.0 => lights.shade(normalise(self.model.gradient_at(at)), classified.colour),
             _ => classified.colour,
         };
         Point { tau, colour, piece }
+    }
+
+    /// The share of the optical depth at a place that clip planes leave.
+    fn left(&self, z: f64) -> f64 {
+        let at = (self.position)(z);
+        self.model.clips().iter().map(|plane| plane.share(at)).product()
     }
 
     /// The surfaces that are met in a cell, with their places. `inside` keeps on which side of each surface the ray is: a
@@ -195,6 +212,8 @@ impl Ray<'_> {
                 }
                 None => colour,
             };
+            // As a step of this opacity fades.
+            let opacity = 1.0 - (1.0 - opacity).powf(self.left(z));
             let pixel = Pixel {
                 colour: shaded.map(|c| c * opacity),
                 transparency: 1.0 - opacity,
@@ -398,7 +417,7 @@ mod tests {
             let (u, v) = (width / 2, height / 2);
             let geometry = model.geometry();
             let start = [0, 1].map(|a| model.lattice().origin[a] as f64 + [u, v][a] as f64);
-            let parts = cells(start, geometry);
+            let parts = cells(start, geometry, &[]);
             let length: f64 = parts.iter().map(|[a, b]| b - a).sum::<f64>() * geometry.step_length();
             let exact = 0.7_f64.powf(length);
             let pixel = model.integral(u, v);

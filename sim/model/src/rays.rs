@@ -224,11 +224,7 @@ impl Geometry {
     /// What of a ray's segment lies in the box, 0 to 1, from where its middle lies: between the entries into its pairs of
     /// faces and the exits from them; the volume's front and back face cut none. With [`Borders::Whole`] everything is inside.
     pub fn fraction(&self, middle: [f64; 3]) -> f64 {
-        if self.borders == Borders::Whole {
-            return 1.0;
-        }
-        let axes = if self.cropped { 3 } else { 2 };
-        let [from, to] = self.clipped(&middle[..axes], [-0.5, 0.5]);
+        let [from, to] = self.part(middle);
         (to - from).max(0.0)
     }
 
@@ -255,6 +251,28 @@ impl Geometry {
             (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
         }
         [from, to]
+    }
+
+    /// Where the segment about a sample begins, whose middle is given.
+    pub fn front(&self, middle: [f64; 3]) -> [f64; 3] {
+        let way = self.way();
+        [0, 1, 2].map(|axis| middle[axis] - way[axis] / 2.0)
+    }
+
+    /// The way of a ray along a segment, voxels along i, j and k.
+    pub fn way(&self) -> [f64; 3] {
+        let [si, sj] = self.shear;
+        [si, sj, 1.0].map(|way| way / self.planes_per_voxel as f64)
+    }
+
+    /// The part of a ray's segment that lies in the box, 0 to 1, from where its middle lies: what [`Geometry::fraction`]
+    /// measures.
+    pub fn part(&self, middle: [f64; 3]) -> [f64; 2] {
+        if self.borders == Borders::Whole {
+            return [0.0, 1.0];
+        }
+        let axes = if self.cropped { 3 } else { 2 };
+        self.clipped(&middle[..axes], [-0.5, 0.5]).map(|place| place + 0.5)
     }
 
     /// A position held to the voxels.

@@ -1,6 +1,7 @@
 //! One sample, one ray, all rays.
 
 use super::classify::{Classified, Classifier};
+use super::clip::{ClipPlane, Left, left};
 use super::composite::Pixel;
 use super::gradient::{difference_at, normalise, spacing_factors};
 use super::grid::Grid;
@@ -45,6 +46,7 @@ pub struct Model<'a> {
     with_volume: bool,
     /// Pieces of a segment of several colours.
     pieces: u32,
+    clips: Vec<ClipPlane>,
 }
 
 /// What the model classifies, and how.
@@ -75,6 +77,8 @@ pub struct Place {
     pub front: Option<[f64; 3]>,
     /// What of the sample's own segment lies in the volume, 0 to 1.
     pub fraction: f64,
+    /// What clip planes leave of that.
+    pub left: Left,
 }
 
 /// Everything about one sample, stage by stage.
@@ -119,6 +123,7 @@ impl<'a> Model<'a> {
             surfaces: surfaces(scene, &volume.mapping),
             with_volume: scene.classification != Classification::None,
             pieces: if has_one_colour(scene) { 1 } else { scene.pieces },
+            clips: scene.clips.iter().map(|clip| ClipPlane::of(clip, &geometry)).collect(),
             geometry,
         }
     }
@@ -224,10 +229,12 @@ impl<'a> Model<'a> {
                 _ => [from, to].map(|part| self.geometry.place(self.lattice, index as f64 + part, u, v)),
             };
             let [front, position] = ends.map(|end| self.geometry.held(end));
+            let begin = self.geometry.place(self.lattice, index as f64, u, v);
             return Some(Place {
                 position,
                 front: Some(front),
                 fraction: to - from,
+                left: left(&self.clips, begin, self.geometry.way(), [from, to]),
             });
         }
         let position = self.position(plane, u, v)?;
@@ -235,13 +242,17 @@ impl<'a> Model<'a> {
             Segmented::Not => None,
             _ => Some(self.position(plane.checked_sub(1)?, u, v)?),
         };
-        let fraction = self
-            .geometry
-            .fraction(self.geometry.position(self.lattice, plane, u, v));
+        let middle = self.geometry.position(self.lattice, plane, u, v);
+        // Segments with whole borders end at the sample.
+        let begin = match front {
+            None => self.geometry.front(middle),
+            Some(_) => self.geometry.position(self.lattice, plane - 1, u, v),
+        };
         Some(Place {
             position,
             front,
-            fraction,
+            fraction: self.geometry.fraction(middle),
+            left: left(&self.clips, begin, self.geometry.way(), self.geometry.part(middle)),
         })
     }
 
@@ -306,8 +317,13 @@ impl<'a> Model<'a> {
     }
 
     /// What is composited of a sample, or of the segment between it and the one in front of it, of which a fraction lies in the
-    /// volume: its parts in the order along the ray. A surface is met whole or not at all.
-    pub fn parts(&self, front: Option<f64>, code: f64, fraction: f64) -> Vec<Part> {
+    /// volume and clip planes leave something: its parts in the order along the ray. A surface is met whole or not at all, but
+    /// fades.
+    pub fn parts(&self, front: Option<f64>, code: f64, fraction: f64, left: Left) -> Vec<Part> {
+        if left.weight() == 0.0 {
+            return Vec::new();
+        }
+        let fraction = fraction * left.weight();
         let whole = |classified| Part {
             number: 0,
             classified,
@@ -317,7 +333,8 @@ impl<'a> Model<'a> {
             (Segmented::Not, _) | (_, None) => return vec![whole(self.classify(code).of_fraction(fraction))],
             (_, Some(front)) => front,
         };
-        let ends = [front, code];
+        let ends = left.ends([front, code]);
+        let [front, code] = ends;
         let value = |t: f64| front + (code - front) * t;
         let volume = |[from, to]: [f64; 2]| {
             let part = match &self.segments {
@@ -333,7 +350,14 @@ impl<'a> Model<'a> {
         };
         let crossings = crossings(&self.surfaces, ends);
         if !crossings.is_empty() {
-            return cut(&crossings, &volume);
+            let mut parts = cut(&crossings, &volume);
+            for part in &mut parts {
+                if let Some(crossing) = &mut part.crossing {
+                    crossing.t = left.from + (left.to - left.from) * crossing.t;
+                    part.classified = part.classified.of_fraction(left.fade);
+                }
+            }
+            return parts;
         }
         let all = if self.with_volume {
             self.classify_behind(Some(front), code).of_fraction(fraction)
@@ -377,6 +401,11 @@ impl<'a> Model<'a> {
         self.with_volume
     }
 
+    /// Clip planes.
+    pub(super) fn clips(&self) -> &[ClipPlane] {
+        &self.clips
+    }
+
     /// The transfer function.
     pub(super) fn classifier(&self) -> &Classifier<'a> {
         &self.classifier
@@ -393,9 +422,14 @@ impl<'a> Model<'a> {
     pub fn sample(&self, plane: usize, u: usize, v: usize) -> Option<ModelSample> {
         let position = self.position(plane, u, v)?;
         let value = self.value_at(position);
-        let fraction = self
-            .geometry
-            .fraction(self.geometry.position(self.lattice, plane, u, v));
+        let middle = self.geometry.position(self.lattice, plane, u, v);
+        let left = left(
+            &self.clips,
+            self.geometry.front(middle),
+            self.geometry.way(),
+            self.geometry.part(middle),
+        );
+        let fraction = self.geometry.fraction(middle) * left.weight();
         let Classified { colour, opacity } = self.classify(value).of_fraction(fraction);
         let gradient = self.gradient_at(position);
         let normal = normalise(gradient);
@@ -431,7 +465,7 @@ impl<'a> Model<'a> {
             return Vec::new();
         };
         let front = place.front.map(|at| self.value_at(at));
-        let parts = self.parts(front, self.value_at(place.position), place.fraction);
+        let parts = self.parts(front, self.value_at(place.position), place.fraction, place.left);
         parts
             .into_iter()
             .filter(|part| part.classified.opacity > 0.0)
@@ -472,6 +506,7 @@ impl<'a> Model<'a> {
     /// Maximum or minimum of the ray's values, classified once: opacity as written, colour unlit.
     fn extreme(&self, u: usize, v: usize, choose: fn(f64, f64) -> f64) -> Pixel {
         (0..self.geometry.planes())
+            .filter(|plane| self.place(*plane, u, v).is_some_and(|place| place.left.weight() > 0.0))
             .filter_map(|plane| self.sample_value(plane, u, v))
             .reduce(choose)
             .map_or(Pixel::TRANSPARENT, |value| {

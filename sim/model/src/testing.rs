@@ -72,6 +72,7 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         pieces: 1,
         colours: None,
         crop: None,
+        clips: Vec::new(),
         surfaces: Vec::new(),
     }
 }

@@ -63,6 +63,9 @@ impl FieldError {
     }
 }
 
+/// The most clip planes of a scene.
+pub const CLIPS: usize = 6;
+
 impl Scene {
     /// Checks every field; what passes can be rendered.
     ///
@@ -80,10 +83,24 @@ impl Scene {
             let expected = "sampling.borders \"cells\" or \"nodes\": whole borders cut no step";
             return Err(FieldError::new("crop", "given", expected));
         }
+        self.clips()?;
         self.colours()?;
         self.classification()?;
         self.surfaces()?;
         self.lighting.as_ref().map_or(Ok(()), lighting)
+    }
+
+    fn clips(&self) -> Result<(), FieldError> {
+        if self.clips.len() > CLIPS {
+            return Err(FieldError::new("clip", self.clips.len(), "at most 6 planes"));
+        }
+        for (i, clip) in self.clips.iter().enumerate() {
+            let named = |(name, value, expected): (&str, String, &str)| {
+                FieldError::new(&format!("clip[{i}].{name}"), value, expected)
+            };
+            clip.check().map_err(named)?;
+        }
+        Ok(())
     }
 
     /// What classifies values has no place beside colours.

@@ -7,6 +7,7 @@
 //! [`colour`] reads colours.
 
 pub mod check;
+pub mod clip;
 pub mod colour;
 pub mod crop;
 pub mod file;
@@ -30,6 +31,8 @@ pub struct Scene {
     pub borders: Borders,
     /// The part of the volume that is drawn; `None` is all of it.
     pub crop: Option<crop::Crop>,
+    /// Clip planes, at most [`check::CLIPS`].
+    pub clips: Vec<clip::Clip>,
     /// Colour and opacity of data values.
     pub transfer: TransferFunction,
     /// Lights and material; `None` is an unlit scene.

@@ -3,10 +3,11 @@
 use serde::Serialize;
 use slicecast::integral::Length;
 use slicecast::view::Axis;
-use slicecast_engine::camera::{Material, plan};
+use slicecast_engine::camera::{Material, clips, plan};
 use slicecast_engine::integrals::Cumulative;
 use slicecast_engine::pipelines::{compile, rendering, rendering_of_segments};
 use slicecast_engine::segments;
+use slicecast_engine::tiles::Geometry;
 use slicecast_scene::{Blend, Classification};
 use slicecast_volume::Mapping;
 
@@ -69,15 +70,20 @@ impl Args {
         };
         let table = compile(&scene, &codes, 1.0);
         let mut table_bytes = table.bytes();
+        let clips = clips(&scene, &plan, self.spacing).map_err(Failure::input)?;
+        let geometry = Geometry {
+            plan: &plan,
+            clips: clips.as_ref(),
+        };
         let with_volume = scene.classification != Classification::None;
         let rendering = if with_volume && scene.classification != Classification::Integral {
-            rendering(&scene, &table, lights.as_ref(), plan)
+            rendering(&scene, &table, lights.as_ref(), geometry)
         } else {
             let integrals = with_volume.then(|| Cumulative::compile(&scene.transfer, &codes, 1.0, 0));
             table_bytes = integrals.as_ref().map_or(0, Cumulative::bytes);
             let integrals = integrals.map(|integrals| integrals.classifier(Length::of(&plan)));
             let segments = segments::cut(integrals, &scene, &codes);
-            rendering_of_segments(&scene, &segments, lights.as_ref(), plan)
+            rendering_of_segments(&scene, &segments, lights.as_ref(), geometry)
         };
         let rendering = rendering.map_err(Failure::input)?;
         let needs = rendering.needs();

@@ -22,14 +22,20 @@ fn hybrid(steps: &[Step], exact: &Model<'_>, rounded: &Model<'_>, [u, v]: [usize
     let mut left = 1.0;
     for (index, step) in steps.iter().enumerate() {
         let model = if fixed >= 1 { rounded } else { exact };
-        let Some(Place { position, fraction, .. }) = model.place(index, u, v) else {
+        let Some(Place {
+            position,
+            fraction,
+            left: rest,
+            ..
+        }) = model.place(index, u, v)
+        else {
             continue;
         };
         let value = match step.value {
             Some(value) if fixed >= 2 => value,
             _ => model.value_at(position),
         };
-        let classified = model.classify(value).of_fraction(fraction);
+        let classified = model.classify(value).of_fraction(fraction * rest.weight());
         let (mut opacity, mut colour) = (classified.opacity, classified.colour);
         if fixed >= 3 {
             // A row that was skipped while light was left was found empty.

@@ -57,6 +57,7 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         pieces: 1,
         colours: None,
         crop: None,
+        clips: Vec::new(),
         surfaces: Vec::new(),
     }
 }

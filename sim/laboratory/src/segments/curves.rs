@@ -128,6 +128,7 @@ fn scene(transfer: TransferFunction) -> Scene {
         pieces: 1,
         colours: None,
         crop: None,
+        clips: Vec::new(),
         surfaces: Vec::new(),
     }
 }

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use crate::check::{
     COLOURS, EARLY_TERMINATION, EXPONENTS, FieldError, IMAGE_SIDE, PIECES, PLANES_PER_VOXEL, RAYS_PER_VOXEL, whole,
 };
+use crate::clip::{Clip, ClipUnit};
 use crate::colour::Colour;
 use crate::crop::{Crop, CropUnit, parse_range};
 use crate::{
@@ -25,6 +26,8 @@ pub(super) struct SceneFile {
     #[serde(default)]
     sampling: SamplingPart,
     crop: Option<CropPart>,
+    #[serde(default)]
+    clip: Vec<ClipPart>,
     transfer: Option<TransferPart>,
     colours: Option<ColoursPart>,
     #[serde(default)]
@@ -66,6 +69,29 @@ struct CropPart {
     y: Option<String>,
     z: Option<String>,
     unit: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ClipPart {
+    point: [f64; 3],
+    normal: [f64; 3],
+    thickness: Option<f64>,
+    #[serde(default)]
+    falloff: f64,
+    #[serde(default)]
+    keep: Keep,
+    #[serde(default)]
+    unit: ClipUnit,
+}
+
+/// Which side of a clip plane's faces is drawn.
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Keep {
+    #[default]
+    Inside,
+    Outside,
 }
 
 #[derive(Deserialize)]
@@ -179,6 +205,7 @@ impl SceneFile {
             interpolation: self.sampling.interpolation.unwrap_or_default(),
             borders: self.sampling.borders.unwrap_or_default(),
             crop: self.crop.map(CropPart::into_crop).transpose()?,
+            clips: self.clip.into_iter().map(ClipPart::into_clip).collect(),
             sampling: self.sampling.into_sampling()?,
             transfer,
             lighting: self.lighting.map(LightingPart::into_lighting).transpose()?,
@@ -277,6 +304,19 @@ impl CropPart {
             ranges: [range("x", self.x)?, range("y", self.y)?, range("z", self.z)?],
             unit,
         })
+    }
+}
+
+impl ClipPart {
+    fn into_clip(self) -> Clip {
+        Clip {
+            point: self.point,
+            normal: self.normal,
+            thickness: self.thickness,
+            falloff: self.falloff,
+            outside: matches!(self.keep, Keep::Outside),
+            unit: self.unit,
+        }
     }
 }
 

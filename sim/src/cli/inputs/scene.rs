@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use slicecast_scene::View;
 use slicecast_scene::check;
+use slicecast_scene::clip::Clip;
 use slicecast_scene::colour::hexadecimal;
 use slicecast_scene::crop::Crop;
 use slicecast_scene::import::Shading;
@@ -141,6 +142,11 @@ pub struct SceneArgs {
     /// the unit of the spacing: 10:40.5,:32,20: or 5:60,:,:mm; without it, the scene's. It needs borders cells or nodes.
     #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1", value_parser = Crop::parse, allow_hyphen_values = true)]
     crop: Option<Crop>,
+    /// A clip plane, up to six times: a point in voxels (0 is the centre of the first) and a normal, on whose side the volume is
+    /// drawn; with thickness=T only a slab there, with falloff=F a soft face, with outside what is left of it otherwise, with
+    /// mm in the unit of the spacing: 32,32,40:0,1,0 or 0,0,12.5:0,0,1:thickness=4:falloff=2:mm; without it, the scene's.
+    #[arg(long = "clip", value_name = "X,Y,Z:NX,NY,NZ[:...]", value_parser = Clip::parse, allow_hyphen_values = true)]
+    clips: Vec<Clip>,
     /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum) of a named scene gets a grey
     /// ramp over the values that rays keep.
     #[arg(long)]
@@ -385,6 +391,9 @@ impl SceneArgs {
         }
         if self.crop.is_some() {
             scene.crop = self.crop;
+        }
+        if !self.clips.is_empty() {
+            scene.clips.clone_from(&self.clips);
         }
         if let Some(blend) = self.blend {
             scene.blend = match blend {

@@ -1,0 +1,483 @@
+//! Clip planes: what half spaces and slabs leave of each segment of a ray, with a hard face or a soft one.
+//!
+//! Source: the cut planes of VolumePro (Pfister et al. 1999, section 4.4); `docs/contract/clip.md` has the formulas and ranges.
+//!
+//! | value | format | unit |
+//! |---|---|---|
+//! | slope of a plane along x, y, z | s1.30 | lengths per voxel |
+//! | distance v, thickness, falloff | s33.30 | lengths |
+//! | cut of a segment, from .. to | 0.16, both ends included | segments |
+//! | fade | 0.16, 65536 is 1 | share of the optical depth |
+//!
+//! A length is what the caller says: a voxel, or a millimetre divided so that no slope is above 1. Rounding: a distance down, to
+//! 2^-30 a term; cuts and fades to nearest. Overflow: none inside [`Clips`]. State: none.
+
+use core::ops::Range;
+
+mod pieces;
+
+pub(crate) use self::pieces::{Boxed, Pieces};
+use crate::borders::{Borders, Part, WHOLE, fraction_row};
+use crate::format::{Distance, Vector};
+use crate::lanes::Native;
+use crate::plan::{Phase, Plan};
+use crate::rows::part_mut;
+use crate::surface::Turn;
+
+/// The most clip planes of a scene.
+pub const CLIPS_MAX: usize = 6;
+/// The longest distance, thickness and falloff, lengths.
+pub const DISTANCE_MAX: Distance = Distance::from_bits(1 << 46);
+
+/// A clip plane: it leaves what lies on the side that its normal points to, or a slab of some thickness behind it there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clip {
+    /// By how many lengths the distance grows per voxel along x, y and z, none beyond -1 to 1: the normal.
+    pub slope: [Vector; 3],
+    /// The distance of the centre of the volume's first voxel, above 0 on the side that is left.
+    pub distance: Distance,
+    /// Where what is left ends again, behind the plane.
+    pub thickness: Option<Distance>,
+    /// The width of the ramp on which the optical depth goes from none to all, half of it on each side of a face.
+    pub falloff: Distance,
+    /// Whether the slab, or the side, is cut away, and everything else left.
+    pub outside: bool,
+}
+
+/// Why clip planes are none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ClipError {
+    /// More than [`CLIPS_MAX`].
+    TooMany {
+        /// How many.
+        given: usize,
+    },
+    /// A plane's slopes are all 0.
+    NoNormal {
+        /// Number of the plane.
+        number: usize,
+    },
+    /// A plane's slope is beyond -1 to 1.
+    Slope {
+        /// Number of the plane.
+        number: usize,
+    },
+    /// A plane's distance is beyond [`DISTANCE_MAX`], its falloff is as well or below 0, or its thickness is not above 0.
+    Length {
+        /// Number of the plane.
+        number: usize,
+    },
+}
+
+impl core::fmt::Display for ClipError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::TooMany { given } => write!(f, "{given} clip planes; accepted: at most {CLIPS_MAX}"),
+            Self::NoNormal { number } => write!(f, "clip plane {number} has no normal"),
+            Self::Slope { number } => write!(f, "clip plane {number} has a slope beyond -1 to 1"),
+            Self::Length { number } => write!(
+                f,
+                "clip plane {number} has a distance, thickness or falloff out of range; accepted: -65536 to 65536, above 0 to 65536, 0 to 65536"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for ClipError {}
+
+/// What is left of a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Remainder {
+    /// From where to where it counts.
+    pub part: Part,
+    /// Which share of its optical depth counts there, 0.16.
+    pub fade: u32,
+}
+
+impl Remainder {
+    /// All of it.
+    pub const WHOLE: Self = Self {
+        part: Part::WHOLE,
+        fade: WHOLE,
+    };
+
+    /// What this cut and another leave.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self {
+            part: self.part.and(other.part),
+            fade: product(self.fade, other.fade),
+        }
+    }
+
+    /// What is left of the part of a segment that the volume's box leaves, which is not empty: `from` and `to` are places of that
+    /// part.
+    #[must_use]
+    pub fn of(self, part: Part) -> Self {
+        let (both, length) = (self.part.and(part), u64::from(part.length()));
+        if both.length() == 0 {
+            return Self {
+                part: Part::NONE,
+                fade: self.fade,
+            };
+        }
+        let place = |at: u32| {
+            let way = (u64::from(at.saturating_sub(part.from)) << 17) + length;
+            way.checked_div(2 * length).unwrap_or(0) as u32
+        };
+        Self {
+            part: Part {
+                from: place(both.from),
+                to: place(both.to),
+            },
+            fade: self.fade,
+        }
+    }
+
+    /// The share of the segment's optical depth that counts, 0.16.
+    pub const fn weight(self) -> u32 {
+        product(self.part.length(), self.fade)
+    }
+
+    /// The samples at the ends of what is left of a segment.
+    pub fn ends(self, [front, back]: [i32; 2]) -> [i32; 2] {
+        let way = i64::from(back) - i64::from(front);
+        let at = |place: u32| {
+            let steps = (way * i64::from(place) + (1 << 15)) >> 16;
+            front.wrapping_add(steps as i32)
+        };
+        [at(self.part.from), at(self.part.to)]
+    }
+
+    /// The turn of a crossing in what is left, as one in the segment.
+    #[must_use]
+    pub fn turn(self, turn: Turn) -> Turn {
+        turn.moved(|position| self.place(position))
+    }
+
+    /// Where a place of what is left lies in the segment.
+    pub fn place(self, position: u32) -> u32 {
+        let way = (u64::from(self.part.length()) * u64::from(position)) >> 16;
+        self.part.from.wrapping_add(way as u32)
+    }
+}
+
+/// The product of two shares, 0.16, to nearest.
+const fn product(a: u32, b: u32) -> u32 {
+    ((a as u64 * b as u64 + (1 << 15)) >> 16) as u32
+}
+
+/// A ramp, by which a soft face fades: `65536 x / d`, to nearest, for x from 0 to d.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Ramp {
+    /// Twice the falloff: d.
+    width: i64,
+    /// `d 2^shift` has 31 bits.
+    shift: i32,
+    /// `2^62 / (d 2^shift)`, at most 2^32 - 1.
+    reciprocal: u32,
+}
+
+impl Ramp {
+    /// Of a falloff above 0.
+    fn of(falloff: i64) -> Self {
+        let width = 2 * falloff;
+        let shift = width.leading_zeros() as i32 - 33;
+        let scaled = shifted(width, shift) as u64;
+        let reciprocal = (1u64 << 62).checked_div(scaled).unwrap_or(0);
+        Self {
+            width,
+            shift,
+            reciprocal: reciprocal.min(u64::from(u32::MAX)) as u32,
+        }
+    }
+
+    /// The share of a sum of the distances of both ends and the falloff.
+    fn share(self, sum: i64) -> u32 {
+        if sum <= 0 {
+            0
+        } else if sum >= self.width {
+            WHOLE
+        } else {
+            ((shifted(sum, self.shift) as u64 * u64::from(self.reciprocal) + (1 << 45)) >> 46) as u32
+        }
+    }
+}
+
+/// Shifted up, or down where the shift is negative.
+const fn shifted(x: i64, shift: i32) -> i64 {
+    if shift < 0 { x >> -shift } else { x << shift }
+}
+
+/// A clip plane in the slice frame of a view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ClipPlane {
+    /// Slopes along i, j and k, 2^-30 length per voxel.
+    pub slope: [i64; 3],
+    /// The distance of the slice frame's first voxel, 2^-30 length.
+    pub distance: i64,
+    /// The distance of the far face; 0: there is none.
+    pub thickness: i64,
+    /// What fades; `None`: segments are cut.
+    ramp: Option<Ramp>,
+    /// Whether what lies between the faces is cut away.
+    outside: bool,
+}
+
+impl ClipPlane {
+    fn of(plan: &Plan, clip: &Clip) -> Self {
+        let view = plan.view();
+        let [_, _, depth] = plan.volume();
+        let [i, j, mut k] = view.arrange(clip.slope.map(|slope| i64::from(slope.to_bits())));
+        let mut distance = clip.distance.to_bits();
+        if view.reversed() {
+            distance += k * (i64::from(depth) - 1);
+            k = -k;
+        }
+        let (slope, falloff) = ([i, j, k], clip.falloff.to_bits());
+        let mut along = 0;
+        for (slope, step) in slope.iter().zip(plan.step()) {
+            along += times(*slope, 2 * step.to_bits());
+        }
+        Self {
+            slope,
+            distance,
+            thickness: clip.thickness.map_or(0, Distance::to_bits),
+            // A ramp that lies within a segment is a face.
+            ramp: (falloff > along.abs()).then(|| Ramp::of(falloff)),
+            outside: clip.outside,
+        }
+    }
+
+    /// Two numbers that grow with the distances of a segment's ends from a face: below 0 the first says that nothing is left of
+    /// it, from 0 on the second says that all is.
+    fn bounds(&self, [front, back]: [i64; 2]) -> [i64; 2] {
+        match self.ramp {
+            None => [front.max(back), front.min(back)],
+            Some(Ramp { width, .. }) => {
+                let sum = (front + back + (width >> 1)) >> 1;
+                [sum, sum - (width >> 1)]
+            }
+        }
+    }
+
+    /// Whether what lies between the faces is cut away.
+    const fn is_outside(&self) -> bool {
+        self.outside
+    }
+
+    /// What a face leaves of a segment whose ends have these distances from it.
+    fn face(&self, [front, back]: [i64; 2]) -> Remainder {
+        if let Some(ramp) = self.ramp {
+            let falloff = ramp.width >> 1;
+            return Remainder {
+                part: Part::WHOLE,
+                fade: ramp.share(front + back + falloff),
+            };
+        }
+        let part = match (front >= 0, back >= 0) {
+            (true, true) => Part::WHOLE,
+            (false, false) => Part::NONE,
+            (false, true) => Part {
+                from: share(-front, back - front),
+                to: WHOLE,
+            },
+            (true, false) => Part {
+                from: 0,
+                to: share(front, front - back),
+            },
+        };
+        Remainder { part, fade: WHOLE }
+    }
+
+    /// What the plane leaves of a segment, given the distances of its front and its back end. This function is the definition.
+    pub fn cut(&self, ends: [i64; 2]) -> Remainder {
+        let mut inside = self.face(ends);
+        if self.thickness > 0 {
+            inside = inside.and(self.face(ends.map(|distance| self.thickness - distance)));
+        }
+        if !self.outside {
+            return inside;
+        }
+        let Remainder {
+            part: Part { from, to },
+            fade,
+        } = inside;
+        // A fade, or a piece in the middle, takes its share of the whole segment; a piece at an end leaves the other.
+        let (whole, none) = (inside.part.length() > 0, Part::WHOLE);
+        match (whole && fade == WHOLE, from, to) {
+            (true, 0, to) => Remainder {
+                part: Part { from: to, to: WHOLE },
+                fade,
+            },
+            (true, from, WHOLE) => Remainder {
+                part: Part { from: 0, to: from },
+                fade,
+            },
+            _ => Remainder {
+                part: none,
+                fade: WHOLE - inside.weight(),
+            },
+        }
+    }
+}
+
+/// A distance along a segment of this length, as its share, to nearest. A segment is at most 2^33 long.
+fn share(distance: i64, length: i64) -> u32 {
+    let (distance, length) = (distance as u64, length as u64);
+    ((distance << 17) + length).checked_div(2 * length).unwrap_or(0) as u32
+}
+
+/// `slope x`, rounded down: x in units of 2^-33 voxel, below 2^48.
+const fn times(slope: i64, x: i64) -> i64 {
+    // The nested floors are the floor of the whole.
+    (slope * (x >> 17) + (slope * (x & 0x1_ffff) >> 17)) >> 16
+}
+
+/// The clip planes of a plan.
+#[derive(Clone, Debug)]
+pub struct Clips {
+    planes: [ClipPlane; CLIPS_MAX],
+    count: usize,
+}
+
+/// The distances of the ends of pixel (0, 0)'s segment from each clip plane.
+pub type Distances = [[i64; 2]; CLIPS_MAX];
+
+impl Clips {
+    /// Clip planes, along x, y, z in the volume of a plan.
+    ///
+    /// # Errors
+    /// [`ClipError`], with the number of the plane, counted from 0.
+    pub fn new(plan: &Plan, clips: &[Clip]) -> Result<Self, ClipError> {
+        let mut planes = [ClipPlane::default(); CLIPS_MAX];
+        if clips.len() > CLIPS_MAX {
+            return Err(ClipError::TooMany { given: clips.len() });
+        }
+        for (number, (clip, plane)) in clips.iter().zip(&mut planes).enumerate() {
+            check(number, clip)?;
+            *plane = ClipPlane::of(plan, clip);
+        }
+        Ok(Self {
+            planes,
+            count: clips.len(),
+        })
+    }
+
+    /// For [`At::clips`](crate::plane::At::clips).
+    pub fn clipper(&self) -> Clipper<'_> {
+        Clipper(self)
+    }
+
+    /// The planes.
+    pub fn planes(&self) -> &[ClipPlane] {
+        self.planes.get(..self.count).unwrap_or(&[])
+    }
+}
+
+/// Clip planes as the plane layer takes them ([`Clips::clipper`]): a program that makes none does not link them.
+#[derive(Clone, Copy, Debug)]
+pub struct Clipper<'c>(pub(crate) &'c dyn Clipping);
+
+/// What the plane layer asks of clip planes. Behind a reference, so that a program without them does not link it.
+pub(crate) trait Clipping: core::fmt::Debug + Sync {
+    /// The distances of the ends of pixel (0, 0)'s segment: of those about the samples of a plane, or of those that end at it.
+    fn distances(&self, plan: &Plan, phase: Phase, index: u32, slabs: bool) -> Distances;
+    /// The columns of a row of which something may be left, and a range of those that a plane may cut.
+    fn reach(&self, distances: &Distances, boxed: &Boxed, row: u32) -> [Range<usize>; 2];
+    /// Goes through a span of a row, counted from the first column: what is left of runs of segments.
+    fn each(
+        &self,
+        distances: &Distances,
+        boxed: &Boxed,
+        at: (u32, Range<usize>),
+        see: &mut dyn FnMut(Range<usize>, Remainder),
+    );
+    /// Makes the opacities of such a span, of samples, those of what is left.
+    fn weigh(&self, distances: &Distances, boxed: &Boxed, at: (u32, Range<usize>), opacities: &mut [i32]);
+    /// Makes opacities those of a share of the step.
+    fn fade(&self, opacities: &mut [i32], share: u32);
+}
+
+impl Clipping for Clips {
+    fn distances(&self, plan: &Plan, phase: Phase, index: u32, slabs: bool) -> Distances {
+        let halves = halves(plan, index, slabs);
+        let [start_i, start_j] = plan.start(phase);
+        let at = |halves: i64| {
+            let [i, j, k] = plan.step().map(|step| halves * step.to_bits());
+            [2 * start_i.to_bits() + i, 2 * start_j.to_bits() + j, k]
+        };
+        let ends = [at(halves), at(halves + 2)];
+        let mut distances = [[0; 2]; CLIPS_MAX];
+        for (plane, distances) in self.planes().iter().zip(&mut distances) {
+            let [i, j, k] = plane.slope;
+            *distances = ends.map(|[x, y, z]| plane.distance + times(i, x) + times(j, y) + times(k, z));
+        }
+        distances
+    }
+
+    fn reach(&self, distances: &Distances, boxed: &Boxed, row: u32) -> [Range<usize>; 2] {
+        Pieces::of(self, distances, boxed, row).reach()
+    }
+
+    fn each(
+        &self,
+        distances: &Distances,
+        boxed: &Boxed,
+        (row, span): (u32, Range<usize>),
+        see: &mut dyn FnMut(Range<usize>, Remainder),
+    ) {
+        for (columns, left) in Pieces::of(self, distances, boxed, row).span(&span) {
+            see(columns, left);
+        }
+    }
+
+    fn weigh(&self, distances: &Distances, boxed: &Boxed, (row, span): (u32, Range<usize>), opacities: &mut [i32]) {
+        for (columns, left) in Pieces::of(self, distances, boxed, row).span(&span) {
+            if left != Remainder::WHOLE {
+                let columns = columns.start - span.start..columns.end - span.start;
+                self.fade(part_mut(&mut *opacities, columns), left.weight());
+            }
+        }
+    }
+
+    fn fade(&self, opacities: &mut [i32], share: u32) {
+        if share == 0 {
+            opacities.fill(0);
+        } else {
+            fraction_row::<Native>(opacities, share);
+        }
+    }
+}
+
+/// Where a segment begins, in half steps from the first slice: that about the samples of a plane with this number, or that which
+/// ends at it.
+pub fn halves(plan: &Plan, index: u32, slabs: bool) -> i64 {
+    let (twice, rate) = (2 * i64::from(index), i64::from(plan.sampling().planes_per_voxel));
+    match plan.borders() {
+        _ if slabs => twice - 2 - 2 * i64::from(plan.ends_before()),
+        Borders::Whole => twice - 1,
+        Borders::Nodes => twice,
+        Borders::Cells => twice - rate,
+    }
+}
+
+fn check(number: usize, clip: &Clip) -> Result<(), ClipError> {
+    let one = 1u32 << 30;
+    let steep = |slope: &Vector| slope.to_bits().unsigned_abs() > one;
+    let most = DISTANCE_MAX.to_bits();
+    let thickness = clip.thickness.map_or(1, Distance::to_bits);
+    if clip.slope.iter().all(|slope| slope.to_bits() == 0) {
+        Err(ClipError::NoNormal { number })
+    } else if clip.slope.iter().any(steep) {
+        Err(ClipError::Slope { number })
+    } else if clip.distance.to_bits().unsigned_abs() > most.unsigned_abs()
+        || !(1..=most).contains(&thickness)
+        || !(0..=most).contains(&clip.falloff.to_bits())
+    {
+        Err(ClipError::Length { number })
+    } else {
+        Ok(())
+    }
+}
