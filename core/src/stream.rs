@@ -15,7 +15,7 @@ mod reserved;
 use core::ops::Range;
 
 pub use self::reserved::Reserved;
-use crate::clip::{Clipper, Clips};
+use crate::clip::Clipper;
 use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::Native;
 use crate::plan::Plan;
@@ -140,6 +140,8 @@ pub enum StreamError {
     Slice(SliceError),
     /// All slices have been pushed.
     Complete,
+    /// A slice has been taken; clip planes come before.
+    Begun,
 }
 
 impl core::fmt::Display for StreamError {
@@ -158,6 +160,7 @@ impl core::fmt::Display for StreamError {
                 write!(f, "a band from row {first} to {end}; the image has rows 0 to {rows}")
             }
             Self::Slice(error) => error.fmt(f),
+            Self::Begun => f.write_str("clip planes after the first slice; they come before"),
             Self::Complete => f.write_str("all slices of the volume have been pushed"),
         }
     }
@@ -249,13 +252,16 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         Ok(stream)
     }
 
-    /// The same frame behind clip planes, made for its plan. To be called before the first slice.
-    #[must_use]
-    pub fn with_clips(self, clips: &'m Clips) -> Self {
-        Self {
-            clips: Some(clips.clipper()),
-            ..self
+    /// Puts the frame behind clip planes ([`Clips::clipper`](crate::clip::Clips::clipper)), made for its plan.
+    ///
+    /// # Errors
+    /// [`StreamError::Begun`] after the first slice.
+    pub fn clip(&mut self, clips: Clipper<'m>) -> Result<(), StreamError> {
+        if self.pushed > 0 {
+            return Err(StreamError::Begun);
         }
+        self.clips = Some(clips);
+        Ok(())
     }
 
     /// The number, along k in the whole volume, of the slice that is wanted next; `None` when the frame is complete.

@@ -13,6 +13,9 @@
 // ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
 #define SLICECAST_STATE_BYTES 1024
 
+// Words of a `SlicecastClips`.
+#define SLICECAST_CLIPS_WORDS 56
+
 // Done.
 #define SLICECAST_OK 0
 
@@ -121,6 +124,16 @@
 // A crop box whose low face is not below its high one (`needed` 0), or that holds nothing of the volume (`needed` 1), along axis
 // `given` (0 x, 1 y, 2 z); or one with borders 0, which cut no step (`needed` 2).
 #define SLICECAST_CROP -33
+
+// More clip planes than `needed`: `given`.
+#define SLICECAST_CLIP_COUNT -34
+
+// Clip plane `row` has no normal (`needed` 1), a slope beyond -1 to 1 (`needed` 2^30), or a distance, thickness or falloff out of
+// range (`needed` the largest, 2^46; a thickness and a falloff are not below 0).
+#define SLICECAST_CLIP -35
+
+// Clip planes were given to a stream that has taken a slice.
+#define SLICECAST_BEGUN -36
 
 // `precision` of the stages: widths and roundings of `paper`.
 #define SLICECAST_PAPER 0
@@ -289,6 +302,27 @@ typedef struct SlicecastError {
   uint32_t column;
 } SlicecastError;
 
+// A clip plane: what lies on the side of its normal is drawn, or a slab there. docs/contract/clip.md
+//
+// Lengths are of the caller's choice (a voxel, or the largest spacing between voxels), the same for all numbers of a plane.
+typedef struct SlicecastClip {
+  // By how many lengths the distance from the plane grows per voxel along x, y, z, s1.30, none beyond -1 to 1: the normal.
+  int32_t slope[3];
+  // 1: what lies between the faces, or on the side of the normal, is cut away, and everything else drawn; else 0.
+  uint32_t outside;
+  // The distance of the centre of the first voxel, lengths, s33.30, within 65536.
+  int64_t distance;
+  // How far behind the plane what is drawn ends again, lengths, s33.30; 0: it does not end.
+  int64_t thickness;
+  // The width of the ramp on which what is drawn fades, half of it on each side of a face, lengths, s33.30; 0: it is cut.
+  int64_t falloff;
+} SlicecastClip;
+
+// Memory for the clip planes of a stream. Opaque; it need not be initialised.
+typedef struct SlicecastClips {
+  uint64_t words[SLICECAST_CLIPS_WORDS];
+} SlicecastClips;
+
 // Where the pixels of the viewer's picture lie in the volume: the picture's middle is the volume's.
 typedef struct SlicecastScreen {
   // Pixels across and down, 1 to 16384 each.
@@ -370,6 +404,19 @@ int32_t slicecast_open(const struct SlicecastPipeline *pipeline,
 int32_t slicecast_wanted(const struct SlicecastStream *stream,
                          uint32_t *number,
                          struct SlicecastError *error);
+
+// Puts a frame behind clip planes, before its first slice.
+//
+// `planes`: `count` of them, at most 6; they are copied. `clips`: memory for what is made of them. Returns SLICECAST_OK or an error
+// code; the stream is then as it was.
+//
+// # Safety
+// `stream` as for `slicecast_wanted`; `planes` readable; `clips` the stream's alone as long as it is used.
+int32_t slicecast_clip(struct SlicecastStream *stream,
+                       const struct SlicecastClip *planes,
+                       size_t count,
+                       struct SlicecastClips *clips,
+                       struct SlicecastError *error);
 
 // Takes the slice that is wanted next and folds every sample plane that it completes.
 //

@@ -84,6 +84,13 @@ pub const SLICECAST_BORDERS: i32 = -32;
 /// A crop box whose low face is not below its high one (`needed` 0), or that holds nothing of the volume (`needed` 1), along axis
 /// `given` (0 x, 1 y, 2 z); or one with borders 0, which cut no step (`needed` 2).
 pub const SLICECAST_CROP: i32 = -33;
+/// More clip planes than `needed`: `given`.
+pub const SLICECAST_CLIP_COUNT: i32 = -34;
+/// Clip plane `row` has no normal (`needed` 1), a slope beyond -1 to 1 (`needed` 2^30), or a distance, thickness or falloff out of
+/// range (`needed` the largest, 2^46; a thickness and a falloff are not below 0).
+pub const SLICECAST_CLIP: i32 = -35;
+/// Clip planes were given to a stream that has taken a slice.
+pub const SLICECAST_BEGUN: i32 = -36;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]
@@ -244,6 +251,7 @@ impl From<StreamError> for SlicecastError {
             StreamError::Memory { needed, given, .. } => Self::length(6, needed, given),
             StreamError::Band { end, rows, .. } => Self::numbers(SLICECAST_BAND, rows.into(), end.into()),
             StreamError::Complete => Self::numbers(SLICECAST_COMPLETE, 0, 0),
+            StreamError::Begun => Self::numbers(SLICECAST_BEGUN, 0, 0),
             StreamError::Slice(SliceError::Voxel { row, column, value }) => Self {
                 row: row as u32,
                 column: column as u32,

@@ -4,6 +4,7 @@
 use core::ffi::c_void;
 
 use slicecast::classify::{Classifier, Colour16, Linear, Nearest, PointTable, Sqrt8, Sqrt16};
+use slicecast::clip::Clipper;
 use slicecast::composite::FrontToBack;
 use slicecast::cut::Cut;
 use slicecast::format::Intensity;
@@ -35,6 +36,8 @@ pub struct SlicecastPipeline {
     needs: fn(&Plan, u32) -> Layout,
     open: Open,
     wanted: unsafe fn(*const Header) -> Option<u32>,
+    plan: unsafe fn(*const Header) -> *const Plan,
+    clip: unsafe fn(*mut Header, Clipper<'static>) -> Result<(), SlicecastError>,
     push: unsafe fn(*mut Header, &[u16]) -> Result<(), SlicecastError>,
     image: unsafe fn(*const Header) -> (*const c_void, usize),
     picture_row: unsafe fn(*const Header, &SlicecastWarp, u32, [Intensity; 3], &mut [u8]),
@@ -90,6 +93,8 @@ trait Instance: Pictured + Sized + 'static {
         needs: Layout::of::<Self>,
         open: open::<Self>,
         wanted: wanted::<Self>,
+        plan: plan::<Self>,
+        clip: clip::<Self>,
         push: push::<Self>,
         image: image::<Self>,
         picture_row: picture_row::<Self>,
@@ -149,6 +154,21 @@ unsafe fn fill<T: Copy>(start: *mut T, count: usize, value: T) -> &'static mut [
 unsafe fn wanted<L: Instance>(header: *const Header) -> Option<u32> {
     // SAFETY: the caller's promise.
     unsafe { (*header.cast::<Held<L>>()).stream.wanted() }
+}
+
+/// # Safety
+/// `header` begins a `Held<L>`.
+unsafe fn plan<L: Instance>(header: *const Header) -> *const Plan {
+    // SAFETY: the caller's promise.
+    unsafe { (*header.cast::<Held<L>>()).stream.plan() }
+}
+
+/// # Safety
+/// `header` begins a `Held<L>` that is in no other use.
+unsafe fn clip<L: Instance>(header: *mut Header, clips: Clipper<'static>) -> Result<(), SlicecastError> {
+    // SAFETY: the caller's promise.
+    let held = unsafe { &mut *header.cast::<Held<L>>() };
+    Ok(held.stream.clip(clips)?)
 }
 
 /// # Safety
@@ -269,6 +289,16 @@ impl Handle {
         // SAFETY: the header's own pipeline made what follows it.
         let number = unsafe { (self.pipeline.wanted)(self.header) };
         number.ok_or(SlicecastError::numbers(SLICECAST_COMPLETE, 0, 0))
+    }
+
+    pub(crate) fn plan(&self) -> &Plan {
+        // SAFETY: the header's own pipeline made what follows it, and it stays there.
+        unsafe { &*(self.pipeline.plan)(self.header) }
+    }
+
+    pub(crate) fn clip(self, clips: Clipper<'static>) -> Result<(), SlicecastError> {
+        // SAFETY: as above.
+        unsafe { (self.pipeline.clip)(self.header, clips) }
     }
 
     pub(crate) fn push(self, voxels: &[u16]) -> Result<(), SlicecastError> {

@@ -15,6 +15,7 @@
 //! draw isosurfaces with them, or alone; pipelines named `_depth` find where each ray meets the first of them.
 #![cfg_attr(target_os = "none", no_std)]
 
+mod clips;
 mod error;
 mod instance;
 mod integrals;
@@ -22,6 +23,7 @@ mod scene;
 mod stages;
 mod surfaces;
 
+pub use clips::{SLICECAST_CLIPS_WORDS, SlicecastClip, SlicecastClips};
 pub use error::*;
 pub use instance::{
     SlicecastPipeline, slicecast_compact_depth, slicecast_compact_lit, slicecast_compact_lit_colour16,
@@ -143,6 +145,30 @@ pub unsafe extern "C" fn slicecast_wanted(
         let (stream, number) = unsafe { (Handle::of(stream, 1)?, write(number, 2)?) };
         *number = stream.wanted()?;
         Ok(())
+    };
+    // SAFETY: the caller's promise for `error`.
+    unsafe { report(work(), error) }
+}
+
+/// Puts a frame behind clip planes, before its first slice.
+///
+/// `planes`: `count` of them, at most 6; they are copied. `clips`: memory for what is made of them. Returns SLICECAST_OK or an error
+/// code; the stream is then as it was.
+///
+/// # Safety
+/// `stream` as for `slicecast_wanted`; `planes` readable; `clips` the stream's alone as long as it is used.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn slicecast_clip(
+    stream: *mut SlicecastStream,
+    planes: *const SlicecastClip,
+    count: usize,
+    clips: *mut SlicecastClips,
+    error: *mut SlicecastError,
+) -> i32 {
+    let work = || {
+        // SAFETY: the caller's promise; null, misaligned and foreign pointers are refused.
+        let (stream, planes, clips) = unsafe { (Handle::of(stream, 1)?, slice(planes, count, 2)?, write(clips, 4)?) };
+        clips.give(planes, stream)
     };
     // SAFETY: the caller's promise for `error`.
     unsafe { report(work(), error) }

@@ -1,14 +1,16 @@
 //! The C functions, called as C would: the same bits as from Rust, and every misuse is a code with its numbers.
 
 use core::ffi::c_void;
+use core::mem::MaybeUninit;
 use core::ptr::{null, null_mut};
 
 use slicecast::borders::Borders;
 use slicecast::classify::{Classifier, Colour16, Linear, PointTable, Sqrt16, entry};
+use slicecast::clip::{Clip, Clips};
 use slicecast::composite::FrontToBack;
 use slicecast::composite::Unorm16;
 use slicecast::crop::Crop;
-use slicecast::format::{Coefficient, Direction, Intensity, Position, Vector};
+use slicecast::format::{Coefficient, Direction, Distance, Intensity, Position, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::plane::Composite;
 use slicecast::precision::Compact;
@@ -120,6 +122,16 @@ fn render_scene(
     first: u32,
     rows: u32,
 ) -> Vec<u16> {
+    render_clipped(pipeline, data, scene, [first, rows], &[])
+}
+
+fn render_clipped(
+    pipeline: *const SlicecastPipeline,
+    data: &Data,
+    scene: SlicecastScene,
+    [first, rows]: [u32; 2],
+    planes: &[SlicecastClip],
+) -> Vec<u16> {
     let needs = needs(pipeline, &scene, rows);
     let mut memory = block(needs.bytes);
     let (mut stream, mut image, mut bytes) = (null_mut(), null::<c_void>(), 0);
@@ -137,6 +149,11 @@ fn render_scene(
             null_mut(),
         );
         assert_eq!(code, SLICECAST_OK);
+        let mut clips = MaybeUninit::<SlicecastClips>::uninit();
+        if !planes.is_empty() {
+            let given = slicecast_clip(stream, planes.as_ptr(), planes.len(), clips.as_mut_ptr(), null_mut());
+            assert_eq!(given, SLICECAST_OK);
+        }
         let mut number = 0;
         while slicecast_wanted(stream, &mut number, null_mut()) == SLICECAST_OK {
             // What the scene looks at, row by row.
@@ -171,6 +188,15 @@ fn from_rust(data: &Data) -> Vec<u16> {
 
 /// The same frame from Rust, over a table, on a plan changed as given.
 fn from_rust_over<C: Classifier<Compact>>(data: &Data, table: C, change: impl Fn(Plan) -> Plan) -> Vec<u16> {
+    from_rust_clipped(data, table, change, &[])
+}
+
+fn from_rust_clipped<C: Classifier<Compact>>(
+    data: &Data,
+    table: C,
+    change: impl Fn(Plan) -> Plan,
+    clips: &[Clip],
+) -> Vec<u16> {
     let scene = data.scene();
     let view = View::new(scene.direction.map(Direction::from_bits)).unwrap();
     let sampling = Sampling {
@@ -199,7 +225,11 @@ fn from_rust_over<C: Classifier<Compact>>(data: &Data, table: C, change: impl Fn
         scratch: &mut scratch,
         image: &mut image,
     };
+    let clips = Clips::new(&plan, clips).unwrap();
     let mut stream = Stream::new(plan, pipeline, memory).unwrap();
+    if !clips.planes().is_empty() {
+        stream.clip(clips.clipper()).unwrap();
+    }
     let len = (DIMS[0] * DIMS[1]) as usize;
     while let Some(number) = stream.wanted() {
         stream.push(&data.voxels[number as usize * len..][..len]).unwrap();
@@ -294,6 +324,123 @@ fn crops_are_those_of_rust() {
     assert_eq!((needs.first, needs.slice_width, needs.slices), ([1, 0, 0], 5, 5));
     assert_eq!(render_scene(slicecast_compact_lit(), &data, scene, 0, 0), rust);
     assert!(rust.iter().any(|c| *c != 0 && *c != u16::MAX), "an empty picture");
+}
+
+/// A plane and a soft slab that is cut away.
+#[test]
+fn clip_planes_are_those_of_rust() {
+    let data = Data::new();
+    let planes = [
+        SlicecastClip {
+            slope: [1 << 29, -(1 << 30), 1 << 28],
+            outside: 0,
+            distance: 3 << 29,
+            thickness: 0,
+            falloff: 0,
+        },
+        SlicecastClip {
+            slope: [0, 1 << 28, 1 << 30],
+            outside: 1,
+            distance: -(2 << 30),
+            thickness: 1 << 29,
+            falloff: 3 << 29,
+        },
+    ];
+    let clips = planes.map(|plane| Clip {
+        slope: plane.slope.map(Vector::from_bits),
+        distance: Distance::from_bits(plane.distance),
+        thickness: (plane.thickness > 0).then(|| Distance::from_bits(plane.thickness)),
+        falloff: Distance::from_bits(plane.falloff),
+        outside: plane.outside == 1,
+    });
+    let table = || PointTable::<Sqrt16, Linear>::new(&data.entries, &data.low);
+    let whole = from_rust_over(&data, table(), |plan| plan);
+    for count in [1, 2] {
+        let rust = from_rust_clipped(&data, table(), |plan| plan, &clips[..count]);
+        let found = render_clipped(slicecast_compact_lit(), &data, data.scene(), [0, 0], &planes[..count]);
+        assert_eq!(found, rust);
+        assert_ne!(rust, whole, "planes that change nothing prove nothing");
+    }
+}
+
+/// Every misuse of clip planes.
+#[test]
+fn clip_planes_that_are_none_are_codes() {
+    let data = Data::new();
+    let scene = data.scene();
+    let needs = needs(slicecast_compact_lit(), &scene, 0);
+    let mut memory = block(needs.bytes);
+    let good = SlicecastClip {
+        slope: [1 << 30, 0, 0],
+        outside: 0,
+        distance: 0,
+        thickness: 0,
+        falloff: 0,
+    };
+    let mut stream = null_mut();
+    // SAFETY: good pointers, but for those that are meant to be refused.
+    unsafe {
+        let block = memory.as_mut_ptr().cast();
+        let opened = slicecast_open(
+            slicecast_compact_lit(),
+            &scene,
+            0,
+            0,
+            block,
+            needs.bytes,
+            &mut stream,
+            null_mut(),
+        );
+        assert_eq!(opened, SLICECAST_OK);
+        let mut clips = MaybeUninit::<SlicecastClips>::uninit();
+        let mut give = |planes: &[SlicecastClip]| {
+            let mut error = MaybeUninit::<SlicecastError>::uninit();
+            let code = slicecast_clip(
+                stream,
+                planes.as_ptr(),
+                planes.len(),
+                clips.as_mut_ptr(),
+                error.as_mut_ptr(),
+            );
+            let SlicecastError { needed, given, row, .. } = error.assume_init();
+            (code, needed, given, row)
+        };
+        assert_eq!(give(&[good; 7]), (SLICECAST_CLIP_COUNT, 6, 7, 0));
+        let none = SlicecastClip { slope: [0; 3], ..good };
+        assert_eq!(give(&[good, none]), (SLICECAST_CLIP, 1, 0, 1));
+        let steep = SlicecastClip {
+            slope: [0, 0, i32::MIN],
+            ..good
+        };
+        assert_eq!(give(&[steep]), (SLICECAST_CLIP, 1 << 30, 0, 0));
+        for far in [
+            SlicecastClip {
+                distance: (1 << 46) + 1,
+                ..good
+            },
+            SlicecastClip {
+                distance: i64::MIN,
+                ..good
+            },
+            SlicecastClip { thickness: -1, ..good },
+            SlicecastClip { falloff: -1, ..good },
+            SlicecastClip {
+                falloff: i64::MAX,
+                ..good
+            },
+        ] {
+            assert_eq!(give(&[good, good, far]), (SLICECAST_CLIP, 1 << 46, 0, 2));
+        }
+        assert_eq!(give(&[good; 6]), (SLICECAST_OK, 0, 0, 0));
+        let mut number = 0;
+        assert_eq!(slicecast_wanted(stream, &mut number, null_mut()), SLICECAST_OK);
+        let slice = &data.voxels[number as usize * needs.slice_voxels..][..needs.slice_voxels];
+        assert_eq!(
+            slicecast_push(stream, slice.as_ptr(), slice.len(), null_mut()),
+            SLICECAST_OK
+        );
+        assert_eq!(give(&[good]).0, SLICECAST_BEGUN);
+    }
 }
 
 #[test]

@@ -31,7 +31,7 @@ pub fn fold_stream<L: Pipeline>(
     };
     let mut stream = Stream::new(*plan, pipeline, memory)?;
     if let Some(clips) = clips {
-        stream = stream.with_clips(clips);
+        stream.clip(clips.clipper())?;
     }
     let mut pushed = 0;
     while let Some(wanted) = stream.wanted() {

@@ -71,9 +71,14 @@ impl Ray {
         (self.to - self.from) * rate as f64
     }
 
+    /// Its place along i and j at one along k.
+    pub fn place(&self, z: f64) -> [f64; 2] {
+        [0, 1].map(|a| self.start[a] + z * self.shear[a])
+    }
+
     /// The value at a place along k, held to the voxels.
     pub fn value(&self, model: &Model<'_>, z: f64) -> f64 {
-        let [x, y] = [0, 1].map(|a| self.start[a] + z * self.shear[a]);
+        let [x, y] = self.place(z);
         model.value_at(model.geometry().held([x, y, z]))
     }
 
