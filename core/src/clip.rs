@@ -14,11 +14,13 @@
 
 use core::ops::Range;
 
+mod cue;
 mod pieces;
 
+pub use self::cue::{Cue, CuePlane};
 pub(crate) use self::pieces::{Boxed, Pieces};
 use crate::borders::{Borders, Part, WHOLE, fraction_row};
-use crate::format::{Distance, Vector};
+use crate::format::{Distance, Intensity, Vector};
 use crate::lanes::Native;
 use crate::plan::{Phase, Plan};
 use crate::rows::part_mut;
@@ -68,12 +70,18 @@ pub enum ClipError {
         /// Number of the plane.
         number: usize,
     },
+    /// Depth cueing has a slope, a distance, a depth, a share or a colour that is out of range.
+    Cue,
 }
 
 impl core::fmt::Display for ClipError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::TooMany { given } => write!(f, "{given} clip planes; accepted: at most {CLIPS_MAX}"),
+            Self::Cue => f.write_str(
+                "depth cueing has a slope, a distance, a depth, a share or a colour out of range; accepted: -1 to 1, -65536 to 65536, above 0 to 65536, \
+                 0 to 1, 0 to 1",
+            ),
             Self::NoNormal { number } => write!(f, "clip plane {number} has no normal"),
             Self::Slope { number } => write!(f, "clip plane {number} has a slope beyond -1 to 1"),
             Self::Length { number } => write!(
@@ -227,15 +235,8 @@ pub struct ClipPlane {
 
 impl ClipPlane {
     fn of(plan: &Plan, clip: &Clip) -> Self {
-        let view = plan.view();
-        let [_, _, depth] = plan.volume();
-        let [i, j, mut k] = view.arrange(clip.slope.map(|slope| i64::from(slope.to_bits())));
-        let mut distance = clip.distance.to_bits();
-        if view.reversed() {
-            distance += k * (i64::from(depth) - 1);
-            k = -k;
-        }
-        let (slope, falloff) = ([i, j, k], clip.falloff.to_bits());
+        let (slope, distance) = arranged(plan, clip.slope, clip.distance);
+        let falloff = clip.falloff.to_bits();
         let mut along = 0;
         for (slope, step) in slope.iter().zip(plan.step()) {
             along += times(*slope, 2 * step.to_bits());
@@ -323,6 +324,19 @@ impl ClipPlane {
     }
 }
 
+/// A distance that is linear along x, y and z, along i, j and k: its slopes, and its value at the slice frame's first voxel.
+fn arranged(plan: &Plan, slope: [Vector; 3], distance: Distance) -> ([i64; 3], i64) {
+    let view = plan.view();
+    let [_, _, depth] = plan.volume();
+    let [i, j, k] = view.arrange(slope.map(|slope| i64::from(slope.to_bits())));
+    let distance = distance.to_bits();
+    if view.reversed() {
+        ([i, j, -k], distance + k * (i64::from(depth) - 1))
+    } else {
+        ([i, j, k], distance)
+    }
+}
+
 /// A distance along a segment of this length, as its share, to nearest. A segment is at most 2^33 long.
 fn share(distance: i64, length: i64) -> u32 {
     let (distance, length) = (distance as u64, length as u64);
@@ -332,18 +346,19 @@ fn share(distance: i64, length: i64) -> u32 {
 /// `slope x`, rounded down: x in units of 2^-33 voxel, below 2^48.
 const fn times(slope: i64, x: i64) -> i64 {
     // The nested floors are the floor of the whole.
-    (slope * (x >> 17) + (slope * (x & 0x1_ffff) >> 17)) >> 16
+    (slope * (x >> 17) + ((slope * (x & 0x1_ffff)) >> 17)) >> 16
 }
 
-/// The clip planes of a plan.
+/// The clip planes of a plan, and its depth cueing.
 #[derive(Clone, Debug)]
 pub struct Clips {
     planes: [ClipPlane; CLIPS_MAX],
     count: usize,
+    cue: Option<CuePlane>,
 }
 
-/// The distances of the ends of pixel (0, 0)'s segment from each clip plane.
-pub type Distances = [[i64; 2]; CLIPS_MAX];
+/// The distances of the ends of pixel (0, 0)'s segment from each clip plane, and behind them the depths of depth cueing.
+pub(crate) type Distances = [[i64; 2]; CLIPS_MAX + 1];
 
 impl Clips {
     /// Clip planes, along x, y, z in the volume of a plan.
@@ -362,7 +377,29 @@ impl Clips {
         Ok(Self {
             planes,
             count: clips.len(),
+            cue: None,
         })
+    }
+
+    /// The same with depth cueing.
+    ///
+    /// # Errors
+    /// [`ClipError::Cue`].
+    pub fn with_cue(self, plan: &Plan, cue: &Cue) -> Result<Self, ClipError> {
+        let most = DISTANCE_MAX.to_bits();
+        let depth = cue.depth.to_bits();
+        let far = cue.distance.to_bits().unsigned_abs() > most.unsigned_abs();
+        let bright = cue.colour.iter().any(|c| *c > Intensity::ONE);
+        if cue.slope.iter().any(is_steep) || far || bright || !(1..=most).contains(&depth) || cue.most > WHOLE {
+            return Err(ClipError::Cue);
+        }
+        let cue = CuePlane::of(cue, arranged(plan, cue.slope, cue.distance));
+        Ok(Self { cue: Some(cue), ..self })
+    }
+
+    /// Depth cueing.
+    pub const fn cue(&self) -> Option<&CuePlane> {
+        self.cue.as_ref()
     }
 
     /// For [`At::clips`](crate::plane::At::clips).
@@ -398,6 +435,10 @@ pub(crate) trait Clipping: core::fmt::Debug + Sync {
     fn weigh(&self, distances: &Distances, boxed: &Boxed, at: (u32, Range<usize>), opacities: &mut [i32]);
     /// Makes opacities those of a share of the step.
     fn fade(&self, opacities: &mut [i32], share: u32);
+    /// Whether colours turn with depth.
+    fn cues(&self) -> bool;
+    /// Turns the colours, of so many bits, of a row of segments, from a column of pixels on.
+    fn turn(&self, distances: &Distances, at: (u32, usize), colours: [&mut [i32]; 3], bits: u32);
 }
 
 impl Clipping for Clips {
@@ -409,10 +450,14 @@ impl Clipping for Clips {
             [2 * start_i.to_bits() + i, 2 * start_j.to_bits() + j, k]
         };
         let ends = [at(halves), at(halves + 2)];
-        let mut distances = [[0; 2]; CLIPS_MAX];
+        let of =
+            |[i, j, k]: [i64; 3], first: i64| ends.map(|[x, y, z]| first + times(i, x) + times(j, y) + times(k, z));
+        let mut distances = [[0; 2]; CLIPS_MAX + 1];
         for (plane, distances) in self.planes().iter().zip(&mut distances) {
-            let [i, j, k] = plane.slope;
-            *distances = ends.map(|[x, y, z]| plane.distance + times(i, x) + times(j, y) + times(k, z));
+            *distances = of(plane.slope, plane.distance);
+        }
+        if let (Some(cue), [.., distances]) = (&self.cue, &mut distances) {
+            *distances = of(cue.slope, cue.distance);
         }
         distances
     }
@@ -449,6 +494,26 @@ impl Clipping for Clips {
             fraction_row::<Native>(opacities, share);
         }
     }
+
+    fn cues(&self) -> bool {
+        self.cue.is_some()
+    }
+
+    fn turn(&self, distances: &Distances, (row, column): (u32, usize), colours: [&mut [i32]; 3], bits: u32) {
+        let (Some(cue), [.., ends]) = (&self.cue, distances) else {
+            return;
+        };
+        let [along_i, along_j, _] = cue.slope;
+        let mut ends = ends.map(|end| end + along_j * i64::from(row) + along_i * column as i64);
+        let [red, green, blue] = colours;
+        for ((r, g), b) in red.iter_mut().zip(green).zip(blue) {
+            let turned = cue.turned([*r as u32, *g as u32, *b as u32], bits, cue.share(ends));
+            [*r, *g, *b] = turned.map(|c| c as i32);
+            for end in &mut ends {
+                *end += along_i;
+            }
+        }
+    }
 }
 
 /// Where a segment begins, in half steps from the first slice: that about the samples of a plane with this number, or that which
@@ -463,14 +528,17 @@ pub fn halves(plan: &Plan, index: u32, slabs: bool) -> i64 {
     }
 }
 
+/// Whether a slope is beyond -1 to 1.
+fn is_steep(slope: &Vector) -> bool {
+    slope.to_bits().unsigned_abs() > 1 << 30
+}
+
 fn check(number: usize, clip: &Clip) -> Result<(), ClipError> {
-    let one = 1u32 << 30;
-    let steep = |slope: &Vector| slope.to_bits().unsigned_abs() > one;
     let most = DISTANCE_MAX.to_bits();
     let thickness = clip.thickness.map_or(1, Distance::to_bits);
     if clip.slope.iter().all(|slope| slope.to_bits() == 0) {
         Err(ClipError::NoNormal { number })
-    } else if clip.slope.iter().any(steep) {
+    } else if clip.slope.iter().any(is_steep) {
         Err(ClipError::Slope { number })
     } else if clip.distance.to_bits().unsigned_abs() > most.unsigned_abs()
         || !(1..=most).contains(&thickness)

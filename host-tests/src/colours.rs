@@ -97,7 +97,7 @@ impl ColourFrame {
                 picture: picture(&plan),
                 material: None,
                 step_length: 1.0,
-                clips: clips(&plan, &self.clips),
+                clips: clips(&plan, &self.clips, None),
                 plan,
             },
             medium: Medium::new(mantissa, exponent).expect("a scale"),

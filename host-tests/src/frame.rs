@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use slicecast::borders::Borders;
 use slicecast::classify::{colour_of_word, entry};
-use slicecast::clip::{Clip, Clips};
+use slicecast::clip::{Clip, Clips, Cue};
 use slicecast::crop::Crop;
 use slicecast::cut::Cut;
 use slicecast::format::{Direction, Intensity, Step};
@@ -55,6 +55,8 @@ pub struct Frame {
     pub crop: Option<Crop>,
     /// Clip planes.
     pub clips: Vec<Clip>,
+    /// Depth cueing.
+    pub cue: Option<Cue>,
     /// Table coding; `None` takes the precision's own.
     pub code: Option<AlphaCodeName>,
     /// Table look-up; `None` takes the precision's own.
@@ -107,6 +109,7 @@ impl Frame {
             borders: Borders::Whole,
             crop: None,
             clips: Vec::new(),
+            cue: None,
             code: None,
             lookup: None,
             early_termination: None,
@@ -145,6 +148,7 @@ impl Frame {
             colours: None,
             crop: None,
             clips: Vec::new(),
+            cueing: None,
             surfaces: Vec::new(),
         }
     }
@@ -252,7 +256,7 @@ impl Frame {
                 picture: picture(&plan),
                 material: self.material.clone(),
                 step_length: 1.0,
-                clips: clips(&plan, &self.clips),
+                clips: clips(&plan, &self.clips, self.cue.as_ref()),
                 plan,
             },
             table: self.compiled(),
@@ -265,9 +269,13 @@ impl Frame {
     }
 }
 
-/// Clip planes of a plan; `None` where there are none.
-pub(crate) fn clips(plan: &Plan, clips: &[Clip]) -> Option<Clips> {
-    (!clips.is_empty()).then(|| Clips::new(plan, clips).expect("good clip planes"))
+/// Clip planes of a plan, and its depth cueing; `None` where there is neither.
+pub(crate) fn clips(plan: &Plan, clips: &[Clip], cue: Option<&Cue>) -> Option<Clips> {
+    let made = || {
+        let clips = Clips::new(plan, clips)?;
+        cue.map_or(Ok(clips.clone()), |cue| clips.with_cue(plan, cue))
+    };
+    (!clips.is_empty() || cue.is_some()).then(|| made().expect("good clip planes"))
 }
 
 /// A picture of 48 x 40 pixels that turns and shrinks the base plane a little, so that the warp has work to do.

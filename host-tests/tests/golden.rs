@@ -19,8 +19,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use slicecast::borders::Borders;
+use slicecast::clip::{Clip, Cue};
 use slicecast::crop::Crop;
-use slicecast::format::{Coefficient, Position, Vector};
+use slicecast::format::{Coefficient, Distance, Intensity, Position, Vector};
 use slicecast::shade::{Highlight, Light};
 use slicecast_engine::camera::Material;
 use slicecast_engine::frame::Layer;
@@ -231,6 +232,72 @@ fn frames() -> Vec<(&'static str, Frame)> {
             },
         ),
         (
+            "head-clipped",
+            Frame {
+                clips: vec![clip([0.5, 1.0, -0.3], -21.3, None, 0.0, false)],
+                borders: Borders::Cells,
+                rays_per_voxel: 2,
+                ..lit([500, 866, -174])
+            },
+        ),
+        (
+            "head-cued",
+            Frame {
+                cue: Some(cue([0.2, 0.5, 0.1], -11.0, 40.0)),
+                clips: vec![clip([1.0, 0.0, -0.3], -5.5, None, 3.0, false)],
+                borders: Borders::Cells,
+                ..lit([500, 866, -174])
+            },
+        ),
+        (
+            "ripples-cued-back-to-front",
+            Frame {
+                cue: Some(cue([0.0, 0.3, 0.6], 2.0, 9.0)),
+                blend: Blend::BackToFront,
+                planes_per_voxel: 2,
+                ..ripples.clone()
+            },
+        ),
+        (
+            "noise-clipped-maximum",
+            Frame {
+                blend: Blend::Maximum,
+                direction: [300, -200, 1000],
+                clips: vec![clip([1.0, 0.2, 0.4], -9.0, Some(2.5), 0.0, false)],
+                ..noise.clone()
+            },
+        ),
+        (
+            "head-clipped-soft-segments",
+            Frame {
+                segments: Some(Stated::whole(SEGMENT)),
+                planes_per_voxel: 3,
+                blend: Blend::BackToFront,
+                direction: [-500, -866, 174],
+                borders: Borders::Nodes,
+                clips: vec![
+                    clip([0.3, -0.9, 0.1], 19.7, None, 9.5, false),
+                    clip([0.0, 0.0, 1.0], -40.0, Some(6.25), 0.0, true),
+                ],
+                ..head.clone()
+            },
+        ),
+        (
+            "head-clipped-surfaces",
+            Frame {
+                segments: Some(Stated {
+                    surfaces: SURFACES.to_vec(),
+                    ..Stated::whole(SEGMENT)
+                }),
+                clips: vec![
+                    clip([1.0, 0.0, 0.0], -30.5, None, 0.0, false),
+                    clip([0.2, 0.7, 0.6], -50.0, Some(30.0), 12.0, true),
+                ],
+                borders: Borders::Cells,
+                ..lit([300, 500, 1000])
+            },
+        ),
+        (
             "ripples-nodes",
             Frame {
                 borders: Borders::Nodes,
@@ -408,6 +475,29 @@ fn crop_of(faces: [[f64; 3]; 2]) -> Option<Crop> {
     Some(Crop { low, high })
 }
 
+/// A clip plane with these slopes, of this distance from the first voxel, in voxels.
+fn clip(slope: [f64; 3], distance: f64, thickness: Option<f64>, falloff: f64, outside: bool) -> Clip {
+    let length = |length: f64| Distance::from_num(length);
+    Clip {
+        slope: slope.map(Vector::from_num),
+        distance: length(distance),
+        thickness: thickness.map(length),
+        falloff: length(falloff),
+        outside,
+    }
+}
+
+/// Depth cueing with these slopes and this depth of the first voxel, in voxels.
+fn cue(slope: [f64; 3], distance: f64, depth: f64) -> Cue {
+    Cue {
+        slope: slope.map(Vector::from_num),
+        distance: Distance::from_num(distance),
+        depth: Distance::from_num(depth),
+        most: 60_000,
+        colour: [1000, 8000, 30_000].map(Intensity::from_bits),
+    }
+}
+
 /// A frame of cells, cropped.
 fn cropped(frame: Frame, faces: [[f64; 3]; 2]) -> Frame {
     Frame {
@@ -440,6 +530,17 @@ fn colour_frames() -> Vec<(&'static str, ColourFrame)> {
             ColourFrame {
                 borders: Borders::Cells,
                 crop: crop_of([[3.0, 9.5, 20.5], [30.25, 28.0, 21.0]]),
+                ..ball.clone()
+            },
+        ),
+        (
+            "colours-ball-clipped",
+            ColourFrame {
+                borders: Borders::Cells,
+                clips: vec![
+                    clip([0.6, 0.8, 0.1], -25.0, None, 0.0, false),
+                    clip([0.0, -0.2, 1.0], -11.0, Some(4.0), 3.0, true),
+                ],
                 ..ball
             },
         ),

@@ -127,6 +127,7 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Sce
         colours: None,
         crop: None,
         clips: Vec::new(),
+        cueing: None,
         surfaces: Vec::new(),
     };
     scene.check().map_err(|error| SceneError {

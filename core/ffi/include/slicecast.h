@@ -14,7 +14,7 @@
 #define SLICECAST_STATE_BYTES 1024
 
 // Words of a `SlicecastClips`.
-#define SLICECAST_CLIPS_WORDS 56
+#define SLICECAST_CLIPS_WORDS 72
 
 // Done.
 #define SLICECAST_OK 0
@@ -132,8 +132,11 @@
 // range (`needed` the largest, 2^46; a thickness and a falloff are not below 0).
 #define SLICECAST_CLIP -35
 
-// Clip planes were given to a stream that has taken a slice.
+// Clip planes or depth cueing were given to a stream that has taken a slice.
 #define SLICECAST_BEGUN -36
+
+// Depth cueing has a slope, a distance, a depth, a share or a colour that is out of range.
+#define SLICECAST_CUE -37
 
 // `precision` of the stages: widths and roundings of `paper`.
 #define SLICECAST_PAPER 0
@@ -318,7 +321,21 @@ typedef struct SlicecastClip {
   int64_t falloff;
 } SlicecastClip;
 
-// Memory for the clip planes of a stream. Opaque; it need not be initialised.
+// Depth cueing: colours, after shading, turn into another with depth. docs/contract/clip.md
+typedef struct SlicecastCue {
+  // By how many lengths the depth grows per voxel along x, y, z, s1.30, none beyond -1 to 1.
+  int32_t slope[3];
+  // How far colours turn, 0.16: 0 to 65536, which is all.
+  uint32_t most;
+  // The depth of the centre of the first voxel, lengths, s33.30, within 65536; up to 0 colours are their own.
+  int64_t distance;
+  // The depth at which they have turned, lengths, s33.30, above 0.
+  int64_t depth;
+  // What they turn into: red, green, blue, 1.15.
+  uint16_t colour[3];
+} SlicecastCue;
+
+// Memory for the clip planes and the depth cueing of a stream. Opaque; it need not be initialised.
 typedef struct SlicecastClips {
   uint64_t words[SLICECAST_CLIPS_WORDS];
 } SlicecastClips;
@@ -405,9 +422,10 @@ int32_t slicecast_wanted(const struct SlicecastStream *stream,
                          uint32_t *number,
                          struct SlicecastError *error);
 
-// Puts a frame behind clip planes, before its first slice.
+// Puts a frame behind clip planes, or gives it depth cueing, before its first slice.
 //
-// `planes`: `count` of them, at most 6; they are copied. `clips`: memory for what is made of them. Returns SLICECAST_OK or an error
+// `planes`: `count` of them, at most 6; null if there are none. `cue`: null without depth cueing. Both are copied. `clips`: memory for
+// what is made of them. Pipelines of depths have no colours that turn. Returns SLICECAST_OK or an error
 // code; the stream is then as it was.
 //
 // # Safety
@@ -415,6 +433,7 @@ int32_t slicecast_wanted(const struct SlicecastStream *stream,
 int32_t slicecast_clip(struct SlicecastStream *stream,
                        const struct SlicecastClip *planes,
                        size_t count,
+                       const struct SlicecastCue *cue,
                        struct SlicecastClips *clips,
                        struct SlicecastError *error);
 

@@ -89,8 +89,10 @@ pub const SLICECAST_CLIP_COUNT: i32 = -34;
 /// Clip plane `row` has no normal (`needed` 1), a slope beyond -1 to 1 (`needed` 2^30), or a distance, thickness or falloff out of
 /// range (`needed` the largest, 2^46; a thickness and a falloff are not below 0).
 pub const SLICECAST_CLIP: i32 = -35;
-/// Clip planes were given to a stream that has taken a slice.
+/// Clip planes or depth cueing were given to a stream that has taken a slice.
 pub const SLICECAST_BEGUN: i32 = -36;
+/// Depth cueing has a slope, a distance, a depth, a share or a colour that is out of range.
+pub const SLICECAST_CUE: i32 = -37;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]

@@ -23,7 +23,7 @@ mod scene;
 mod stages;
 mod surfaces;
 
-pub use clips::{SLICECAST_CLIPS_WORDS, SlicecastClip, SlicecastClips};
+pub use clips::{SLICECAST_CLIPS_WORDS, SlicecastClip, SlicecastClips, SlicecastCue};
 pub use error::*;
 pub use instance::{
     SlicecastPipeline, slicecast_compact_depth, slicecast_compact_lit, slicecast_compact_lit_colour16,
@@ -150,9 +150,10 @@ pub unsafe extern "C" fn slicecast_wanted(
     unsafe { report(work(), error) }
 }
 
-/// Puts a frame behind clip planes, before its first slice.
+/// Puts a frame behind clip planes, or gives it depth cueing, before its first slice.
 ///
-/// `planes`: `count` of them, at most 6; they are copied. `clips`: memory for what is made of them. Returns SLICECAST_OK or an error
+/// `planes`: `count` of them, at most 6; null if there are none. `cue`: null without depth cueing. Both are copied. `clips`: memory for
+/// what is made of them. Pipelines of depths have no colours that turn. Returns SLICECAST_OK or an error
 /// code; the stream is then as it was.
 ///
 /// # Safety
@@ -162,13 +163,26 @@ pub unsafe extern "C" fn slicecast_clip(
     stream: *mut SlicecastStream,
     planes: *const SlicecastClip,
     count: usize,
+    cue: *const SlicecastCue,
     clips: *mut SlicecastClips,
     error: *mut SlicecastError,
 ) -> i32 {
     let work = || {
         // SAFETY: the caller's promise; null, misaligned and foreign pointers are refused.
-        let (stream, planes, clips) = unsafe { (Handle::of(stream, 1)?, slice(planes, count, 2)?, write(clips, 4)?) };
-        clips.give(planes, stream)
+        let (stream, clips) = unsafe { (Handle::of(stream, 1)?, write(clips, 5)?) };
+        // SAFETY: as above.
+        let planes = if count == 0 {
+            &[]
+        } else {
+            unsafe { slice(planes, count, 2)? }
+        };
+        // SAFETY: as above.
+        let cue = if cue.is_null() {
+            None
+        } else {
+            Some(unsafe { read(cue, 4)? })
+        };
+        clips.give(planes, cue, stream)
     };
     // SAFETY: the caller's promise for `error`.
     unsafe { report(work(), error) }
@@ -340,6 +354,7 @@ trait Checked {
 }
 
 impl Checked for SlicecastScene {}
+impl Checked for SlicecastCue {}
 impl Checked for SlicecastScreen {}
 impl Checked for SlicecastWarp {}
 impl Checked for SlicecastLighting {}

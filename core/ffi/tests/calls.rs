@@ -6,7 +6,7 @@ use core::ptr::{null, null_mut};
 
 use slicecast::borders::Borders;
 use slicecast::classify::{Classifier, Colour16, Linear, PointTable, Sqrt16, entry};
-use slicecast::clip::{Clip, Clips};
+use slicecast::clip::{Clip, Clips, Cue};
 use slicecast::composite::FrontToBack;
 use slicecast::composite::Unorm16;
 use slicecast::crop::Crop;
@@ -122,7 +122,7 @@ fn render_scene(
     first: u32,
     rows: u32,
 ) -> Vec<u16> {
-    render_clipped(pipeline, data, scene, [first, rows], &[])
+    render_clipped(pipeline, data, scene, [first, rows], &[], null())
 }
 
 fn render_clipped(
@@ -131,6 +131,7 @@ fn render_clipped(
     scene: SlicecastScene,
     [first, rows]: [u32; 2],
     planes: &[SlicecastClip],
+    cue: *const SlicecastCue,
 ) -> Vec<u16> {
     let needs = needs(pipeline, &scene, rows);
     let mut memory = block(needs.bytes);
@@ -150,8 +151,15 @@ fn render_clipped(
         );
         assert_eq!(code, SLICECAST_OK);
         let mut clips = MaybeUninit::<SlicecastClips>::uninit();
-        if !planes.is_empty() {
-            let given = slicecast_clip(stream, planes.as_ptr(), planes.len(), clips.as_mut_ptr(), null_mut());
+        if !planes.is_empty() || !cue.is_null() {
+            let given = slicecast_clip(
+                stream,
+                planes.as_ptr(),
+                planes.len(),
+                cue,
+                clips.as_mut_ptr(),
+                null_mut(),
+            );
             assert_eq!(given, SLICECAST_OK);
         }
         let mut number = 0;
@@ -188,7 +196,7 @@ fn from_rust(data: &Data) -> Vec<u16> {
 
 /// The same frame from Rust, over a table, on a plan changed as given.
 fn from_rust_over<C: Classifier<Compact>>(data: &Data, table: C, change: impl Fn(Plan) -> Plan) -> Vec<u16> {
-    from_rust_clipped(data, table, change, &[])
+    from_rust_clipped(data, table, change, &[], None)
 }
 
 fn from_rust_clipped<C: Classifier<Compact>>(
@@ -196,6 +204,7 @@ fn from_rust_clipped<C: Classifier<Compact>>(
     table: C,
     change: impl Fn(Plan) -> Plan,
     clips: &[Clip],
+    cue: Option<Cue>,
 ) -> Vec<u16> {
     let scene = data.scene();
     let view = View::new(scene.direction.map(Direction::from_bits)).unwrap();
@@ -225,9 +234,12 @@ fn from_rust_clipped<C: Classifier<Compact>>(
         scratch: &mut scratch,
         image: &mut image,
     };
-    let clips = Clips::new(&plan, clips).unwrap();
+    let mut clips = Clips::new(&plan, clips).unwrap();
+    if let Some(cue) = cue {
+        clips = clips.with_cue(&plan, &cue).unwrap();
+    }
     let mut stream = Stream::new(plan, pipeline, memory).unwrap();
-    if !clips.planes().is_empty() {
+    if !clips.planes().is_empty() || clips.cue().is_some() {
         stream.clip(clips.clipper()).unwrap();
     }
     let len = (DIMS[0] * DIMS[1]) as usize;
@@ -356,10 +368,35 @@ fn clip_planes_are_those_of_rust() {
     let table = || PointTable::<Sqrt16, Linear>::new(&data.entries, &data.low);
     let whole = from_rust_over(&data, table(), |plan| plan);
     for count in [1, 2] {
-        let rust = from_rust_clipped(&data, table(), |plan| plan, &clips[..count]);
-        let found = render_clipped(slicecast_compact_lit(), &data, data.scene(), [0, 0], &planes[..count]);
+        let rust = from_rust_clipped(&data, table(), |plan| plan, &clips[..count], None);
+        let (lit, scene) = (slicecast_compact_lit(), data.scene());
+        let found = render_clipped(lit, &data, scene, [0, 0], &planes[..count], null());
         assert_eq!(found, rust);
         assert_ne!(rust, whole, "planes that change nothing prove nothing");
+    }
+    let cue = SlicecastCue {
+        slope: [1 << 28, 0, 1 << 29],
+        most: 50_000,
+        distance: 1 << 28,
+        depth: 2 << 30,
+        colour: [3000, 0, 20_000],
+    };
+    let rust_cue = Cue {
+        slope: cue.slope.map(Vector::from_bits),
+        distance: Distance::from_bits(cue.distance),
+        depth: Distance::from_bits(cue.depth),
+        most: cue.most,
+        colour: cue.colour.map(Intensity::from_bits),
+    };
+    for count in [0, 1] {
+        let rust = from_rust_clipped(&data, table(), |plan| plan, &clips[..count], Some(rust_cue));
+        let (lit, scene) = (slicecast_compact_lit(), data.scene());
+        let found = render_clipped(lit, &data, scene, [0, 0], &planes[..count], &cue);
+        assert_eq!(found, rust);
+        assert_ne!(
+            rust,
+            from_rust_clipped(&data, table(), |plan| plan, &clips[..count], None)
+        );
     }
 }
 
@@ -393,18 +430,46 @@ fn clip_planes_that_are_none_are_codes() {
         );
         assert_eq!(opened, SLICECAST_OK);
         let mut clips = MaybeUninit::<SlicecastClips>::uninit();
-        let mut give = |planes: &[SlicecastClip]| {
+        let mut give_both = |planes: &[SlicecastClip], cue: *const SlicecastCue| {
             let mut error = MaybeUninit::<SlicecastError>::uninit();
             let code = slicecast_clip(
                 stream,
                 planes.as_ptr(),
                 planes.len(),
+                cue,
                 clips.as_mut_ptr(),
                 error.as_mut_ptr(),
             );
             let SlicecastError { needed, given, row, .. } = error.assume_init();
             (code, needed, given, row)
         };
+        let turned = SlicecastCue {
+            slope: [1 << 30; 3],
+            most: 65536,
+            distance: 0,
+            depth: 1,
+            colour: [32768; 3],
+        };
+        for wrong in [
+            SlicecastCue { most: 65537, ..turned },
+            SlicecastCue { depth: 0, ..turned },
+            SlicecastCue {
+                colour: [0, 32769, 0],
+                ..turned
+            },
+            SlicecastCue {
+                slope: [0, i32::MAX, 0],
+                ..turned
+            },
+            SlicecastCue {
+                distance: i64::MIN,
+                ..turned
+            },
+        ] {
+            assert_eq!(give_both(&[], &wrong).0, SLICECAST_CUE);
+        }
+        assert_eq!(give_both(&[], &turned).0, SLICECAST_OK);
+        let mut give = |planes: &[SlicecastClip]| give_both(planes, null());
         assert_eq!(give(&[good; 7]), (SLICECAST_CLIP_COUNT, 6, 7, 0));
         let none = SlicecastClip { slope: [0; 3], ..good };
         assert_eq!(give(&[good, none]), (SLICECAST_CLIP, 1, 0, 1));

@@ -100,8 +100,9 @@ impl<'c> Pieces<'c> {
     /// The columns of which something may be left, and a range of those that a plane may cut.
     pub(crate) fn reach(&self) -> [Range<usize>; 2] {
         let cut = self.doubtful.iter().flatten().filter(|range| !range.is_empty());
-        let hull = |all: Range<usize>, range: &Range<usize>| all.start.min(range.start)..all.end.max(range.end);
-        [self.touched.clone(), cut.fold(usize::MAX..0, hull)]
+        let hull = |[start, end]: [usize; 2], range: &Range<usize>| [start.min(range.start), end.max(range.end)];
+        let [start, end] = cut.fold([usize::MAX, 0], hull);
+        [self.touched.clone(), start..end]
     }
 
     /// Some of the columns, counted from the first, alone.

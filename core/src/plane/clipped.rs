@@ -11,12 +11,14 @@ pub(super) struct Clipped<'c> {
     clips: &'c dyn Clipping,
     distances: Distances,
     boxed: Boxed,
+    /// Bits of a colour after 1.0.
+    colour_bits: u32,
 }
 
 impl<'c> Clipped<'c> {
     /// Of the segments about the samples of a plane, or of those that end at it; `None` without clip planes.
     #[inline(always)]
-    pub(super) fn of<X>(at: &At<'c, X>, extent: &Extent, slabs: bool) -> Option<Self> {
+    pub(super) fn of<X>(at: &At<'c, X>, extent: &Extent, slabs: bool, colour_bits: u32) -> Option<Self> {
         let clips = at.clips?.0;
         Some(Self {
             clips,
@@ -26,6 +28,7 @@ impl<'c> Clipped<'c> {
                 part: extent.part,
                 ends: extent.ends,
             },
+            colour_bits,
         })
     }
 
@@ -53,6 +56,18 @@ impl<'c> Clipped<'c> {
     /// Makes opacities those of a share of the step.
     pub(super) fn fade(&self, opacities: &mut [i32], share: u32) {
         self.clips.fade(opacities, share);
+    }
+
+    /// Whether colours turn with depth.
+    pub(super) fn cues(&self) -> bool {
+        self.clips.cues()
+    }
+
+    /// Turns the colours of a row of segments, from a column on, counted from the extent's first.
+    pub(super) fn turn(&self, row: u32, first: usize, colours: [&mut [i32]; 3]) {
+        let column = self.boxed.columns.start + first;
+        self.clips
+            .turn(&self.distances, (row, column), colours, self.colour_bits);
     }
 
     /// The share of a segment's step that lies in the box and is left, 0.16.

@@ -132,7 +132,7 @@ where
         );
         let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fractions(extent, plan.exact());
         let shader = Kernels::<S, P, V>::of(&self.shader, precision);
-        let clipped = Clipped::of(at, extent, C::SLABS);
+        let clipped = Clipped::of(at, extent, C::SLABS, precision.pixel().colour_bits());
         let spacing = plan.spacing();
         // Two constants, before which no code for blocks is compiled.
         if !V::SMALL
@@ -284,8 +284,9 @@ where
         let At {
             plan, plane, window, ..
         } = at;
-        // Small machines have no whole volume at hand, and observers see whole rows; segments that are cut lie in rows too.
-        let cut = C::SLABS && at.clips.is_some();
+        // Small machines have no whole volume at hand, and observers see whole rows; segments that are cut and colours that turn lie
+        // in rows too.
+        let cut = at.clips.is_some_and(|clips| C::SLABS || clips.0.cues());
         let seen = at.seen.filter(|_| !V::SMALL && tap.is_none() && !cut);
         let [mut width, _, _] = plan.dims();
         if seen.is_some() {

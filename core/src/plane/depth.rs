@@ -143,7 +143,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
             let Scratch { source, front, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let mut front = Sheared::<P, V, Unlit>::new(self.precision, ahead, window, spacing, front, front_rows);
             let mut back = Sheared::<P, V, Unlit>::new(self.precision, extent, behind, spacing, source, back_rows);
-            let clipped = Clipped::of(at, extent, true);
+            let clipped = Clipped::of(at, extent, true, 0);
             for row in extent.met(rows.first, count) {
                 let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));
                 let range = around(behind, extent.voxel_rows(back_row));

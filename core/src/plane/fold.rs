@@ -54,6 +54,10 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
         visible: Range<usize>,
         turns: &mut [W],
     );
+    /// Whether colours turn with depth.
+    fn cues(&self) -> bool;
+    /// Turns the colours of visible segments.
+    fn turn(&self, visible: Range<usize>, colours: &mut Colours<'_, W>);
     /// The next visible samples of the batch, side by side.
     fn visible(&mut self, canvas: &mut X, opacities: &mut [W]) -> Option<Range<usize>>;
     /// Their gradients, spaced; with their turns, those of crossings.
@@ -85,7 +89,8 @@ pub(super) fn fold<B, C, S, X>(
         r,
     } = rows;
     // One colour needs no rows, unless they are looked at.
-    let one = classifier.one_colour().filter(|_| tap.is_none());
+    let cues = batches.cues();
+    let one = classifier.one_colour().filter(|_| tap.is_none() && !cues);
     while let Some(len) = batches.next(canvas) {
         let opacities = part_mut(opacities, 0..len);
         if let (Some(tap), Some(at)) = (&mut tap, batches.beam(0, 0)) {
@@ -136,6 +141,9 @@ pub(super) fn fold<B, C, S, X>(
                     classifier.colour_row(slab.span(visible.clone()).of_part(part), [&mut *r, &mut *g, &mut *b]);
                     batches.clip_colours(classifier, part, visible.clone(), [r, g, b]);
                 }
+                if cues && !shader.lit() {
+                    batches.turn(visible.clone(), &mut colours);
+                }
                 if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
                     see(*tap, Stage::Colour, at, &colours.rows);
                 }
@@ -155,9 +163,15 @@ pub(super) fn fold<B, C, S, X>(
                         shader.normalise([&mut *gx, &mut *gy, &mut *gz], &mut *r);
                         tap.row(Stage::Normal, at, &[&&*gx, &&*gy, &&*gz, &&*r]);
                         shader.shade([&*gx, &*gy, &*gz], &*r, &mut colours);
+                        if cues {
+                            batches.turn(visible.clone(), &mut colours);
+                        }
                         see(*tap, Stage::Shading, at, &colours.rows);
                     } else {
                         shader.normalise_and_shade([gx, gy, gz], r, &mut colours);
+                        if cues {
+                            batches.turn(visible.clone(), &mut colours);
+                        }
                     }
                 }
                 if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
@@ -360,6 +374,19 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
                 *turn = left.turn(Turn::from_bits(*turn)).to_bits();
             }
         });
+    }
+
+    #[inline(always)]
+    fn cues(&self) -> bool {
+        self.clipped.is_some_and(Clipped::cues)
+    }
+
+    #[inline(always)]
+    fn turn(&self, visible: Range<usize>, colours: &mut Colours<'_, i32>) {
+        if let Some(clipped) = self.clipped {
+            let [red, green, blue] = &mut colours.rows;
+            clipped.turn(self.row, visible.start, [red, green, blue]);
+        }
     }
 
     #[inline(always)]

@@ -86,7 +86,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
                 source,
                 KeptRows::default(),
             );
-            let clipped = Clipped::of(at, &extent, false);
+            let clipped = Clipped::of(at, &extent, false, 0);
             for row in extent.met(rows.first, count) {
                 if clipped.as_ref().is_some_and(|clipped| clipped.is_empty(row)) {
                     continue;

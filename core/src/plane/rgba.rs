@@ -104,7 +104,7 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         }
         let bits = precision.formats().sample_bits;
         let absorption = self.medium.absorption(bits, extent.part.length());
-        let clipped = Clipped::of(at, extent, false);
+        let clipped = Clipped::of(at, extent, false, 0);
         let mut image = Image::<P::Pixel, FrontToBack, V>::new(
             (rows.first, &mut *rows.data),
             base_width,

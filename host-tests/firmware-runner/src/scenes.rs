@@ -12,7 +12,9 @@ use slicecast_engine::pipelines::compile;
 use slicecast_engine::rendering::in_memory_order;
 use slicecast_engine::table::Table;
 use slicecast_firmware_shared::sum::Sum;
+use slicecast_scene::clip::Clip;
 use slicecast_scene::crop::{self as boxes, CropUnit};
+use slicecast_scene::cueing::Cueing;
 use slicecast_scene::file::parse;
 use slicecast_scene::{AlphaCodeName, Borders, Highlight, PrecisionName, Scene};
 use slicecast_volume::Volume;
@@ -378,13 +380,62 @@ impl Named {
             let name = kind.name().to_uppercase().replace(' ', "_");
             let _ = writeln!(out, "#define {name} {}u", image_sum(kind));
         }
-        let words = |error: &dyn std::error::Error| Failure(format!("{}, cropped: {error}", self.name));
-        let prepared = Prepared::new(&cropped, &self.volume).map_err(|e| words(&e))?;
-        let frame = prepared.render(Layer::Tiles(32), &|_, _| ()).map_err(|e| words(&e))?;
-        let mut sum = Sum::new();
-        in_memory_order(&frame.base, rates.rays_per_voxel as usize).for_each(|bits| sum.word(bits));
-        let _ = writeln!(out, "#define CROPPED {}u", sum.get());
+        let clipped = self.clipped();
+        let units = |lengths: f64| (lengths * f64::from(1 << 30)) as i64;
+        let planes = clipped.clips.iter().map(|clip| {
+            let plane = clip.in_voxels(self.volume.spacing);
+            format!(
+                "{{{}, {}, {}, {}, {}}}",
+                list(&plane.slope.map(units)),
+                u32::from(clip.outside),
+                units(plane.distance),
+                plane.thickness.map_or(0, units),
+                units(plane.falloff),
+            )
+        });
+        let planes: Vec<_> = planes.collect();
+        let _ = writeln!(out, "static const SlicecastClip clips[] = {{{}}};", planes.join(", "));
+        let forward = clipped.view.axes().forward;
+        if let Some(cue) = clipped.cueing {
+            let plane = cue.in_voxels(forward, self.volume.dims, self.volume.spacing);
+            let _ = writeln!(
+                out,
+                "static const SlicecastCue cue = {{{}, {}, {}, {}, {}}};",
+                list(&plane.slope.map(units)),
+                (plane.strength * 65536.0) as u32,
+                units(plane.distance),
+                units(plane.depth),
+                list(&cue.colour.map(|c| (c * 32768.0).round() as u16)),
+            );
+        }
+        for (name, scene) in [("CROPPED", &cropped), ("CLIPPED", &clipped)] {
+            let words = |error: &dyn std::error::Error| Failure(format!("{}, {name}: {error}", self.name));
+            let prepared = Prepared::new(scene, &self.volume).map_err(|e| words(&e))?;
+            let frame = prepared.render(Layer::Tiles(32), &|_, _| ()).map_err(|e| words(&e))?;
+            let mut sum = Sum::new();
+            in_memory_order(&frame.base, rates.rays_per_voxel as usize).for_each(|bits| sum.word(bits));
+            let _ = writeln!(out, "#define {name} {}u", sum.get());
+        }
         Ok(out)
+    }
+
+    /// The scene behind a hard plane and a soft slab that is cut away, with depth cueing, lit, in `Compact`.
+    fn clipped(&self) -> Scene {
+        let slab = Clip {
+            thickness: Some(3.5),
+            falloff: 4.0,
+            outside: true,
+            ..Clip::new([0.0, 0.0, 9.0], [0.1, -0.2, 1.0])
+        };
+        Scene {
+            cueing: Some(Cueing {
+                from: 0.125,
+                colour: [0.0, 0.125, 0.25],
+                ..Cueing::default()
+            }),
+            clips: vec![Clip::new([12.0, 14.5, 13.0], [1.0, 0.4, -0.3]), slab],
+            ..self.in_precision(PrecisionName::Compact)
+        }
     }
 
     /// The scene of a box of the volume, lit, in `Compact`.

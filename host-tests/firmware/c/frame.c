@@ -36,7 +36,7 @@ static size_t whole_slice(const SlicecastPipeline *pipeline, const SlicecastScen
   return needs.slice_voxels;
 }
 
-static int frame(const char *name, const SlicecastPipeline *pipeline, const SlicecastScene *scene,
+static int frame(const char *name, const SlicecastPipeline *pipeline, const SlicecastScene *scene, size_t planes,
                  uint32_t expected) {
   SlicecastError error;
   SlicecastNeeds needs;
@@ -45,6 +45,10 @@ static int frame(const char *name, const SlicecastPipeline *pipeline, const Slic
   }
   SlicecastStream *stream;
   if (!check(slicecast_open(pipeline, scene, 0, 0, memory, sizeof memory, &stream, &error), &error)) {
+    return 0;
+  }
+  static SlicecastClips made;
+  if (planes > 0 && !check(slicecast_clip(stream, clips, planes, &cue, &made, &error), &error)) {
     return 0;
   }
   uint32_t number;
@@ -73,10 +77,11 @@ static int frame(const char *name, const SlicecastPipeline *pipeline, const Slic
 
 int main(void) {
   int passed = slicecast_version() == SLICECAST_VERSION;
-  passed &= frame("small compact unlit", slicecast_compact_unlit(), &scene, COMPACT_UNLIT);
-  passed &= frame("small compact lit", slicecast_compact_lit(), &scene, COMPACT_LIT);
-  passed &= frame("small wide lit", slicecast_wide_lit_colour16(), &scene_wide, WIDE_LIT);
-  passed &= frame("small compact lit cropped", slicecast_compact_lit(), &scene_cropped, CROPPED);
+  passed &= frame("small compact unlit", slicecast_compact_unlit(), &scene, 0, COMPACT_UNLIT);
+  passed &= frame("small compact lit", slicecast_compact_lit(), &scene, 0, COMPACT_LIT);
+  passed &= frame("small wide lit", slicecast_wide_lit_colour16(), &scene_wide, 0, WIDE_LIT);
+  passed &= frame("small compact lit cropped", slicecast_compact_lit(), &scene_cropped, 0, CROPPED);
+  passed &= frame("small compact lit clipped", slicecast_compact_lit(), &scene, sizeof clips / sizeof *clips, CLIPPED);
   /* What C gets wrong comes back as a number. */
   SlicecastError error;
   passed &= slicecast_push((SlicecastStream *)memory, voxels, 1, &error) == SLICECAST_COMPLETE;

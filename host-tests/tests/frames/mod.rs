@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 use slicecast::borders::Borders;
-use slicecast::clip::Clip;
+use slicecast::clip::{Clip, Cue};
 use slicecast::crop::Crop;
-use slicecast::format::{Coefficient, Distance, Opacity, Position, Vector};
+use slicecast::format::{Coefficient, Distance, Intensity, Opacity, Position, Vector};
 use slicecast::plan::PlanError;
 use slicecast::shade::{Highlight, Light};
 use slicecast::surface::{Face, Surface, VALUE_MAX};
@@ -220,7 +220,7 @@ pub fn clips_of(seed: u64, dims: [usize; 3]) -> Vec<Clip> {
                 }
             });
             let distance: i64 = (slope.iter().zip(place))
-                .map(|(slope, place)| (i128::from(*slope) * i128::from(place) >> 30) as i64)
+                .map(|(slope, place)| ((i128::from(*slope) * i128::from(place)) >> 30) as i64)
                 .sum();
             let mut length = || match pick(0, 2) {
                 0 => 0,
@@ -237,6 +237,20 @@ pub fn clips_of(seed: u64, dims: [usize; 3]) -> Vec<Clip> {
             }
         })
         .collect()
+}
+
+/// Depth cueing that turns something of most volumes.
+fn cue_of(seed: u64) -> Cue {
+    let mut random = Random::new(seed);
+    let mut pick = |low: i64, high: i64| low + i64::from(random.below((high - low + 1) as u32));
+    let one = 1i64 << 30;
+    Cue {
+        slope: [(); 3].map(|()| Vector::from_bits(pick(-one, one) as i32)),
+        distance: Distance::from_bits(pick(-4 * one / 2, one) + pick(0, one)),
+        depth: Distance::from_bits(pick(1, 3 * one)),
+        most: pick(0, 65536) as u32,
+        colour: [(); 3].map(|()| Intensity::from_bits(pick(0, 32768) as u16)),
+    }
 }
 
 /// Any of these boxes.
@@ -307,6 +321,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             } else {
                 Vec::new()
             },
+            cue: (seed % 11 < 3).then(|| cue_of(seed.rotate_left(29))),
             code,
             lookup,
             early_termination,

@@ -76,6 +76,7 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         colours: None,
         crop: None,
         clips: Vec::new(),
+        cueing: None,
         surfaces: Vec::new(),
     }
 }

@@ -27,6 +27,8 @@ struct Sample {
     fraction: f64,
     /// What clip planes leave of that.
     left: Left,
+    /// How far depth cueing has turned its colour.
+    turned: f64,
     /// The sample, or the parts of the segment that ends at it.
     parts: Vec<Known>,
 }
@@ -314,7 +316,7 @@ impl<'a> Lockstep<'a> {
                         colour,
                         gradient,
                         normal,
-                        shaded: self.model.shade(normal, colour),
+                        shaded: self.model.cued(self.model.shade(normal, colour), place.turned),
                     }
                 });
                 if let Some(visible) = visible {
@@ -341,6 +343,7 @@ impl<'a> Lockstep<'a> {
                 value,
                 fraction,
                 left,
+                turned: place.turned,
                 parts,
             });
             self.pixels[index] = pixel;
@@ -501,8 +504,14 @@ impl Lockstep<'_> {
             let fixed = self.scales.colour(colour);
             self.colours.push(fixed);
             if let Some(exact) = self.part(index - self.row, at.part) {
-                let carried = self.visible(at, offset).map(|v| v.colour);
-                self.add3(Stage::Colour, fixed, exact.classified.colour, carried);
+                let unlit = self.lights.is_none();
+                let carried = self
+                    .visible(at, offset)
+                    .map(|v| if unlit { v.shaded } else { v.colour });
+                // What is not lit turns as it is classified.
+                let colour = exact.classified.colour;
+                let exact = if unlit { self.cued(index, colour) } else { colour };
+                self.add3(Stage::Colour, fixed, exact, carried);
             }
         }
     }
@@ -525,6 +534,12 @@ impl Lockstep<'_> {
         }
     }
 
+    /// A colour of the model as depth cueing turns it about a sample.
+    fn cued(&self, index: usize, colour: [f64; 3]) -> [f64; 3] {
+        let turned = self.samples[index].as_ref().map_or(0.0, |sample| sample.turned);
+        self.model.cued(colour, turned)
+    }
+
     fn normals(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.normals.clear();
         for (offset, [x, y, z, r]) in values(rows) {
@@ -541,6 +556,7 @@ impl Lockstep<'_> {
             let fixed = self.scales.colour(colour);
             if let Some(lights) = &self.lights {
                 let exact = lights.shade(self.normals[offset], self.colours[offset]);
+                let exact = self.cued(self.index(at) + offset, exact);
                 let carried = self.visible(at, offset).map(|v| v.shaded);
                 self.add3(Stage::Shading, fixed, exact, carried);
             }

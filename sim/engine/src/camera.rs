@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use slicecast::borders;
-use slicecast::clip::{Clip, ClipError, Clips};
+use slicecast::clip::{Clip, ClipError, Clips, Cue};
 use slicecast::crop::Crop;
 use slicecast::format::{Coefficient, Direction, Distance, Intensity, Position, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
@@ -124,19 +124,20 @@ pub fn crop(scene: &Scene, spacing: [f64; 3]) -> Option<Crop> {
     })
 }
 
-/// The clip planes of a scene on a volume with this spacing; `None` if it has none.
+/// The clip planes of a scene on a volume with this spacing, and its depth cueing; `None` if it has neither.
 ///
 /// # Errors
-/// [`CameraError::Clip`] for a plane that the pipeline does not take.
+/// [`CameraError::Clip`] for one of them that the pipeline does not take.
 pub fn clips(scene: &Scene, plan: &Plan, spacing: [f64; 3]) -> Result<Option<Clips>, CameraError> {
-    if scene.clips.is_empty() {
+    if scene.clips.is_empty() && scene.cueing.is_none() {
         return Ok(None);
     }
+    let length = |length: f64| Distance::from_bits((length * LENGTH) as i64);
+    let slopes = |slopes: [f64; 3]| slopes.map(|slope| Vector::from_bits((slope * LENGTH) as i32));
     let clip = |clip: &slicecast_scene::clip::Clip| {
         let plane = clip.in_voxels(spacing);
-        let length = |length: f64| Distance::from_bits((length * LENGTH) as i64);
         Clip {
-            slope: plane.slope.map(|slope| Vector::from_bits((slope * LENGTH) as i32)),
+            slope: slopes(plane.slope),
             distance: length(plane.distance),
             thickness: plane.thickness.map(length),
             falloff: length(plane.falloff),
@@ -144,7 +145,22 @@ pub fn clips(scene: &Scene, plan: &Plan, spacing: [f64; 3]) -> Result<Option<Cli
         }
     };
     let planes: Vec<Clip> = scene.clips.iter().map(clip).collect();
-    Ok(Some(Clips::new(plan, &planes)?))
+    let clips = Clips::new(plan, &planes)?;
+    let Some(cueing) = scene.cueing else {
+        return Ok(Some(clips));
+    };
+    let dims = plan.view().restore(plan.volume()).map(|side| side as usize);
+    let plane = cueing.in_voxels(scene.view.axes().forward, dims, spacing);
+    let cue = Cue {
+        slope: slopes(plane.slope),
+        distance: length(plane.distance),
+        depth: length(plane.depth),
+        most: (plane.strength * 65536.0) as u32,
+        colour: cueing
+            .colour
+            .map(|c| Intensity::from_bits((c * 32768.0).round() as u16)),
+    };
+    Ok(Some(clips.with_cue(plan, &cue)?))
 }
 
 /// Units of a distance from a clip plane in a length.

@@ -12,7 +12,7 @@ mod grid;
 use rayon::prelude::*;
 use slicecast::borders::{Borders, Part, Side, WHOLE, about_k, along_k, fraction_of};
 use slicecast::classify::Classifier;
-use slicecast::clip::{ClipPlane, Clips, Remainder, halves};
+use slicecast::clip::{ClipPlane, Clips, CuePlane, Remainder, halves};
 use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
 use slicecast::format::{Opacity, Position, Step, Weight};
 use slicecast::gradient::{coarsen, space};
@@ -112,6 +112,7 @@ struct Rays<'a, P: Precision> {
     precision: P,
     plan: &'a Plan,
     clips: &'a [ClipPlane],
+    cue: Option<&'a CuePlane>,
     grid: Grid<'a>,
     table: AnyTable<'a>,
     segments: Option<&'a Segments>,
@@ -154,6 +155,15 @@ struct Ray {
     row: u32,
 }
 
+impl Ray {
+    /// Its own place on the first slice.
+    fn first(&self) -> [Step; 2] {
+        let [i, j] = self.start;
+        let pixel = |pixel: u32| Step::from_bits(i64::from(pixel) << 32);
+        [i + pixel(self.column), j + pixel(self.row)]
+    }
+}
+
 impl<'a, P: Precision> Rays<'a, P> {
     fn new(precision: P, prepared: &'a Prepared<'_>) -> Result<Self, PhongError> {
         let (plan, pixel) = (&prepared.setup.plan, precision.pixel());
@@ -168,6 +178,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             grid: Grid::of(prepared.volume, plan),
             plan,
             clips: prepared.setup.clips.as_ref().map_or(&[], Clips::planes),
+            cue: prepared.setup.clips.as_ref().and_then(Clips::cue),
             table: prepared.table.classifier(),
             segments: prepared.segments.as_ref(),
             phong: material.map(|material| material.phong(precision)).transpose()?,
@@ -342,11 +353,22 @@ impl<'a, P: Precision> Rays<'a, P> {
         if self.clips.is_empty() {
             return Some(Remainder::WHOLE);
         }
-        let [i, j] = ray.start;
-        let pixel = |pixel: u32| Step::from_bits(i64::from(pixel) << 32);
-        let start = [i + pixel(ray.column), j + pixel(ray.row)];
-        let left = clips::left(self.clips, self.plan, start, halves(self.plan, index, segments), part);
+        let left = clips::left(
+            self.clips,
+            self.plan,
+            ray.first(),
+            halves(self.plan, index, segments),
+            part,
+        );
         (left.weight() > 0).then_some(left)
+    }
+
+    /// A colour as depth cueing turns it.
+    fn turned(&self, ray: &Ray, index: u32, colour: [u32; 3]) -> [u32; 3] {
+        let Some(cue) = self.cue else { return colour };
+        let halves = halves(self.plan, index, self.segments.is_some());
+        let ends = clips::ends(cue.slope, cue.distance, self.plan, ray.first(), halves);
+        cue.turned(colour, self.precision.pixel().colour_bits(), cue.share(ends))
     }
 
     /// Where the first pixel of a ray's phase lies at a place of the segment behind a plane at which segments end.
@@ -495,6 +517,11 @@ impl<'a, P: Precision> Rays<'a, P> {
                     Some((segments, ends)) => segments.part_colour(p, ends, share(fraction, left.weight()), part),
                     None => self.table.colour(p, sample),
                 };
+                // What is not lit turns as it is classified.
+                let colour = match self.phong {
+                    Some(_) => colour,
+                    None => self.turned(ray, self.index(step), colour),
+                };
                 let lit = self.phong.as_ref().map(|phong| {
                     let mut gradient = if inner {
                         self.gradient::<true>(cells)
@@ -510,7 +537,8 @@ impl<'a, P: Precision> Rays<'a, P> {
                         });
                     }
                     let normal = normalise(gradient);
-                    (gradient, normal, phong.shade(normal, colour))
+                    let shaded = phong.shade(normal, colour);
+                    (gradient, normal, self.turned(ray, self.index(step), shaded))
                 });
                 let shaded = lit.map_or(colour, |(_, _, shaded)| shaded);
                 let dither = Dither::of_part(self.index(step), part);

@@ -92,6 +92,7 @@ fn framed(precision: PrecisionName, background: [f64; 3], check: impl Fn(&Frame,
         colours: None,
         crop: None,
         clips: Vec::new(),
+        cueing: None,
         surfaces: Vec::new(),
     };
     let prepared = Prepared::new(&scene, &volume).unwrap();

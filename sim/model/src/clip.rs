@@ -5,6 +5,7 @@
 
 use super::rays::Geometry;
 use slicecast_scene::clip::Clip;
+use slicecast_scene::cueing::Cueing;
 
 /// A clip plane along i, j and k.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,6 +160,47 @@ impl ClipPlane {
             .flatten()
             .flat_map(|face| [face - half, face + half])
             .collect()
+    }
+}
+
+/// Depth cueing along i, j and k.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CuePlane {
+    slope: [f64; 3],
+    distance: f64,
+    depth: f64,
+    strength: f64,
+    colour: [f64; 3],
+}
+
+impl CuePlane {
+    /// A scene's depth cueing in a geometry, along a view of this direction.
+    pub fn of(cue: &Cueing, forward: [f64; 3], geometry: &Geometry) -> Self {
+        let (mut spacing, mut dims) = ([0.0; 3], [0; 3]);
+        for (n, axis) in geometry.order.into_iter().enumerate() {
+            (spacing[axis], dims[axis]) = (geometry.spacing[n], geometry.dims[n]);
+        }
+        let plane = cue.in_voxels(forward, dims, spacing);
+        let [i, j, k] = geometry.order.map(|axis| plane.slope[axis]);
+        let last = (geometry.dims[2] - 1) as f64;
+        Self {
+            slope: [i, j, if geometry.flipped { -k } else { k }],
+            distance: plane.distance + if geometry.flipped { k * last } else { 0.0 },
+            depth: plane.depth,
+            strength: plane.strength,
+            colour: cue.colour,
+        }
+    }
+
+    /// How far colours have turned at a place.
+    pub fn turned(&self, at: [f64; 3]) -> f64 {
+        let depth = self.distance + (0..3).map(|axis| self.slope[axis] * at[axis]).sum::<f64>();
+        (depth / self.depth).clamp(0.0, 1.0) * self.strength
+    }
+
+    /// A colour that has turned so far.
+    pub fn colour(&self, colour: [f64; 3], turned: f64) -> [f64; 3] {
+        [0, 1, 2].map(|c| colour[c] + (self.colour[c] - colour[c]) * turned)
     }
 }
 

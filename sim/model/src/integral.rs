@@ -169,7 +169,14 @@ impl Ray<'_> {
             Some(lights) if tau > 0.0 => lights.shade(normalise(self.model.gradient_at(at)), classified.colour),
             _ => classified.colour,
         };
+        let colour = self.cued(z, colour);
         Point { tau, colour, piece }
+    }
+
+    /// A colour at a place as depth cueing turns it.
+    fn cued(&self, z: f64, colour: [f64; 3]) -> [f64; 3] {
+        let Some(cue) = self.model.cue() else { return colour };
+        cue.colour(colour, cue.turned((self.position)(z)))
     }
 
     /// The share of the optical depth at a place that clip planes leave.
@@ -212,6 +219,7 @@ impl Ray<'_> {
                 }
                 None => colour,
             };
+            let shaded = self.cued(z, shaded);
             // As a step of this opacity fades.
             let opacity = 1.0 - (1.0 - opacity).powf(self.left(z));
             let pixel = Pixel {

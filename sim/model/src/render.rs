@@ -1,7 +1,7 @@
 //! One sample, one ray, all rays.
 
 use super::classify::{Classified, Classifier};
-use super::clip::{ClipPlane, Left, left};
+use super::clip::{ClipPlane, CuePlane, Left, left};
 use super::composite::Pixel;
 use super::gradient::{difference_at, normalise, spacing_factors};
 use super::grid::Grid;
@@ -47,6 +47,7 @@ pub struct Model<'a> {
     /// Pieces of a segment of several colours.
     pieces: u32,
     clips: Vec<ClipPlane>,
+    cue: Option<CuePlane>,
 }
 
 /// What the model classifies, and how.
@@ -79,6 +80,8 @@ pub struct Place {
     pub fraction: f64,
     /// What clip planes leave of that.
     pub left: Left,
+    /// How far colours have turned in the middle of the segment, 0 to 1.
+    pub turned: f64,
 }
 
 /// Everything about one sample, stage by stage.
@@ -124,6 +127,7 @@ impl<'a> Model<'a> {
             with_volume: scene.classification != Classification::None,
             pieces: if has_one_colour(scene) { 1 } else { scene.pieces },
             clips: scene.clips.iter().map(|clip| ClipPlane::of(clip, &geometry)).collect(),
+            cue: (scene.cueing.as_ref()).map(|cue| CuePlane::of(cue, camera.forward, &geometry)),
             geometry,
         }
     }
@@ -235,6 +239,7 @@ impl<'a> Model<'a> {
                 front: Some(front),
                 fraction: to - from,
                 left: left(&self.clips, begin, self.geometry.way(), [from, to]),
+                turned: self.turned_behind(begin),
             });
         }
         let position = self.position(plane, u, v)?;
@@ -253,7 +258,25 @@ impl<'a> Model<'a> {
             front,
             fraction: self.geometry.fraction(middle),
             left: left(&self.clips, begin, self.geometry.way(), self.geometry.part(middle)),
+            turned: self.turned_behind(begin),
         })
+    }
+
+    /// How far colours have turned in the middle of the segment that begins at a place.
+    fn turned_behind(&self, begin: [f64; 3]) -> f64 {
+        let way = self.geometry.way();
+        let middle = [0, 1, 2].map(|axis| begin[axis] + way[axis] / 2.0);
+        self.cue.as_ref().map_or(0.0, |cue| cue.turned(middle))
+    }
+
+    /// A shaded colour as depth cueing turns it so far.
+    pub fn cued(&self, colour: [f64; 3], turned: f64) -> [f64; 3] {
+        self.cue.as_ref().map_or(colour, |cue| cue.colour(colour, turned))
+    }
+
+    /// Depth cueing.
+    pub(super) fn cue(&self) -> Option<&CuePlane> {
+        self.cue.as_ref()
     }
 
     /// Whether segments are classified that the borders cut.
@@ -440,7 +463,10 @@ impl<'a> Model<'a> {
             normal,
             colour,
             opacity,
-            shaded: self.shade(normal, colour),
+            shaded: self.cued(
+                self.shade(normal, colour),
+                self.turned_behind(self.geometry.front(middle)),
+            ),
         })
     }
 
@@ -475,7 +501,7 @@ impl<'a> Model<'a> {
                     None => colour,
                     Some(lights) => lights.shade(normalise(self.gradient_of(place, part.crossing)), colour),
                 };
-                (shaded, opacity)
+                (self.cued(shaded, place.turned), opacity)
             })
             .collect()
     }

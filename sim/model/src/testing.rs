@@ -73,6 +73,7 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         colours: None,
         crop: None,
         clips: Vec::new(),
+        cueing: None,
         surfaces: Vec::new(),
     }
 }

@@ -84,10 +84,29 @@ impl Scene {
             return Err(FieldError::new("crop", "given", expected));
         }
         self.clips()?;
+        self.cueing()?;
         self.colours()?;
         self.classification()?;
         self.surfaces()?;
         self.lighting.as_ref().map_or(Ok(()), lighting)
+    }
+
+    fn cueing(&self) -> Result<(), FieldError> {
+        let Some(cueing) = self.cueing else { return Ok(()) };
+        let named = |(name, value, expected)| FieldError::new(&format!("cueing.{name}"), value, expected);
+        cueing.check().map_err(named)?;
+        if matches!(self.blend, Blend::Maximum | Blend::Minimum) {
+            let expected = "render.blend \"front_to_back\" or \"back_to_front\": a projection has no depth";
+            return Err(FieldError::new("cueing", "given", expected));
+        }
+        if self.colours.is_some() {
+            return Err(FieldError::new(
+                "cueing",
+                "given",
+                "a scene of values, not of [colours]",
+            ));
+        }
+        Ok(())
     }
 
     fn clips(&self) -> Result<(), FieldError> {

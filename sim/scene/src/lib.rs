@@ -10,6 +10,7 @@ pub mod check;
 pub mod clip;
 pub mod colour;
 pub mod crop;
+pub mod cueing;
 pub mod file;
 pub mod import;
 pub mod transfer;
@@ -33,6 +34,8 @@ pub struct Scene {
     pub crop: Option<crop::Crop>,
     /// Clip planes, at most [`check::CLIPS`].
     pub clips: Vec<clip::Clip>,
+    /// Depth cueing, if colours turn with depth.
+    pub cueing: Option<cueing::Cueing>,
     /// Colour and opacity of data values.
     pub transfer: TransferFunction,
     /// Lights and material; `None` is an unlit scene.

@@ -26,6 +26,7 @@ fn hybrid(steps: &[Step], exact: &Model<'_>, rounded: &Model<'_>, [u, v]: [usize
             position,
             fraction,
             left: rest,
+            turned,
             ..
         }) = model.place(index, u, v)
         else {
@@ -57,7 +58,9 @@ fn hybrid(steps: &[Step], exact: &Model<'_>, rounded: &Model<'_>, [u, v]: [usize
             };
             let shaded = match step.shaded {
                 Some(shaded) if fixed >= 6 => shaded,
-                _ => model.shade(normal, colour),
+                // What is not lit has turned as it was classified.
+                _ if model.lights().is_none() && fixed >= 3 && step.colour.is_some() => colour,
+                _ => model.cued(model.shade(normal, colour), turned),
             };
             pixel = pixel.front_to_back(shaded, opacity);
         }

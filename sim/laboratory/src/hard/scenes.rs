@@ -58,6 +58,7 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         colours: None,
         crop: None,
         clips: Vec::new(),
+        cueing: None,
         surfaces: Vec::new(),
     }
 }

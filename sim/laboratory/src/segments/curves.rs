@@ -129,6 +129,7 @@ fn scene(transfer: TransferFunction) -> Scene {
         colours: None,
         crop: None,
         clips: Vec::new(),
+        cueing: None,
         surfaces: Vec::new(),
     }
 }

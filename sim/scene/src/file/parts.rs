@@ -10,6 +10,7 @@ use crate::check::{
 use crate::clip::{Clip, ClipUnit};
 use crate::colour::Colour;
 use crate::crop::{Crop, CropUnit, parse_range};
+use crate::cueing::Cueing;
 use crate::{
     AlphaCodeName, Blend, Borders, Classification, ColourOpacity, Colours, Face, Frame, Highlight, Image,
     Interpolation, Light, Lighting, LookupName, Point, PrecisionName, Sampling, Scene, Surface, TransferFunction, View,
@@ -28,6 +29,7 @@ pub(super) struct SceneFile {
     crop: Option<CropPart>,
     #[serde(default)]
     clip: Vec<ClipPart>,
+    cueing: Option<CueingPart>,
     transfer: Option<TransferPart>,
     colours: Option<ColoursPart>,
     #[serde(default)]
@@ -83,6 +85,15 @@ struct ClipPart {
     keep: Keep,
     #[serde(default)]
     unit: ClipUnit,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CueingPart {
+    from: Option<f64>,
+    to: Option<f64>,
+    strength: Option<f64>,
+    colour: Option<Colour>,
 }
 
 /// Which side of a clip plane's faces is drawn.
@@ -206,6 +217,7 @@ impl SceneFile {
             borders: self.sampling.borders.unwrap_or_default(),
             crop: self.crop.map(CropPart::into_crop).transpose()?,
             clips: self.clip.into_iter().map(ClipPart::into_clip).collect(),
+            cueing: self.cueing.map(CueingPart::into_cueing).transpose()?,
             sampling: self.sampling.into_sampling()?,
             transfer,
             lighting: self.lighting.map(LightingPart::into_lighting).transpose()?,
@@ -317,6 +329,18 @@ impl ClipPart {
             outside: matches!(self.keep, Keep::Outside),
             unit: self.unit,
         }
+    }
+}
+
+impl CueingPart {
+    fn into_cueing(self) -> Result<Cueing, FieldError> {
+        let default = Cueing::default();
+        Ok(Cueing {
+            from: self.from.unwrap_or(default.from),
+            to: self.to.unwrap_or(default.to),
+            strength: self.strength.unwrap_or(default.strength),
+            colour: colour_or("cueing.colour", self.colour, default.colour)?,
+        })
     }
 }
 

@@ -6,6 +6,7 @@ use slicecast_scene::check;
 use slicecast_scene::clip::Clip;
 use slicecast_scene::colour::hexadecimal;
 use slicecast_scene::crop::Crop;
+use slicecast_scene::cueing::Cueing;
 use slicecast_scene::import::Shading;
 use slicecast_scene::{
     AlphaCodeName, Blend, Borders, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
@@ -147,6 +148,10 @@ pub struct SceneArgs {
     /// mm in the unit of the spacing: 32,32,40:0,1,0 or 0,0,12.5:0,0,1:thickness=4:falloff=2:mm; without it, the scene's.
     #[arg(long = "clip", value_name = "X,Y,Z:NX,NY,NZ[:...]", value_parser = Clip::parse, allow_hyphen_values = true)]
     clips: Vec<Clip>,
+    /// Depth cueing: how far colours turn black with depth, 0 to 1, and where that begins and ends, as shares of the way through
+    /// the volume, 0,1 if they are left out; without it, the scene's.
+    #[arg(long, value_name = "STRENGTH[,FROM,TO]", value_parser = Cueing::parse)]
+    depth_cueing: Option<Cueing>,
     /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum) of a named scene gets a grey
     /// ramp over the values that rays keep.
     #[arg(long)]
@@ -394,6 +399,9 @@ impl SceneArgs {
         }
         if !self.clips.is_empty() {
             scene.clips.clone_from(&self.clips);
+        }
+        if self.depth_cueing.is_some() {
+            scene.cueing = self.depth_cueing;
         }
         if let Some(blend) = self.blend {
             scene.blend = match blend {

@@ -1,0 +1,68 @@
+//! Depth cueing: colours that turn into another with the distance from a plane, after shading.
+
+use super::{Ramp, product};
+use crate::format::{Distance, Intensity, Vector};
+
+/// Depth cueing: a depth that is linear in the place, from where colours begin to turn to where they have turned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cue {
+    /// By how many lengths the depth grows per voxel along x, y and z, none beyond -1 to 1.
+    pub slope: [Vector; 3],
+    /// The depth of the centre of the volume's first voxel; at 0 and above it colours are their own.
+    pub distance: Distance,
+    /// The depth at which they have turned as far as they do, above 0.
+    pub depth: Distance,
+    /// How far that is, 0.16: 65536 is all.
+    pub most: u32,
+    /// What they turn into.
+    pub colour: [Intensity; 3],
+}
+
+/// Depth cueing in the slice frame of a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CuePlane {
+    /// Slopes along i, j and k, 2^-30 length per voxel.
+    pub slope: [i64; 3],
+    /// The depth of the slice frame's first voxel, 2^-30 length.
+    pub distance: i64,
+    ramp: Ramp,
+    most: u32,
+    colour: [Intensity; 3],
+}
+
+impl CuePlane {
+    pub(super) fn of(cue: &Cue, (slope, distance): ([i64; 3], i64)) -> Self {
+        Self {
+            slope,
+            distance,
+            ramp: Ramp::of(cue.depth.to_bits()),
+            most: cue.most,
+            colour: cue.colour,
+        }
+    }
+
+    /// How far colours have turned about a segment, given the depths of both ends, 0.16. This function is the definition.
+    pub fn share(&self, [front, back]: [i64; 2]) -> u32 {
+        product(self.ramp.share(front + back), self.most)
+    }
+
+    /// A colour of so many bits after 1.0, turned by a share, to nearest. This function is the definition.
+    pub fn turned(&self, colour: [u32; 3], bits: u32, share: u32) -> [u32; 3] {
+        let mut out = colour;
+        for (own, other) in out.iter_mut().zip(self.colour) {
+            let other = scaled(other, bits);
+            let way = (other - i64::from(*own)) * i64::from(share);
+            *own = (i64::from(*own) + ((way + (1 << 15)) >> 16)) as u32;
+        }
+        out
+    }
+}
+
+/// An intensity, 1.15, with so many bits after 1.0, to nearest.
+fn scaled(intensity: Intensity, bits: u32) -> i64 {
+    let intensity = i64::from(intensity.to_bits());
+    match bits.checked_sub(15) {
+        Some(more) => intensity << more,
+        None => (intensity + (1 << (14 - bits))) >> (15 - bits),
+    }
+}
