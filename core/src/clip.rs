@@ -549,3 +549,6 @@ fn check(number: usize, clip: &Clip) -> Result<(), ClipError> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

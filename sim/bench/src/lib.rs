@@ -148,6 +148,8 @@ pub fn measure(
     let prepared: Vec<Prepared<'_>> = (scenes.iter())
         .map(|scene| Prepared::new(scene, volume))
         .collect::<Result<_, _>>()?;
+    // The opponent has none.
+    prepared[0].check_unclipped()?;
     let of = |precision| &prepared[PrecisionName::ALL.iter().position(|p| *p == precision).unwrap_or(0)];
     let plan = prepared[0].setup.plan;
     // Floats look tables up linearly and need all of an entry's bits: those of Compact.

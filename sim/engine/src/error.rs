@@ -44,9 +44,9 @@ pub enum RenderError {
     /// A crop box, where the whole volume is needed: exported vectors know no box.
     #[error("this command knows the whole volume, and the scene has a crop box ([crop]); expected a scene without one")]
     Cropped,
-    /// Clip planes, likewise.
+    /// Clip planes or depth cueing, where they are not known.
     #[error(
-        "this command knows the whole volume, and the scene has clip planes ([[clip]]); expected a scene without them"
+        "this command knows neither clip planes nor depth cueing, and the scene has them ([[clip]], [cueing]); expected a scene without"
     )]
     Clipped,
     /// A volume of colours, and a scene that asks for what there is not.

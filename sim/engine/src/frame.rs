@@ -98,11 +98,21 @@ impl<'a> Prepared<'a> {
     /// For what knows the whole volume alone.
     ///
     /// # Errors
-    /// [`RenderError::Cropped`] if the scene has a crop box, [`RenderError::Clipped`] if it has clip planes.
+    /// [`RenderError::Cropped`] if the scene has a crop box, [`RenderError::Clipped`] if it has clip planes or depth cueing.
     pub fn check_uncropped(&self) -> Result<(), RenderError> {
         match self.scene.crop {
             Some(_) => Err(RenderError::Cropped),
-            None if self.setup.clips.is_some() => Err(RenderError::Clipped),
+            None => self.check_unclipped(),
+        }
+    }
+
+    /// For what knows neither clip planes nor depth cueing.
+    ///
+    /// # Errors
+    /// [`RenderError::Clipped`] if the scene has one.
+    pub fn check_unclipped(&self) -> Result<(), RenderError> {
+        match self.setup.clips {
+            Some(_) => Err(RenderError::Clipped),
             None => Ok(()),
         }
     }

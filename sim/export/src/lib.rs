@@ -74,6 +74,7 @@ pub fn files(
     if !first || !rest || name.eq_ignore_ascii_case("slicecast") {
         return Err(ExportError::Name { name: name.to_owned() });
     }
+    prepared.check_unclipped()?;
     let numbers = Numbers::of(prepared)?;
     let voxels = if voxels { Some(slices(prepared)?) } else { None };
     let voxels = voxels.as_deref();

@@ -3,7 +3,9 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::clip::Clip;
 use crate::crop::Crop;
+use crate::cueing::Cueing;
 use crate::{
     AlphaCodeName, Blend, Borders, Classification, Face, Frame, Highlight, Interpolation, Lighting, LookupName,
     PrecisionName, Sampling, Surface, View,
@@ -144,6 +146,19 @@ fn boxes_arrive() {
     );
     assert_eq!(cropped("y = \"2:3\"\nunit = \"mm\""), Crop::parse(":,2:3,:mm").unwrap());
     assert_eq!(with("").unwrap().crop, None);
+    let clipped = with("[[clip]]\npoint = [1, 2.5, -3]\nnormal = [0, 0, 1]\nfalloff = 2\nkeep = \"outside\"\nunit = \"mm\"\n[cueing]\nfrom = 0.25").unwrap();
+    assert_eq!(
+        clipped.clips,
+        [Clip::parse("1,2.5,-3:0,0,1:falloff=2:outside:mm").unwrap()]
+    );
+    assert_eq!(clipped.cueing.unwrap(), Cueing::parse("0.7,0.25,1").unwrap());
+    let seven = "[[clip]]\npoint = [1, 2, 3]\nnormal = [0, 0, 1]\n".repeat(7);
+    assert!(
+        with(&seven)
+            .unwrap_err()
+            .to_string()
+            .contains("`clip` is 7, expected at most 6 planes")
+    );
 }
 
 #[test]
@@ -238,6 +253,31 @@ fn values_out_of_range_are_refused_with_field_value_and_range() {
         (
             "[sampling]\nborders = \"whole\"\n[crop]\nz = \"1:2\"",
             "`crop` is given, expected sampling.borders \"cells\" or \"nodes\"",
+        ),
+        (
+            "[[clip]]\npoint = [1, 2, 3]\nnormal = [0, 0, 0]",
+            "`clip[0].normal` is 0, 0, 0, expected three numbers",
+        ),
+        (
+            "[[clip]]\npoint = [1, 2, 3]\nnormal = [0, 0, 1]\n[[clip]]\npoint = [1, 2, 3]\nnormal = [0, 0, 1]\nthickness = 0",
+            "`clip[1].thickness` is 0, expected above 0",
+        ),
+        (
+            "[[clip]]\npoint = [1, 2, inf]\nnormal = [0, 0, 1]",
+            "`clip[0].point` is 1, 2, inf, expected three numbers",
+        ),
+        (
+            "[[clip]]\npoint = [1, 2, 3]\nnormal = [0, 0, 1]\nfalloff = -2.5",
+            "`clip[0].falloff` is -2.5, expected 0 to 1e9",
+        ),
+        ("[cueing]\nstrength = 1.5", "`cueing.strength` is 1.5, expected 0 to 1"),
+        (
+            "[cueing]\nfrom = 0.5\nto = 0.25",
+            "`cueing.to` is 0.25, expected above `from`",
+        ),
+        (
+            "[cueing]\n[render]\nblend = \"maximum\"",
+            "`cueing` is given, expected render.blend",
         ),
         (
             "[sampling]\nrays_per_voxel = -9",
