@@ -85,7 +85,10 @@ impl<'a> Levels<'a> {
             }
         };
         Self {
-            parts: boxes.iter().map(part).collect(),
+            // Nothing is left of a box beside the crop box.
+            parts: (boxes.iter().map(part))
+                .filter(|part| part.faces.iter().all(|[low, high]| low < high))
+                .collect(),
             segments: segments != Segments::Not,
             back_to_front: scene.blend == Blend::BackToFront,
             finest,
