@@ -9,6 +9,7 @@ pub mod compositing;
 pub mod crop;
 pub mod extremes;
 pub mod gradients;
+pub mod levels;
 pub mod location;
 pub mod sampling;
 pub(crate) mod scenes;
@@ -116,7 +117,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 12] = [
+    let groups: [Group; 13] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -129,6 +130,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         surfaces::cases,
         borders::cases,
         crop::cases,
+        levels::cases,
     ];
     let mut cases = Vec::new();
     for (done, group) in groups.iter().enumerate() {
