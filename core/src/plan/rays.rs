@@ -19,7 +19,6 @@ pub const LEVEL_MAX: u32 = 3;
 
 /// Some rays of one phase of a plan, for a level m: every 2^m-th column and row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rays {
     /// The phase.
     pub phase: Phase,
