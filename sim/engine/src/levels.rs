@@ -270,6 +270,9 @@ impl Bundle {
     }
 }
 
+/// The plan of a box, and the columns and rows of a phase of the base plane on which it can be seen.
+type Planned = (Plan, [Range<u32>; 2]);
+
 /// A box with its voxels.
 #[derive(Clone, Debug)]
 pub struct Brick {
@@ -380,7 +383,7 @@ impl<'a> Leveled<'a> {
     }
 
     /// The plan of a box on its level, and where it can be seen.
-    fn planned(&self, leaf: &Leaf) -> Result<Option<(Plan, [Range<u32>; 2])>, RenderError> {
+    fn planned(&self, leaf: &Leaf) -> Result<Option<Planned>, RenderError> {
         let finest = &self.finest.setup.plan;
         let cropped = |plan: Plan, crop: Crop| match plan.with_crop(crop) {
             Ok(plan) => Ok(Some(plan)),
