@@ -72,7 +72,10 @@ mod tests {
         let mut away = 0i64;
         for sum in 0..=8 * 4095u32 {
             assert_eq!(f64::from(mean(sum)), (f64::from(sum) / 8.0).round_ties_even());
-            away += i64::from(mean(sum)) * 8 - i64::from(sum);
+            // Over whole periods of both halves nothing is added.
+            if sum < 8 * 4094 {
+                away += i64::from(mean(sum)) * 8 - i64::from(sum);
+            }
         }
         assert_eq!(away, 0);
     }
