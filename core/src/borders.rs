@@ -8,7 +8,7 @@
 //!
 //! | value | format | unit |
 //! |---|---|---|
-//! | front end of a segment, from the box's low face | s30.33 | voxels |
+//! | front end of a segment, from the box's low face | s30.33, of the rays of another plan s27.36 | voxels |
 //! | part of a segment, from .. to | 0.16, both ends included | segments |
 //! | fraction f | 0.16, 65536 is 1 | segments |
 //! | opacity, optical depth y | 1.31, u5.27 | light, powers of 2 |
@@ -84,6 +84,9 @@ pub struct Side {
     pub length: i64,
     /// The box, from face to face.
     pub side: i64,
+    /// What the front end lies behind `begin`, 0 to 7, in 2^-36 voxel: not 0 of the rays of another plan alone
+    /// ([`Plan::offset`](crate::plan::Plan::offset)).
+    pub finer: i64,
 }
 
 impl Side {
@@ -108,38 +111,43 @@ impl Side {
 
     /// Segments that begin so many half steps behind the first slice.
     fn from(plan: &Plan, start: Step, axis: usize, halves: i64) -> Self {
-        let (steps, faces) = (plan.step(), plan.faces());
-        let (Some(step), Some(Faces { low, high })) = (steps.get(axis), faces.get(axis)) else {
+        let (steps, faces, offsets) = (plan.step(), plan.faces(), plan.offset());
+        let (Some(step), Some(faces), Some(offset)) = (steps.get(axis), faces.get(axis), offsets.get(axis)) else {
             return Self {
                 begin: 0,
                 length: 0,
                 side: 0,
+                finer: 0,
             };
         };
+        let Faces { low, high, open } = *faces;
         let [low, high] = [low, high].map(|face| i64::from(face.to_bits()) << 17);
+        // A ray along an open face lies beside the box.
+        let open = open && step.to_bits() == 0;
         Self {
-            begin: 2 * start.to_bits() + halves * step.to_bits() - low,
+            begin: 2 * start.to_bits() + halves * step.to_bits() - low + (offset >> 3),
             length: 2 * step.to_bits(),
-            side: high - low,
+            side: high - low - i64::from(open),
+            finer: offset & 7,
         }
     }
 
     /// The part of a pixel's segment between the faces. A segment along the faces is whole between them, and on them. This
     /// function is the definition.
     pub fn part(self, pixel: u32) -> Part {
-        let begin = self.begin + (i64::from(pixel) << 33);
-        let length = self.length.unsigned_abs();
+        let begin = ((self.begin + (i64::from(pixel) << 33)) << 3) + self.finer;
+        let (length, side) = (self.length.unsigned_abs() << 3, self.side << 3);
         if length == 0 {
-            return if 0 <= begin && begin <= self.side {
+            return if 0 <= begin && begin <= side {
                 Part::WHOLE
             } else {
                 Part::NONE
             };
         }
         let (into, out) = if self.length > 0 {
-            (-begin, self.side - begin)
+            (-begin, side - begin)
         } else {
-            (begin - self.side, begin)
+            (begin - side, begin)
         };
         Part {
             from: share(into, length),
@@ -166,7 +174,7 @@ pub fn along_k(plan: &Plan, index: u32) -> Part {
 /// The part of the segments with this number, the first of which begins so many half segments before the first slice. Exact: a
 /// face times the planes per voxel is a whole number of 2^-16 segment.
 fn from_front(plan: &Plan, index: u32, halves: u32) -> Part {
-    let [_, _, Faces { low, high }] = plan.faces();
+    let [_, _, Faces { low, high, .. }] = plan.faces();
     let begin = (i64::from(index) << 16) - (i64::from(halves) << 15);
     let place = |face: Position| {
         let way = i64::from(face.to_bits()) * i64::from(plan.sampling().planes_per_voxel) - begin;
@@ -180,9 +188,9 @@ fn from_front(plan: &Plan, index: u32, halves: u32) -> Part {
 
 /// Which of a side's pixels have something of their segments between the faces, and which all of it.
 impl Side {
-    /// The lower end of pixel 0's segment, and its upper end.
+    /// The lower end of pixel 0's segment, and its upper end, in 2^-36 voxel.
     fn ends(self) -> [i64; 2] {
-        [self.begin + self.length.min(0), self.begin + self.length.max(0)]
+        [self.length.min(0), self.length.max(0)].map(|way| ((self.begin + way) << 3) + self.finer)
     }
 
     /// The pixels whose segments have a part between the faces.
@@ -191,13 +199,13 @@ impl Side {
             return self.whole(pixels);
         }
         let [low, high] = self.ends();
-        among(pixels, 1 + (-high >> 33), -((low - self.side) >> 33))
+        among(pixels, 1 + (-high >> 36), -((low - (self.side << 3)) >> 36))
     }
 
     /// The pixels whose segments lie between the faces.
     pub(crate) fn whole(self, pixels: u32) -> Range<u32> {
         let [low, high] = self.ends();
-        among(pixels, -(low >> 33), 1 + ((self.side - high) >> 33))
+        among(pixels, -(low >> 36), 1 + (((self.side << 3) - high) >> 36))
     }
 }
 
@@ -207,7 +215,7 @@ fn among(pixels: u32, first: i64, end: i64) -> Range<u32> {
     held(first)..held(end).max(held(first))
 }
 
-/// A distance along a segment of this length, at most 2^33, held to the segment, as its share.
+/// A distance along a segment of this length, at most 2^36, held to the segment, as its share.
 fn share(distance: i64, length: u64) -> u32 {
     let held = (distance.max(0) as u64).min(length);
     // Not 0: a segment has a length here.

@@ -35,6 +35,8 @@ impl Crop {
 pub(crate) struct Faces {
     pub(crate) low: Position,
     pub(crate) high: Position,
+    /// Whether rays along the high face belong to the box behind it.
+    pub(crate) open: bool,
 }
 
 impl Faces {
@@ -44,6 +46,7 @@ impl Faces {
         Self {
             low: Position::from_bits(-beyond),
             high: Position::from_bits(((voxels as i32 - 1) << 16) + beyond),
+            open: false,
         }
     }
 
@@ -60,6 +63,7 @@ impl Faces {
             } else {
                 self.high
             },
+            open: self.open,
         }
     }
 

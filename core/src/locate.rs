@@ -48,21 +48,22 @@ pub const fn position(start: Step, step: Step, k: u32) -> Position {
     Position::from_bits(((exact + (1 << 15)) >> 16) as i32)
 }
 
-/// Position in the middle of a segment, after `halves` half steps: of segment k, 2 k + 1. This function is the definition.
+/// Position in the middle of a segment, after `halves` half steps: of segment k, 2 k + 1; `offset` 2^-36 voxel behind the start
+/// ([`Plan::offset`]). This function is the definition.
 #[inline]
-pub const fn middle(start: Step, step: Step, halves: i64) -> Position {
-    let exact = 2 * start.to_bits() + halves * step.to_bits();
-    Position::from_bits(((exact + (1 << 16)) >> 17) as i32)
+pub const fn middle(start: Step, offset: i64, step: Step, halves: i64) -> Position {
+    let exact = ((2 * start.to_bits() + halves * step.to_bits()) << 3) + offset;
+    Position::from_bits(((exact + (1 << 19)) >> 20) as i32)
 }
 
 /// The position of a plan's samples on the plane with this number, before it is settled.
-const fn on_plane(plan: &Plan, start: Step, step: Step, index: u32) -> Position {
+const fn on_plane(plan: &Plan, start: Step, offset: i64, step: Step, index: u32) -> Position {
     let halves = 2 * index as i64 + 1;
     match plan.borders() {
         Borders::Whole => position(start, step, index),
-        Borders::Nodes => middle(start, step, halves),
+        Borders::Nodes => middle(start, offset, step, halves),
         // The first segment begins half a voxel before the first slice.
-        Borders::Cells => middle(start, step, halves - plan.sampling().planes_per_voxel as i64),
+        Borders::Cells => middle(start, offset, step, halves - plan.sampling().planes_per_voxel as i64),
     }
 }
 
@@ -93,12 +94,14 @@ pub fn cut(plan: &Plan, phase: Phase, index: u32, part: u32) -> [Position; 3] {
     let [start_i, start_j] = plan.start(phase);
     let [step_i, step_j, step_k] = plan.step();
     let steps = i64::from(index) - i64::from(plan.ends_before());
-    let at = |start: Step, step: Step| {
+    let [beside_i, beside_j] = plan.offset();
+    let at = |start: Step, offset: i64, step: Step| {
         let way = (i64::from(part) * step.to_bits() + (1 << 15)) >> 16;
-        let exact = start.to_bits() + steps * step.to_bits() + way;
-        settled(plan, Position::from_bits(((exact + (1 << 15)) >> 16) as i32))
+        let exact = ((start.to_bits() + steps * step.to_bits() + way) << 4) + offset;
+        settled(plan, Position::from_bits(((exact + (1 << 19)) >> 20) as i32))
     };
-    in_held(plan, [at(start_i, step_i), at(start_j, step_j), at(Step::ZERO, step_k)])
+    let (x, y) = (at(start_i, beside_i, step_i), at(start_j, beside_j, step_j));
+    in_held(plan, [x, y, at(Step::ZERO, 0, step_k)])
 }
 
 /// The plane with this number at which segments end, 0 to [`Plan::ends`] - 1.
@@ -124,8 +127,10 @@ fn in_held(plan: &Plan, [x, y, z]: [Position; 3]) -> [Position; 3] {
 pub fn plane(plan: &Plan, phase: Phase, index: u32) -> Plane {
     let [start_i, start_j] = plan.start(phase);
     let [step_i, step_j, step_k] = plan.step();
-    let at = |start, step| settled(plan, on_plane(plan, start, step, index));
-    let [x, y, z] = in_held(plan, [at(start_i, step_i), at(start_j, step_j), at(Step::ZERO, step_k)]);
+    let [beside_i, beside_j] = plan.offset();
+    let at = |start, offset, step| settled(plan, on_plane(plan, start, offset, step, index));
+    let (x, y) = (at(start_i, beside_i, step_i), at(start_j, beside_j, step_j));
+    let [x, y, z] = in_held(plan, [x, y, at(Step::ZERO, 0, step_k)]);
     Plane { index, phase, x, y, z }
 }
 

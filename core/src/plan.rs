@@ -4,12 +4,15 @@
 //! base plane covers the volume. Kernels therefore have no errors of their own.
 
 mod faces;
+mod rays;
 
 use crate::borders::Borders;
 use crate::crop::Faces;
 use crate::format::{Intensity, Step};
 use crate::plane::parts::{CELLS, Exact, NODES};
 use crate::view::{View, ratio};
+
+pub use rays::{LEVEL_MAX, LevelError, Rays};
 
 /// The longest side of a volume, voxels.
 pub const SIDE_MAX: u16 = 8192;
@@ -72,6 +75,7 @@ pub struct Plan {
     sampling: Sampling,
     base: [u32; 2],
     origin: [i32; 2],
+    offset: [i64; 2],
     step: [Step; 3],
     nearest: bool,
     /// `None`: whole borders.
@@ -253,6 +257,7 @@ impl Plan {
             sampling,
             base: [0; 2],
             origin: [0; 2],
+            offset: [0; 2],
             step: [si, sj, Step::from_bits(ratio(1, 1, rate) as i64)],
             nearest: false,
             exact,
@@ -369,6 +374,12 @@ impl Plan {
     /// Where the ray of pixel (0, 0), phase (0, 0) starts on the whole volume's first slice: whole voxels along i and j.
     pub const fn origin(&self) -> [i32; 2] {
         self.origin
+    }
+
+    /// How far behind a phase's start ([`Plan::start`]) its rays start, in 2^-36 voxel, 0 to 2^36 - 1: not 0 of the rays of another
+    /// plan alone ([`Plan::of_rays`]).
+    pub const fn offset(&self) -> [i64; 2] {
+        self.offset
     }
 
     /// Steps from plane to plane along i, j, k, voxels.

@@ -10,6 +10,7 @@ mod frames;
 mod golden;
 mod hard_cases;
 mod laboratory;
+mod levels;
 mod licences;
 mod lock_step;
 mod packages;

@@ -22,7 +22,7 @@ use slicecast_volume::raw::describe::Description;
 use slicecast_volume::values::{Endian, ValueType};
 
 /// A volume as a raw file, opened where it lies.
-fn on_disk(volume: &Volume, folder: &tempfile::TempDir) -> (Loaded, OnDisk) {
+pub(crate) fn on_disk(volume: &Volume, folder: &tempfile::TempDir) -> (Loaded, OnDisk) {
     let path = folder.path().join("v.raw");
     let bytes: Vec<u8> = volume.voxels.iter().flat_map(|code| code.to_be_bytes()).collect();
     fs::write(&path, bytes).unwrap();

@@ -264,8 +264,8 @@ proptest! {
     /// Seen from behind, a segment has the same part inside, ties apart.
     #[test]
     fn fractions_are_the_same_from_behind(begin in -(40i64 << 33)..40 << 33, step in -(1i64 << 32)..=1 << 32, side in 1i64..=20, pixel in 0u32..40) {
-        let there = Side { begin, length: 2 * step, side: side << 33 };
-        let back = Side { begin: begin + 2 * step, length: -2 * step, side: side << 33 };
+        let there = Side { begin, length: 2 * step, side: side << 33, finer: 0 };
+        let back = Side { begin: begin + 2 * step, length: -2 * step, side: side << 33, finer: 0 };
         let (a, b) = (there.part(pixel), back.part(pixel));
         prop_assert!(a.from.abs_diff(WHOLE - b.to) <= 1 && a.to.abs_diff(WHOLE - b.from) <= 1 || step == 0);
         prop_assert!(a.fraction(Part::WHOLE).abs_diff(b.fraction(Part::WHOLE)) <= 1);
@@ -283,6 +283,7 @@ fn grazing_rays_have_the_length_inside() {
         begin,
         length: 0,
         side: 3 * one,
+        finer: 0,
     };
     assert_eq!(
         [-1, 0, 3 * one, 3 * one + 1].map(|b| along(b).part(0)),
@@ -294,11 +295,13 @@ fn grazing_rays_have_the_length_inside() {
             begin: -one / 2,
             length: one,
             side: one,
+            finer: 0,
         },
         Side {
             begin: one / 2,
             length: one,
             side: one,
+            finer: 0,
         },
     );
     assert_eq!(
@@ -311,6 +314,7 @@ fn grazing_rays_have_the_length_inside() {
         begin: -1,
         length: 2,
         side: one,
+        finer: 0,
     };
     assert_eq!(short.part(0), Part { from: 32768, to: WHOLE });
     assert_eq!(Side { begin: -2, ..short }.part(0).fraction(Part::WHOLE), 0);

@@ -89,7 +89,7 @@ impl Plan {
     /// The numbers of the segments that meet the box along k, the first of which begins so many half segments before the first
     /// slice.
     const fn segments_met(&self, halves_before: u32) -> Range<u32> {
-        let [_, _, Faces { low, high }] = self.faces;
+        let [_, _, Faces { low, high, .. }] = self.faces;
         let rate = self.sampling.planes_per_voxel as i64;
         let before = (halves_before as i64) << 15;
         let (first, end) = (

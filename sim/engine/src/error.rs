@@ -6,6 +6,7 @@ use slicecast_volume::error::ReadError;
 
 use crate::camera::CameraError;
 use crate::colours::ColourError;
+use crate::levels::LevelsError;
 
 /// Why a frame was not rendered.
 #[derive(Debug, thiserror::Error)]
@@ -71,6 +72,9 @@ pub enum RenderError {
         "--classification auto looks at all voxels, and the volume is read in parts; accepted: point, integral or none"
     )]
     Automatic,
+    /// Several levels, and a scene or a cut that asks for what there is not.
+    #[error("{0}")]
+    Levels(#[from] LevelsError),
     /// A part of the volume cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),

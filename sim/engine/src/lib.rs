@@ -12,6 +12,7 @@ pub mod fineness;
 pub mod frame;
 pub mod image;
 pub mod integrals;
+pub mod levels;
 pub mod occupancy;
 pub mod oriented;
 pub mod parts;

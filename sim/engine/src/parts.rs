@@ -41,7 +41,7 @@ const BESIDE: usize = 3;
 const LEAST_ROWS: usize = 8;
 
 /// What the program takes beside the frame and the slices: its code, tables and threads.
-const PROGRAM: u64 = 48 << 20;
+pub(crate) const PROGRAM: u64 = 48 << 20;
 
 /// Planes that are folded from a part of the slices.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -380,12 +380,13 @@ impl<'a, P: Precision> Rays<'a, P> {
             Borders::Cells => self.plan.sampling().planes_per_voxel.div_ceil(2),
             Borders::Whole | Borders::Nodes => 0,
         };
-        let [x, y, z] = [(start_i, si), (start_j, sj), (Step::ZERO, sk)].map(|(start, step)| {
+        let [oi, oj] = self.plan.offset();
+        let [x, y, z] = [(start_i, oi, si), (start_j, oj, sj), (Step::ZERO, 0, sk)].map(|(start, offset, step)| {
             // The place to the nearest 2^-32 voxel, halves up; then the sum to the nearest 2^-16.
             let part = (i64::from(place) * step.to_bits() + 0x8000) >> 16;
             let steps = i64::from(index) - i64::from(before);
-            let exact = start.to_bits() + steps * step.to_bits() + part;
-            settled(self.plan, Position::from_bits(((exact + 0x8000) >> 16) as i32))
+            let exact = 16 * (start.to_bits() + steps * step.to_bits() + part) + offset;
+            settled(self.plan, Position::from_bits(((exact + 0x80000) >> 20) as i32))
         });
         [x, y, self.in_slices(z)]
     }
@@ -409,11 +410,12 @@ impl<'a, P: Precision> Rays<'a, P> {
         let [start_i, start_j] = ray.start;
         let halves = 2 * i64::from(index) + 1;
         let rate = i64::from(self.plan.sampling().planes_per_voxel);
-        let [x, y, z] = [(start_i, si), (start_j, sj), (Step::ZERO, sk)].map(|(start, step)| {
+        let [oi, oj] = self.plan.offset();
+        let [x, y, z] = [(start_i, oi, si), (start_j, oj, sj), (Step::ZERO, 0, sk)].map(|(start, offset, step)| {
             let at = match self.plan.borders() {
                 Borders::Whole => position(start, step, index),
-                Borders::Nodes => middle(start, step, halves),
-                Borders::Cells => middle(start, step, halves - rate),
+                Borders::Nodes => middle(start, offset, step, halves),
+                Borders::Cells => middle(start, offset, step, halves - rate),
             };
             settled(self.plan, at)
         });

@@ -3,9 +3,11 @@
 //! Pipelines are compiled here and nowhere else in the host program: what compares, times or observes frames calls them
 //! through these two traits, once per frame or per tile.
 
+use std::any::Any;
 use std::ops::Range;
 use std::sync::Mutex;
 
+use rayon::prelude::*;
 use slicecast::classify::Support;
 use slicecast::clip::Clips;
 use slicecast::plan::Plan;
@@ -17,6 +19,7 @@ use slicecast::tap::Tap;
 use crate::error::RenderError;
 use crate::frame::Prepared;
 use crate::image::{BaseImage, Rgb, base_image, new_image};
+use crate::levels::Bundle;
 use crate::occupancy::Looks;
 use crate::oriented::Oriented;
 use crate::parts::{Part, parts};
@@ -33,7 +36,7 @@ pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 pub type LendTap<'a> = &'a (dyn Fn(Tile, &mut dyn FnMut(&mut dyn Tap)) + Sync);
 
 /// A pipeline with its image.
-pub trait Rendering: Send + Sync {
+pub trait Rendering: Any + Send + Sync {
     /// Memory that a stream of the pipeline needs.
     fn needs(&self) -> Needs;
     /// Which voxel ranges can change the image; `None` where any can.
@@ -73,6 +76,10 @@ pub trait Rendering: Send + Sync {
         progress: Progress<'_>,
         tap: Option<&mut dyn Tap>,
     ) -> Result<(), StreamError>;
+
+    /// Folds some of the image's rays through the slices of another level, whose rendering is of the same scene; each ray is in one bundle,
+    /// and the plans of all hold the same voxels.
+    fn fold_bundles(&mut self, level: &dyn Framing, bundles: &[Bundle], volume: &Oriented<'_>, simd: Simd);
 
     /// The base-plane image.
     fn base(&self) -> BaseImage;
@@ -117,7 +124,7 @@ const fn geometry<'a>(plan: &'a Plan, clips: &'a Option<Clips>) -> Geometry<'a> 
     }
 }
 
-impl<L: Pipeline<Voxel = Code12> + Send> Rendering for Under<L> {
+impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
     fn needs(&self) -> Needs {
         Needs::of::<L>(&self.plan)
     }
@@ -215,12 +222,39 @@ impl<L: Pipeline<Voxel = Code12> + Send> Rendering for Under<L> {
         fold_stream(geometry, &self.pipeline, slices, &mut self.image, progress, tap)
     }
 
+    fn fold_bundles(&mut self, level: &dyn Framing, bundles: &[Bundle], volume: &Oriented<'_>, simd: Simd) {
+        let level: &dyn Any = level;
+        let (Some(Self { pipeline, .. }), Some(first)) = (level.downcast_ref(), bundles.first()) else {
+            assert!(bundles.is_empty(), "levels of one scene have pipelines of one type");
+            return;
+        };
+        let sight = volume.sight(Looks::of::<L>(&first.plan), pipeline.support(), L::BACK_TO_FRONT, simd);
+        let slices = (volume.slices, sight.as_ref());
+        let (finest, image) = (&self.plan, &mut self.image);
+        // Pixels are copied, of as many bundles at a time as there are threads.
+        for some in bundles.chunks(rayon::current_num_threads()) {
+            let folded = |bundle: &Bundle| {
+                let mut own = bundle.gathered(finest, L::CHANNELS, image);
+                if !pipeline.finished::<i32>(&bundle.plan, &own) {
+                    // Levels have no clip planes.
+                    let geometry = geometry(&bundle.plan, &None);
+                    fold_tiles(geometry, pipeline, slices, &mut own, TILE_ROWS.into(), simd, &|_, _| ());
+                }
+                own
+            };
+            let folded: Vec<_> = some.par_iter().map(folded).collect();
+            for (bundle, own) in some.iter().zip(&folded) {
+                bundle.scatter(finest, L::CHANNELS, image, own);
+            }
+        }
+    }
+
     fn base(&self) -> BaseImage {
         base_image(&self.plan, &self.pipeline, &self.image)
     }
 }
 
-impl<L: Pictured<Voxel = Code12> + Send> Framing for Under<L> {
+impl<L: Pictured<Voxel = Code12> + Send + 'static> Framing for Under<L> {
     fn picture(&self, prepared: &Prepared<'_>) -> Rgb {
         picture(prepared, &self.pipeline, &self.image)
     }

@@ -20,6 +20,7 @@
 //! | warp        | base plane into the viewer's image                         |                 |
 //! | render      | one ray, all rays                                          |                 |
 //! | absorb      | rays through volumes of colour and extinction | Kraus and Bürger, section 3.4 |
+//! | levels      | rays through boxes of several levels | LaMar, section 4 |
 //! | pyramid     | volumes of half the voxels                                 | Kraus and Bürger, section 4 |
 //! | integral    | one ray without planes and steps: the converged picture    | equation 7      |
 //!
@@ -34,6 +35,7 @@ pub mod gradient;
 pub mod grid;
 mod integral;
 pub mod interpolate;
+mod levels;
 mod parts;
 pub mod pyramid;
 pub mod rays;
@@ -51,6 +53,7 @@ pub use absorb::Absorbing;
 pub use classify::Classified;
 pub use clip::Left;
 pub use composite::Pixel;
+pub use levels::{BoxOfLevel, Levels};
 pub use parts::{Crossing, Part};
 pub use rays::{Geometry, Lattice};
 pub use render::{Model, ModelSample, Place, Positions, Segments, between};

@@ -487,9 +487,14 @@ impl<'a> Model<'a> {
 
     /// Shaded colour and opacity of what can be seen on a plane, in the order along the ray.
     fn visible(&self, plane: usize, u: usize, v: usize) -> Vec<([f64; 3], f64)> {
-        let Some(place) = self.place(plane, u, v) else {
-            return Vec::new();
-        };
+        match self.place(plane, u, v) {
+            Some(place) => self.seen(place),
+            None => Vec::new(),
+        }
+    }
+
+    /// The same of a place.
+    pub(super) fn seen(&self, place: Place) -> Vec<([f64; 3], f64)> {
         let front = place.front.map(|at| self.value_at(at));
         let parts = self.parts(front, self.value_at(place.position), place.fraction, place.left);
         parts

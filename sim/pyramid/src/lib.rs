@@ -11,6 +11,7 @@
 //! | filter  | filters that halve an axis                                                   |
 //! | reduce  | a level from the one below it, in integers                                   |
 //! | opacity | the same by opacities, for comparison                                        |
+//! | scalar  | levels of volumes of one value a voxel                                       |
 //! | pyramid | level after level                                                            |
 //! | figures | the paper's figures, in f64                                                  |
 //!
@@ -22,6 +23,7 @@ mod opacity;
 pub mod pyramid;
 pub mod read;
 pub mod reduce;
+pub mod scalar;
 pub mod volume;
 pub mod voxel;
 pub mod write;

@@ -7,6 +7,7 @@ use slicecast_engine::image::Rgb;
 use slicecast_laboratory::borders::cost::{self, Line};
 use slicecast_laboratory::borders::figures::{self, Errors, Profile};
 use slicecast_laboratory::borders::plot;
+use slicecast_laboratory::borders::seams::{self, Seam};
 
 use super::Failure;
 use super::output::{Folder, check_free, write_file};
@@ -18,7 +19,7 @@ use crate::raster::rgb_png;
 /// Compare borders: rays of whole steps with rays of their exact length in the volume (LaMar's figures and table).
 ///
 /// Figures 1 and 11: errors of a checkerboard of 4 voxels a side against the integral over the box. Figures 2 and 3: thickness
-/// and opacity of a cube of 4 voxels a side, turned by 30 degrees. Table 1, with --cost: time of exact borders, of volumes of 32
+/// and opacity of a cube of 4 voxels a side, turned by 30 degrees. Figure 12: a cylinder, half of it in voxels twice as long. Table 1, with --cost: time of exact borders, of volumes of 32
 /// to 256 voxels a side.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -26,7 +27,7 @@ use crate::raster::rgb_png;
   slicecast borders --figures figures
   slicecast borders --cost --json cost.json")]
 pub struct Args {
-    /// Write the pictures into this folder: borders-1.png, and borders-3.svg.
+    /// Write the pictures into this folder: borders-1.png, borders-3.svg and borders-12.png.
     #[arg(long, value_name = "DIR", conflicts_with = "cost")]
     figures: Option<PathBuf>,
     /// Measure what exact borders cost instead; about a minute.
@@ -45,10 +46,11 @@ pub struct Args {
 struct Numbers<'a> {
     checkerboard: &'a [Errors],
     cube: &'a [Profile],
+    cylinder: &'a [Seam],
 }
 
 /// Names of the pictures.
-const FIGURES: [&str; 2] = ["borders-1.png", "borders-3.svg"];
+const FIGURES: [&str; 3] = ["borders-1.png", "borders-3.svg", "borders-12.png"];
 
 impl Args {
     /// Runs the comparison.
@@ -59,27 +61,31 @@ impl Args {
             print_cost(&lines);
             return self.write_json(&lines);
         }
-        let (errors, profiles) = (figures::errors()?, figures::profiles()?);
+        let (errors, profiles, cylinder) = (figures::errors()?, figures::profiles()?, seams::errors()?);
         print_errors(&errors);
         print_profiles(&profiles);
+        print_seams(&cylinder);
         if let Some(folder) = &self.figures {
             self.pictures(folder, &profiles)?;
         }
         self.write_json(&Numbers {
             checkerboard: &errors,
             cube: &profiles,
+            cylinder: &cylinder,
         })
     }
 
     fn pictures(&self, folder: &Path, profiles: &[Profile]) -> Result<(), Failure> {
         let mut folder = Folder::open(folder, self.force)?;
         folder.check(&FIGURES.map(str::to_owned))?;
-        let [board, turned] = FIGURES;
-        let parts: Vec<Rgb> = (figures::pictures()?.into_iter())
-            .map(|(words, picture)| captioned(picture, &words))
-            .collect();
-        let png = rgb_png(in_a_row(&parts)).map_err(Failure::machine)?;
-        println!("{}", folder.write(board, &png)?.display());
+        let [board, turned, cylinder] = FIGURES;
+        for (name, pictures) in [(board, figures::pictures()?), (cylinder, seams::pictures()?)] {
+            let parts: Vec<Rgb> = (pictures.into_iter())
+                .map(|(words, picture)| captioned(picture, &words))
+                .collect();
+            let png = rgb_png(in_a_row(&parts)).map_err(Failure::machine)?;
+            println!("{}", folder.write(name, &png)?.display());
+        }
         let svg = plot::profiles(profiles).map_err(Failure::machine)?;
         println!("{}", folder.write(turned, svg.as_bytes())?.display());
         Ok(())
@@ -121,6 +127,28 @@ fn print_profiles(profiles: &[Profile]) {
     }
     println!(
         "\nCube of 4 voxels a side, turned by 30 degrees, opacity 0.5 a voxel: largest error along a row\n\n{table}\n"
+    );
+}
+
+fn print_seams(seams: &[Seam]) {
+    let mut table = header(&[
+        "halves",
+        "planes",
+        "whole steps: largest",
+        "mean",
+        "at the seam",
+        "levels: largest",
+        "mean",
+        "at the seam",
+    ]);
+    for seam in seams {
+        let mut cells = vec![seam.name.to_owned(), seam.planes.to_string()];
+        cells.extend(seam.whole.iter().chain(&seam.levels).map(|error| format!("{error:.3}")));
+        table.add_row(cells);
+    }
+    println!(
+        "Cylinder of 64 voxels a side, opacity 0.1 a voxel at its axis, half of it in voxels twice as long: error of the base plane in steps of \
+         1/255, against the integral over both halves; bricks of whole steps in f64, boxes of levels in wide\n\n{table}\n"
     );
 }
 

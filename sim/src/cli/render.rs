@@ -7,9 +7,13 @@ use slicecast_engine::colours::Coloured;
 use slicecast_engine::depth::depths;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
-use slicecast_engine::image::BaseImage;
+use slicecast_engine::image::{BaseImage, Frame};
+use slicecast_engine::levels::Leveled;
+use slicecast_engine::levels::budget::Losses;
+use slicecast_engine::levels::tree::Tree;
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::parts::{Cut, Reading};
+use slicecast_engine::rendering::Progress;
 use slicecast_engine::shard::Shard;
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
@@ -39,6 +43,7 @@ use crate::{legend, shards, visibility};
   slicecast render angiogram.nrrd --scene mip -o vessels.png
   slicecast render --surface 200 --surface -300,#e0a080,0.3 -o skin-over-skull.png --depth-map depth.png
   slicecast render large.nrrd --memory 1GiB --scene bone.toml -o large.png
+  slicecast render large.nrrd --budget 256MiB --scene bone.toml -o preview.png
   slicecast render colours.nrrd --alpha-distance 1 --precision wide -o colours.png
   slicecast render scan.nrrd --scene fog.toml --unlit --level 2 -o preview.png
   slicecast render voxels.raw --raw-dims 256x256x128 --raw-type uint8 --scene fog.toml -o fog.png")]
@@ -73,6 +78,10 @@ pub struct Args {
     /// MetaImage, NIfTI and Zarr files that are larger than memory. The picture is the same.
     #[arg(long, value_name = "SIZE", value_parser = memory::bytes, conflicts_with_all = ["stream", "depth_map"])]
     memory: Option<u64>,
+    /// Keep the picture within so much memory, such as 128MiB: bricks of the volume that show least are taken from levels whose
+    /// voxels are two, four or eight times as long. For raw, NRRD, MetaImage, NIfTI and Zarr files; what fits is not made coarser.
+    #[arg(long, value_name = "SIZE", value_parser = memory::bytes, conflicts_with_all = ["stream", "depth_map", "shard", "memory"])]
+    budget: Option<u64>,
     /// Replace the output if it exists.
     #[arg(long)]
     force: bool,
@@ -96,9 +105,10 @@ impl Args {
         if let Some((scene, volume)) = self.level.volume(&self.volume, &self.colours, &self.scene)? {
             return self.render_colours(target, scene, &volume);
         }
-        let (mut loaded, on_disk) = match self.memory {
+        let option = if self.budget.is_some() { "--budget" } else { "--memory" };
+        let (mut loaded, on_disk) = match self.memory.or(self.budget) {
             Some(_) => {
-                let (loaded, on_disk) = self.volume.load_on_disk()?;
+                let (loaded, on_disk) = self.volume.load_on_disk(option)?;
                 (loaded, Some(on_disk))
             }
             None => (self.volume.load()?, None),
@@ -127,14 +137,15 @@ impl Args {
             (None, shard) => return self.write_shard(&prepared, on_disk.as_ref(), shard.unwrap_or(Shard::ALL)),
         };
         let frame = with_bar("rendering", |progress| {
-            on_threads(self.threads.count(), || match &on_disk {
-                Some(volume) => {
+            on_threads(self.threads.count(), || match (&on_disk, self.budget) {
+                (Some(volume), Some(budget)) => in_levels(&prepared, volume, budget, progress),
+                (Some(volume), None) => {
                     let cut = self.cut(&prepared, volume)?;
                     let (frame, read) = prepared.render_in_parts(volume, cut, progress)?;
                     say_read(&read, volume);
                     Ok(frame)
                 }
-                None => prepared.render(self.layer(), progress),
+                (None, _) => prepared.render(self.layer(), progress),
             })
         })??;
         let depth_map = self.depth_map(&prepared)?;
@@ -284,6 +295,25 @@ impl Args {
         check_free(files.each_ref().map(|(path, _)| path), self.force)?;
         Ok(files.into())
     }
+}
+
+/// Renders a volume in the levels that a budget of memory leaves room for, and says on standard error which these are.
+fn in_levels(
+    prepared: &Prepared<'_>,
+    volume: &OnDisk,
+    budget: u64,
+    progress: Progress<'_>,
+) -> Result<Frame, RenderError> {
+    // Losses, voxels and the picture, in thousandths of a third each.
+    let third = |number: usize| move |done: usize, all: usize| progress(1000 * number + 1000 * done / all.max(1), 3000);
+    // Refused before anything is read.
+    Leveled::new(prepared, &Tree::Leaf(0))?;
+    let losses = Losses::of(prepared, volume, &third(0))?;
+    let chosen = losses.within(prepared, volume, budget)?;
+    eprintln!("{chosen}");
+    let leveled = Leveled::new(prepared, &chosen.tree)?;
+    let bricks = leveled.bricks(volume, &third(1))?;
+    leveled.render(&bricks, &third(2))
 }
 
 /// Says on standard error what was read of a volume in parts.

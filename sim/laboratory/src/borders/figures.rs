@@ -17,7 +17,7 @@ const RAYS: u32 = 8;
 /// Pixels of a picture per ray.
 const ZOOM: usize = 3;
 /// What differences are multiplied by in pictures.
-const LOUDER: f64 = 4.0;
+pub(super) const LOUDER: f64 = 4.0;
 
 /// Errors of the checkerboard's base plane at a number of planes, in steps of 1/255.
 #[derive(Clone, Debug, Serialize)]
@@ -167,9 +167,9 @@ pub fn profiles() -> Result<Vec<Profile>, RenderError> {
 }
 
 /// Grey levels of a base plane, enlarged.
-fn grey(size: [usize; 2], level: impl Fn(usize) -> f64) -> Rgb {
-    let [width, height] = size.map(|side| side * ZOOM);
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| y / ZOOM * size[0] + x / ZOOM));
+pub(super) fn grey(size: [usize; 2], zoom: usize, level: impl Fn(usize) -> f64) -> Rgb {
+    let [width, height] = size.map(|side| side * zoom);
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| y / zoom * size[0] + x / zoom));
     Rgb {
         size: [width as u32, height as u32],
         bytes: pixels
@@ -187,10 +187,10 @@ pub fn pictures() -> Result<Vec<(String, Rgb)>, RenderError> {
     let mut parts = Vec::new();
     for (name, borders) in [("whole", Borders::Whole), ("cells", Borders::Cells)] {
         let Found { size, values } = board(2, borders)?;
-        parts.push((format!("{name}: integral"), grey(size, |at| 1.0 - values[at][1])));
-        parts.push(("rendered".into(), grey(size, |at| 1.0 - values[at][0])));
+        parts.push((format!("{name}: integral"), grey(size, ZOOM, |at| 1.0 - values[at][1])));
+        parts.push(("rendered".into(), grey(size, ZOOM, |at| 1.0 - values[at][0])));
         let difference = |at: usize| LOUDER * (values[at][0] - values[at][1]).abs();
-        parts.push(("difference x 4".into(), grey(size, difference)));
+        parts.push(("difference x 4".into(), grey(size, ZOOM, difference)));
     }
     Ok(parts)
 }

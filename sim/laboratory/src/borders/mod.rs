@@ -4,3 +4,4 @@ pub mod cost;
 pub mod figures;
 pub mod plot;
 pub(crate) mod rays;
+pub mod seams;

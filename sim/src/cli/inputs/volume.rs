@@ -170,12 +170,12 @@ impl VolumeArgs {
         Ok(loaded)
     }
 
-    /// As [`VolumeArgs::load`], and leaves the voxels in the file.
-    pub fn load_on_disk(&self) -> Result<(Loaded, OnDisk), Failure> {
+    /// As [`VolumeArgs::load`], and leaves the voxels in the file, as an option asks.
+    pub fn load_on_disk(&self, option: &str) -> Result<(Loaded, OnDisk), Failure> {
         let Some(path) = &self.volume else {
-            return Err(Failure::input(
-                "--memory: the built-in CT head is in memory, expected a volume file",
-            ));
+            return Err(Failure::input(format!(
+                "{option}: the built-in CT head is in memory, expected a volume file"
+            )));
         };
         let window = self.window.unwrap_or(Window::Auto);
         let opened = with_bar("counting values", |progress| {
@@ -184,7 +184,7 @@ impl VolumeArgs {
         let [nx, ny, nz] = opened.1.dims();
         if nx.min(ny).min(nz) == 1 {
             return Err(Failure::input(format!(
-                "{}: is one slice thick ({nx} x {ny} x {nz} voxels); expected no --memory: it is drawn twice, in memory",
+                "{}: is one slice thick ({nx} x {ny} x {nz} voxels); expected no {option}: it is drawn twice, in memory",
                 path.display()
             )));
         }

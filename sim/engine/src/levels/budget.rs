@@ -1,0 +1,231 @@
+//! Levels by a budget of memory: the voxels that the picture loses least by are the first to become longer.
+//!
+//! A volume is a grid of bricks of [`SIDE`] voxels. The *loss* of a brick at a level is how much the transfer function makes of it: over all
+//! its voxels, the sum of the largest difference of opacity, or of a colour times opacity (over the unit distance), between the voxel and the mean that stands for it.
+//! What the table hides loses nothing, nor does what has one value. Starting with all bricks at level 0, the one that loses least per
+//! byte saved goes one level up, until all of them fit; gradients and what lies in front are not looked at.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::fmt;
+
+use rayon::prelude::*;
+use slicecast::plan::LEVEL_MAX;
+use slicecast_pyramid::scalar::halved;
+use slicecast_scene::TransferFunction;
+use slicecast_volume::{Mapping, Volume};
+
+use super::tree::Tree;
+use super::{LevelsError, Source};
+use crate::error::RenderError;
+use crate::frame::Prepared;
+use crate::parts::PROGRAM;
+use crate::rendering::Progress;
+
+/// Voxels of a brick along each axis: whole voxels of every level.
+pub const SIDE: usize = 32;
+
+/// Levels that there are.
+const LEVELS: usize = LEVEL_MAX as usize + 1;
+
+/// The levels of a volume's bricks, chosen.
+#[derive(Clone, Debug)]
+pub struct Chosen {
+    /// The boxes.
+    pub tree: Tree,
+    /// Bricks of each level.
+    pub bricks: [usize; LEVELS],
+    /// Boxes, after bricks of one level that make a box have become one.
+    pub boxes: usize,
+    /// Bytes of their voxels.
+    pub bytes: u64,
+    /// Bytes of all that a picture takes.
+    pub all: u64,
+    /// Mean loss of a voxel, in steps of 1/255.
+    pub loss: f64,
+}
+
+impl fmt::Display for Chosen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [finest, two, four, eight] = self.bricks;
+        let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+        write!(
+            f,
+            "{finest} bricks of {SIDE} voxels at level 0, {two} at level 1, {four} at level 2 and {eight} at level 3, in {} boxes: {:.1} MiB of \
+             voxels, {:.1} MiB with all else; {:.3} of 255 lost a voxel",
+            self.boxes,
+            mib(self.bytes),
+            mib(self.all),
+            self.loss,
+        )
+    }
+}
+
+/// Losses of every brick at every level, x fastest.
+#[derive(Clone, Debug)]
+pub struct Losses {
+    dims: [usize; 3],
+    losses: Vec<[f64; LEVELS]>,
+}
+
+impl Losses {
+    /// Measures a volume under a scene's transfer function: reads it once. `progress` is told how many rows of bricks of how many are done.
+    ///
+    /// # Errors
+    /// [`RenderError::Read`] if a file cannot be read any more.
+    pub fn of(prepared: &Prepared<'_>, source: &dyn Source, progress: Progress<'_>) -> Result<Self, RenderError> {
+        let dims = prepared.volume.dims;
+        let looks = looks(&prepared.scene.transfer, &prepared.volume.mapping);
+        let [across, down, deep] = dims.map(|side| side.div_ceil(SIDE));
+        let mut losses = Vec::with_capacity(across * down * deep);
+        for row in 0..down * deep {
+            progress(row, down * deep);
+            let at = [0, row % down * SIDE, row / down * SIDE];
+            let size = [dims[0], SIDE.min(dims[1] - at[1]), SIDE.min(dims[2] - at[2])];
+            let voxels = source.voxels(at, size)?;
+            let of_brick = |brick: usize| {
+                let first = [brick * SIDE, 0, 0];
+                let width = SIDE.min(dims[0] - first[0]);
+                let brick = voxels.voxels(first, [width, size[1], size[2]])?;
+                Ok::<_, RenderError>(of_levels(&brick, &looks))
+            };
+            let row: Vec<_> = (0..across).into_par_iter().map(of_brick).collect::<Result<_, _>>()?;
+            losses.extend(row);
+        }
+        Ok(Self { dims, losses })
+    }
+
+    /// The order in which bricks go one level up.
+    fn order(&self) -> Vec<usize> {
+        let mut levels = vec![0; self.losses.len()];
+        let size = |level: usize| (SIDE >> level).pow(3) as f64;
+        // What a byte costs that a brick saves by its next level. Losses are sums of numbers from 0 to 1: their bits are in order.
+        let price = |brick: usize, level: usize| {
+            let [now, next] = [self.losses[brick][level], self.losses[brick][level + 1]];
+            ((next - now).max(0.0) / (size(level) - size(level + 1))).to_bits()
+        };
+        let mut heap: BinaryHeap<_> = (0..levels.len())
+            .map(|brick| Reverse((price(brick, 0), brick)))
+            .collect();
+        let mut order = Vec::new();
+        while let Some(Reverse((_, brick))) = heap.pop() {
+            order.push(brick);
+            levels[brick] += 1;
+            if levels[brick] < LEVELS - 1 {
+                heap.push(Reverse((price(brick, levels[brick]), brick)));
+            }
+        }
+        order
+    }
+
+    /// The tree after so many bricks have gone one level up.
+    fn after(&self, steps: &[usize]) -> (Tree, Vec<usize>) {
+        let mut levels = vec![0; self.losses.len()];
+        steps.iter().for_each(|brick| levels[*brick] += 1);
+        let [across, down, _] = self.dims.map(|side| side.div_ceil(SIDE));
+        let level = |[i, j, k]: [usize; 3]| levels[(k * down + j) * across + i] as u32;
+        (Tree::of_grid(self.dims, SIDE, &level), levels)
+    }
+
+    /// The finest levels whose picture takes no more than `memory` bytes, all that the program takes with it.
+    ///
+    /// # Errors
+    /// [`LevelsError::Budget`] if not even the coarsest fit.
+    pub fn within(&self, prepared: &Prepared<'_>, source: &dyn Source, memory: u64) -> Result<Chosen, RenderError> {
+        let order = self.order();
+        let beside = beside(prepared, source)?;
+        let taken = |steps: usize| {
+            let (tree, levels) = self.after(&order[..steps]);
+            let leaves = tree.leaves(self.dims, [true; 3])?;
+            let sizes = leaves
+                .iter()
+                .map(|leaf| 2 * leaf.held(self.dims).iter().product::<usize>() as u64);
+            let (bytes, largest) = sizes.fold((0, 0), |(all, most): (u64, u64), size| (all + size, most.max(size)));
+            // A brick as its view reads it, and what is measured of it.
+            Ok::<_, LevelsError>((
+                bytes,
+                beside + bytes + largest + largest / 4,
+                (tree, levels, leaves.len()),
+            ))
+        };
+        let (_, least, _) = taken(order.len())?;
+        if least > memory {
+            return Err(LevelsError::Budget { memory, least }.into());
+        }
+        // The first number of steps that fits; more take less, but for what bricks have beside them.
+        let (mut over, mut fits) = (None, order.len());
+        loop {
+            let middle = over.map_or(0, |over: usize| usize::midpoint(over, fits).max(over + 1));
+            if middle >= fits {
+                break;
+            }
+            if taken(middle)?.1 <= memory {
+                fits = middle;
+            } else {
+                over = Some(middle);
+            }
+        }
+        let (bytes, all, (tree, levels, boxes)) = taken(fits)?;
+        let lost: f64 = levels
+            .iter()
+            .zip(&self.losses)
+            .map(|(level, losses)| losses[*level])
+            .sum();
+        let mut bricks = [0; LEVELS];
+        levels.iter().for_each(|level| bricks[*level] += 1);
+        Ok(Chosen {
+            tree,
+            bricks,
+            boxes,
+            bytes,
+            all,
+            loss: 255.0 * lost / self.dims.iter().product::<usize>().max(1) as f64,
+        })
+    }
+}
+
+/// What a picture takes beside the voxels.
+fn beside(prepared: &Prepared<'_>, source: &dyn Source) -> Result<u64, RenderError> {
+    let plan = &prepared.setup.plan;
+    let needs = prepared.rendering()?.needs();
+    let image = needs.image as u64 * needs.element_bytes as u64;
+    let [across, down] = plan.base().map(u64::from);
+    let rays = u64::from(plan.sampling().rays_per_voxel);
+    let [width, height] = prepared.setup.picture.size.map(u64::from);
+    // Copies of pixels while they are folded; then four channels of 32 bits, the picture in bytes and again as its file is made.
+    let out = across * down * rays * rays * 16 + width * height * 16;
+    Ok(PROGRAM + image + image.max(out) + source.reading_bytes())
+}
+
+/// What the transfer function makes of each code: red, green and blue times opacity, and opacity.
+fn looks(transfer: &TransferFunction, mapping: &Mapping) -> Vec<[f32; 4]> {
+    let look = |code: u32| {
+        let ([red, green, blue], opacity) = transfer.evaluate(mapping.value(f64::from(code)));
+        [red * opacity, green * opacity, blue * opacity, opacity].map(|part| part as f32)
+    };
+    (0..4096).map(look).collect()
+}
+
+/// The losses of a brick, level after level.
+fn of_levels(brick: &Volume, looks: &[[f32; 4]]) -> [f64; LEVELS] {
+    let look = |code: u16| looks.get(usize::from(code)).copied().unwrap_or_default();
+    let [nx, ny, _] = brick.dims;
+    let mut losses = [0.0; LEVELS];
+    let mut coarse = halved(brick);
+    for (level, loss) in losses.iter_mut().enumerate().skip(1) {
+        if level > 1 {
+            coarse = halved(&coarse);
+        }
+        let [cx, cy, _] = coarse.dims;
+        for (at, code) in brick.voxels.iter().enumerate() {
+            let [x, y, z] = [at % nx, at / nx % ny, at / nx / ny].map(|place| place >> level);
+            let mean = coarse.voxels[(z * cy + y) * cx + x];
+            if mean != *code {
+                let (exact, found) = (look(*code), look(mean));
+                let away = exact.iter().zip(found).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                *loss += f64::from(away);
+            }
+        }
+    }
+    losses
+}
