@@ -99,12 +99,9 @@ impl Around<'_, '_> {
         lanes[0]
     }
 
-    /// z interpolation from a column of a voxel row on; both may be one beside the slice if not `inside`.
+    /// z interpolation from a column of a voxel row on; both may be one beside the slice.
     #[inline(always)]
-    fn z_beside<F: Floats>(&self, inside: bool, row: i32, column: i32) -> F {
-        if inside {
-            return self.z::<F>(row as usize, column as usize);
-        }
+    fn z_beside<F: Floats>(&self, row: i32, column: i32) -> F {
         let last = self.meeting.height - 1;
         let edge = row.clamp(0, last);
         let here = self.z_across::<F>(edge as usize, column);
@@ -127,53 +124,109 @@ impl Around<'_, '_> {
 
     /// y interpolation between voxel row `row` and the next, from a column on.
     #[inline(always)]
-    fn zy<F: Floats>(&self, inside: bool, row: i32, column: i32) -> F {
+    fn zy<F: Floats>(&self, row: i32, column: i32) -> F {
         let [_, wy, _] = self.meeting.weights;
-        let a = self.z_beside::<F>(inside, row, column);
-        a.towards(self.z_beside(inside, row + 1, column), F::splat(wy))
+        let a = self.z_beside::<F>(row, column);
+        a.towards(self.z_beside(row + 1, column), F::splat(wy))
     }
 
-    /// y interpolation of the derivatives along z.
+    /// y and x interpolation of the derivatives along z.
     #[inline(always)]
     fn slope<F: Floats>(&self, row: i32, column: usize) -> F {
-        let ([a, b], [_, wy, _]) = (self.meeting.voxel_rows(row), self.meeting.weights);
-        let a = self.slope_of_row::<F>(a, column);
-        a.towards(self.slope_of_row(b, column), F::splat(wy))
+        let ([a, b], [wx, wy, wz]) = (self.meeting.voxel_rows(row), self.meeting.weights);
+        let columns = column..(column + F::COUNT + 1).min(self.meeting.width);
+        let [near, far] = slopes(self.window, a, &columns);
+        let [near_next, far_next] = slopes(self.window, b, &columns);
+        let wy = F::splat(wy);
+        let here = slope_at::<F>(near, far, wz, 0).towards(slope_at(near_next, far_next, wz, 0), wy);
+        let next = slope_at::<F>(near, far, wz, 1).towards(slope_at(near_next, far_next, wz, 1), wy);
+        here.towards(next, F::splat(wx))
     }
 
-    /// z interpolation of the derivatives along z, from a column of a voxel row on.
+    /// y interpolation between consecutive voxel rows around a place inside the slice: along it, and beside it in both directions.
     #[inline(always)]
-    fn slope_of_row<F: Floats>(&self, row: usize, column: usize) -> F {
-        let columns = column.min(self.meeting.width)..self.meeting.width;
-        let [near, far] = slopes(self.window, row, &columns);
-        slope_at(near, far, self.meeting.weights[2], 0)
+    fn around<F: Floats>(&self, row: usize, column: usize) -> Beside<F> {
+        let [wx, wy, wz] = self.meeting.weights.map(F::splat);
+        let far = self.window.far_or_near();
+        let rows = |row: usize| [self.window.near.row(row), far.row(row)];
+        let [before, here, next, behind] = [rows(row - 1), rows(row), rows(row + 1), rows(row + 2)];
+        let still = self.meeting.weights[2] == 0.0;
+        let [h0, h1] = [
+            z_of_rows::<F>(here, column, wz, still),
+            z_of_rows(here, column + 1, wz, still),
+        ];
+        let [n0, n1] = [
+            z_of_rows::<F>(next, column, wz, still),
+            z_of_rows(next, column + 1, wz, still),
+        ];
+        let left = z_of_rows::<F>(here, column - 1, wz, still).towards(z_of_rows(next, column - 1, wz, still), wy);
+        let right = z_of_rows::<F>(here, column + 2, wz, still).towards(z_of_rows(next, column + 2, wz, still), wy);
+        let [b0, b1] = [
+            z_of_rows::<F>(before, column, wz, still),
+            z_of_rows(before, column + 1, wz, still),
+        ];
+        let [e0, e1] = [
+            z_of_rows::<F>(behind, column, wz, still),
+            z_of_rows(behind, column + 1, wz, still),
+        ];
+        let (c0, c1) = (h0.towards(n0, wy), h1.towards(n1, wy));
+        Beside {
+            left: left.towards(c0, wx),
+            right: c1.towards(right, wx),
+            previous: b0.towards(h0, wy).towards(b1.towards(h1, wy), wx),
+            next: n0.towards(e0, wy).towards(n1.towards(e1, wy), wx),
+        }
+    }
+
+    /// The same at a face.
+    #[inline(always)]
+    fn around_at_face<F: Floats>(&self, row: i32, column: i32) -> Beside<F> {
+        let wx = F::splat(self.meeting.weights[0]);
+        let (here, right, next) = (self.zy::<F>(row, column), self.zy::<F>(row, column + 1), column + 1);
+        Beside {
+            left: self.zy::<F>(row, column - 1).towards(here, wx),
+            right: right.towards(self.zy(row, column + 2), wx),
+            previous: self.zy::<F>(row - 1, column).towards(self.zy(row - 1, next), wx),
+            next: self.zy::<F>(row + 1, column).towards(self.zy(row + 1, next), wx),
+        }
     }
 
     /// Their normals.
     #[inline(always)]
     fn normals<F: Floats>(&self, spacing: Option<[f32; 3]>, row: i32, place: Place) -> [F; 3] {
         let Meeting { width, height, .. } = *self.meeting;
-        let wx = F::splat(self.meeting.weights[0]);
         let inside = row >= 1 && row + 2 < height && place.column >= 1 && place.column + place.lanes + 1 < width;
-        let (column, next) = (place.column as i32, place.column as i32 + 1);
-        let (here, right) = (self.zy::<F>(inside, row, column), self.zy::<F>(inside, row, next));
-        let x =
-            self.zy::<F>(inside, row, column - 1).towards(here, wx) - right.towards(self.zy(inside, row, next + 1), wx);
-        let previous = self
-            .zy::<F>(inside, row - 1, column)
-            .towards(self.zy(inside, row - 1, next), wx);
-        let y = previous
-            - self
-                .zy::<F>(inside, row + 1, column)
-                .towards(self.zy(inside, row + 1, next), wx);
-        let z = self
-            .slope::<F>(row, place.column)
-            .towards(self.slope(row, place.column + 1), wx);
+        let beside = if inside {
+            self.around::<F>(row as usize, place.column)
+        } else {
+            self.around_at_face(row, place.column as i32)
+        };
+        let x = beside.left - beside.right;
+        let y = beside.previous - beside.next;
+        let z = self.slope::<F>(row, place.column);
         match spacing {
             None => normal::<F, true>([x, y, z], [F::splat(1.0); 3]),
             Some([fx, fy, fz]) => normal::<F, false>([x, y, z], [F::splat(fx), F::splat(fy), F::splat(fz)]),
         }
     }
+}
+
+/// Samples beside those of a place.
+struct Beside<F> {
+    left: F,
+    right: F,
+    previous: F,
+    next: F,
+}
+
+/// z interpolation between two rows of voxels, from a column on; `still`: the first alone.
+#[inline(always)]
+fn z_of_rows<F: Floats>([near, far]: [&[u16]; 2], column: usize, weight: F, still: bool) -> F {
+    let near = F::load_voxels(near, column);
+    if still {
+        return near;
+    }
+    near.towards(F::load_voxels(far, column), weight)
 }
 
 impl FoldTile<'_, '_> {
@@ -222,6 +275,7 @@ impl FoldTile<'_, '_> {
             phong,
             spacing,
             floor,
+            ..
         } = self.opponent;
         let Batch {
             places,

@@ -45,6 +45,8 @@ pub struct Opponent {
     spacing: Option<[f32; 3]>,
     /// Transparency below this is none: the default precision's own limit.
     floor: f32,
+    /// Share of blocks that can be seen below which they are made alone (docs/speed.md).
+    few: f64,
 }
 
 /// Elements of a channel's run in a row of the image: whole vectors may be written behind the last pixel.
@@ -62,6 +64,7 @@ impl Opponent {
             phong: prepared.setup.material.as_ref().map(FloatPhong::of),
             spacing: (spacing != [Intensity::ONE; 3]).then(|| spacing.map(|f| f32::from(f.to_bits()) / 32768.0)),
             floor: 1.0 / 65535.0,
+            few: if prepared.setup.material.is_some() { 0.4 } else { 0.3 },
         }
     }
 
@@ -79,10 +82,12 @@ impl Opponent {
     }
 
     /// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or the blocks that can be seen
-    /// where the engine takes them.
+    /// where they are few.
     pub fn fold(&self, plan: &Plan, volume: &Oriented<'_>, image: &mut [f32], tile_rows: usize, simd: Simd) {
         let looks = Looks::of::<Composite<Compact, Expanded, Unlit, FrontToBack>>(plan);
-        let seen = volume.sight(looks, Some(self.table.support), false, simd);
+        let occupancy = volume.occupancy();
+        let few = occupancy.share(looks, self.table.support) < self.few;
+        let seen = few.then(|| occupancy.sight(looks, self.table.support));
         let [width, _, _] = plan.dims();
         let scratch_len = SCRATCH_ROWS * row_len(width as usize);
         let tiles = tiles(plan, image, 4 * run_len(plan), tile_rows);

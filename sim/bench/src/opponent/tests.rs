@@ -15,17 +15,19 @@ fn difference(scene: &Scene, volume: &Volume) -> f64 {
     let prepared = Prepared::new(scene, volume).unwrap();
     let expected = prepared.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap().base;
     let plan = &prepared.setup.plan;
-    let opponent = Opponent::of(&prepared);
+    let mut opponent = Opponent::of(&prepared);
+    let usual = opponent.few;
     let mut worst = 0.0f64;
     let mut seen = 0.0f64;
     let mut turned = Turned::new(volume, plan);
     let slices = turned.slices().unwrap();
+    let oriented = Oriented::of(&slices);
     for simd in Simd::available() {
-        let image = folded(&opponent, plan, &Oriented::of(&slices).dense_from(0.0), simd);
-        // Whatever is left out, the bits are the same: of blocks, and of what the engine would take.
-        for dense in [Some(2.0), None] {
-            let oriented = Oriented::of(&slices);
-            let oriented = dense.map_or(oriented.clone(), |share| oriented.dense_from(share));
+        opponent.few = 0.0;
+        let image = folded(&opponent, plan, &oriented, simd);
+        // Whatever is left out, the bits are the same: of all blocks, and of those that are taken.
+        for few in [2.0, usual] {
+            opponent.few = few;
             let blocks = folded(&opponent, plan, &oriented, simd);
             for (u, v) in (0..expected.size[1]).flat_map(|v| (0..expected.size[0]).map(move |u| (u, v))) {
                 let [rows, blocks] =
