@@ -318,10 +318,10 @@ impl FoldTile<'_, '_> {
             if all_finished::<F>(&pixels[3][..n]) || !meets(table.support, window, meeting.voxel_rows(voxel_row)) {
                 continue;
             }
-            if let (Some(slice), Ok(row)) = (meeting.ahead, usize::try_from(voxel_row + 2)) {
-                if row < slice.height() {
-                    prefetch(slice.words(row));
-                }
+            if let (Some(slice), Ok(row)) = (meeting.ahead, usize::try_from(voxel_row + 2))
+                && row < slice.height()
+            {
+                prefetch(slice.words(row));
             }
             sampler.make::<F, LIT>(meeting, window, voxel_row);
             let place = FIRST + meeting.voxel;
