@@ -275,8 +275,12 @@ impl FoldTile<'_, '_> {
     #[inline(always)]
     fn finished<F: Floats>(&self) -> bool {
         let (run, [width, _]) = (run_len(self.plan), self.plan.base());
-        let mut runs = self.data.chunks_exact(run).skip(3).step_by(4);
-        runs.all(|run| all_finished::<F>(&run[..width as usize]))
+        for row in self.data.chunks_exact(4 * run) {
+            if !all_finished::<F>(&row[3 * run..][..width as usize]) {
+                return false;
+            }
+        }
+        true
     }
 
     #[inline(always)]
