@@ -167,7 +167,7 @@ pub fn measure(
                     floats.resize(Opponent::image_len(&plan), 0.0);
                     Opponent::clear(&plan, &mut floats);
                     let start = Instant::now();
-                    opponent.fold(&plan, slices, &mut floats, TILE_ROWS, subject.simd);
+                    opponent.fold(&plan, &oriented, &mut floats, TILE_ROWS, subject.simd);
                     Ok(start.elapsed())
                 }
                 Engine::Rays(precision) => {

@@ -2,11 +2,12 @@
 //!
 //! Squeeze claims that fixed point is up to four times as fast as floats; that is only worth something against floats
 //! that somebody has tuned. So this has the structure of the fixed-point engine (slice order, tiles through all planes,
-//! rows of plane-constant weights, skipping by the same row ranges, two-pass shading), lanes of the same widths, and
+//! rows of plane-constant weights, skipping by the same row ranges, the same blocks where few can be seen, two-pass shading), lanes of the same widths, and
 //! what floats make cheap: fused multiply-adds, an estimated reciprocal root with one Newton step, no shifts. It reads
 //! the same voxels, the same compiled table, plan and lights; `tests` holds its pictures against the fixed-point ones.
 //! Front to back only, tables looked up linearly.
 
+mod blocks;
 mod light;
 mod rows;
 mod table;
@@ -15,15 +16,22 @@ mod tests;
 mod tile;
 
 use rayon::prelude::*;
+use slicecast::composite::FrontToBack;
 use slicecast::format::Intensity;
 use slicecast::plan::Plan;
-use slicecast::slice::Slice;
+use slicecast::plane::Composite;
+use slicecast::precision::Compact;
+use slicecast::shade::Unlit;
 
+use self::blocks::Batch;
 use self::light::FloatPhong;
 use self::rows::{FIRST, row_len};
 use self::table::FloatTable;
 use self::tile::{FoldTile, SCRATCH_ROWS};
+use slicecast_engine::expanded::Expanded;
 use slicecast_engine::frame::Prepared;
+use slicecast_engine::occupancy::Looks;
+use slicecast_engine::oriented::Oriented;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::simd::floats::with_floats;
 use slicecast_engine::tiles::tiles;
@@ -37,6 +45,8 @@ pub struct Opponent {
     spacing: Option<[f32; 3]>,
     /// Transparency below this is none: the default precision's own limit.
     floor: f32,
+    /// Share of blocks that can be seen below which they are made alone (docs/speed.md).
+    few: f64,
 }
 
 /// Elements of a channel's run in a row of the image: whole vectors may be written behind the last pixel.
@@ -54,6 +64,7 @@ impl Opponent {
             phong: prepared.setup.material.as_ref().map(FloatPhong::of),
             spacing: (spacing != [Intensity::ONE; 3]).then(|| spacing.map(|f| f32::from(f.to_bits()) / 32768.0)),
             floor: 1.0 / 65535.0,
+            few: if prepared.setup.material.is_some() { 0.4 } else { 0.3 },
         }
     }
 
@@ -70,24 +81,34 @@ impl Opponent {
         }
     }
 
-    /// Folds all planes into an image, tile by tile on rayon's current threads.
-    pub fn fold(&self, plan: &Plan, slices: &[Slice<'_>], image: &mut [f32], tile_rows: usize, simd: Simd) {
+    /// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or the blocks that can be seen
+    /// where they are few.
+    pub fn fold(&self, plan: &Plan, volume: &Oriented<'_>, image: &mut [f32], tile_rows: usize, simd: Simd) {
+        let looks = Looks::of::<Composite<Compact, Expanded, Unlit, FrontToBack>>(plan);
+        let occupancy = volume.occupancy();
+        let few = occupancy.share(looks, self.table.support) < self.few;
+        let seen = few.then(|| occupancy.sight(looks, self.table.support));
         let [width, _, _] = plan.dims();
         let scratch_len = SCRATCH_ROWS * row_len(width as usize);
         let tiles = tiles(plan, image, 4 * run_len(plan), tile_rows);
         tiles.into_par_iter().with_max_len(1).for_each_init(
-            || (vec![0.0; scratch_len + FIRST], vec![0; row_len(width as usize)]),
-            |(scratch, codes), (tile, data)| {
+            || {
+                let scratch = vec![0.0; scratch_len + FIRST];
+                (scratch, vec![0; row_len(width as usize)], Batch::new())
+            },
+            |(scratch, codes, batch), (tile, data)| {
                 // Rows begin at a cache line.
                 let aligned = scratch.as_ptr().align_offset(64).min(FIRST);
                 let fold = FoldTile {
                     opponent: self,
                     plan,
-                    slices,
+                    slices: volume.slices,
                     tile,
                     data,
                     scratch: &mut scratch[aligned..aligned + scratch_len],
                     codes,
+                    seen: seen.as_ref(),
+                    batch,
                 };
                 with_floats(simd, fold);
             },

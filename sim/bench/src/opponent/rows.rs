@@ -60,6 +60,16 @@ impl Slope<'_> {
     }
 }
 
+/// z interpolation of derivatives along z at a place.
+#[inline(always)]
+pub(super) fn slope_at<F: Floats>(near: Slope<'_>, far: Slope<'_>, weight: f32, at: usize) -> F {
+    let a = near.lanes::<F>(at) * F::splat(near.0);
+    if weight == 0.0 {
+        return a;
+    }
+    a.towards(far.lanes::<F>(at) * F::splat(far.0), F::splat(weight))
+}
+
 /// z interpolation of derivatives along z; `out` begins at the first of them.
 #[inline(always)]
 pub(super) fn z_slope_row<F: Floats>(near: Slope<'_>, far: Slope<'_>, weight: f32, out: &mut [f32]) {
@@ -152,19 +162,26 @@ fn normals<F: Floats, const CUBIC: bool>(around: &Around<'_>, spacing: [f32; 3],
     for at in (0..nx.len()).step_by(F::COUNT) {
         let behind = at + F::COUNT;
         let next = F::load(a, behind).towards(F::load(b, behind), wy);
-        let mut x = F::load(around.left, at) - F::load(around.right, at);
-        let mut y = F::load(around.previous, at) - F::load(around.next, at);
-        let mut z = here.towards(here.followed_by(next), wx);
-        here = next;
-        if !CUBIC {
-            (x, y, z) = (x * fx, y * fy, z * fz);
-        }
         // x and y are negative already.
-        let r = x.times_plus(x, y.times_plus(y, z * z)).reciprocal_root();
-        (x * r).store(nx, at);
-        (y * r).store(ny, at);
-        (z * (F::splat(0.0) - r)).store(nz, at);
+        let x = F::load(around.left, at) - F::load(around.right, at);
+        let y = F::load(around.previous, at) - F::load(around.next, at);
+        let z = here.towards(here.followed_by(next), wx);
+        here = next;
+        let [x, y, z] = normal::<F, CUBIC>([x, y, z], [fx, fy, fz]);
+        x.store(nx, at);
+        y.store(ny, at);
+        z.store(nz, at);
     }
+}
+
+/// The unit normal, towards lower values, of differences of which those along x and y point there already.
+#[inline(always)]
+pub(super) fn normal<F: Floats, const CUBIC: bool>([mut x, mut y, mut z]: [F; 3], [fx, fy, fz]: [F; 3]) -> [F; 3] {
+    if !CUBIC {
+        (x, y, z) = (x * fx, y * fy, z * fz);
+    }
+    let r = x.times_plus(x, y.times_plus(y, z * z)).reciprocal_root();
+    [x * r, y * r, z * (F::splat(0.0) - r)]
 }
 
 /// Rows of pixels: red, green, blue, transparency.
@@ -210,7 +227,7 @@ pub(super) fn fold_one_colour_row<F: Floats>(colour: [f32; 3], opacities: &[f32]
 
 /// `w = T a; T -= w; C += c w`; T below the floor becomes 0.
 #[inline(always)]
-fn over<F: Floats>([cr, cg, cb]: [F; 3], opacity: F, pixels: &mut Pixels<'_>, at: usize, floor: f32) {
+pub(super) fn over<F: Floats>([cr, cg, cb]: [F; 3], opacity: F, pixels: &mut Pixels<'_>, at: usize, floor: f32) {
     let [red, green, blue, transparency] = pixels;
     let before = F::load(transparency, at);
     let w = before * opacity;

@@ -15,14 +15,26 @@ fn difference(scene: &Scene, volume: &Volume) -> f64 {
     let prepared = Prepared::new(scene, volume).unwrap();
     let expected = prepared.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap().base;
     let plan = &prepared.setup.plan;
-    let opponent = Opponent::of(&prepared);
+    let mut opponent = Opponent::of(&prepared);
+    let usual = opponent.few;
     let mut worst = 0.0f64;
     let mut seen = 0.0f64;
+    let mut turned = Turned::new(volume, plan);
+    let slices = turned.slices().unwrap();
+    let oriented = Oriented::of(&slices);
     for simd in Simd::available() {
-        let mut image = vec![f32::NAN; Opponent::image_len(plan)];
-        Opponent::clear(plan, &mut image);
-        let mut turned = Turned::new(volume, plan);
-        opponent.fold(plan, &turned.slices().unwrap(), &mut image, TILE_ROWS, simd);
+        opponent.few = 0.0;
+        let image = folded(&opponent, plan, &oriented, simd);
+        // Whatever is left out, the bits are the same: of all blocks, and of those that are taken.
+        for few in [2.0, usual] {
+            opponent.few = few;
+            let blocks = folded(&opponent, plan, &oriented, simd);
+            for (u, v) in (0..expected.size[1]).flat_map(|v| (0..expected.size[0]).map(move |u| (u, v))) {
+                let [rows, blocks] =
+                    [&image, &blocks].map(|image| Opponent::pixel(plan, image, u, v).map(f32::to_bits));
+                assert_eq!(rows, blocks, "{simd:?} at {u}, {v}");
+            }
+        }
         let [width, height] = expected.size;
         for (u, v) in (0..height).flat_map(|v| (0..width).map(move |u| (u, v))) {
             let found = Opponent::pixel(plan, &image, u, v);
@@ -37,6 +49,13 @@ fn difference(scene: &Scene, volume: &Volume) -> f64 {
     }
     assert!(seen > 0.05, "a picture of nothing proves nothing");
     worst
+}
+
+fn folded(opponent: &Opponent, plan: &Plan, oriented: &Oriented<'_>, simd: Simd) -> Vec<f32> {
+    let mut image = vec![f32::NAN; Opponent::image_len(plan)];
+    Opponent::clear(plan, &mut image);
+    opponent.fold(plan, oriented, &mut image, TILE_ROWS, simd);
+    image
 }
 
 /// Steps of 1/255 that a value may differ from the fixed-point one. Two sources: `Wide` against f64 stays within 0.012

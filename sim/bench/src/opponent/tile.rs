@@ -9,8 +9,10 @@ use slicecast::locate::{Cell, cell, inside, plane};
 use slicecast::plan::Plan;
 use slicecast::slice::{RowRange, Slice, Window};
 
+use super::blocks::Batch;
 use super::rows::*;
 use super::{Opponent, run_len};
+use slicecast_engine::occupancy::Sight;
 use slicecast_engine::simd::floats::{Floats, OverFloats};
 use slicecast_engine::simd::prefetch;
 use slicecast_engine::tiles::{AHEAD, Tile};
@@ -25,27 +27,32 @@ pub(super) struct FoldTile<'a, 's> {
     pub scratch: &'a mut [f32],
     /// A row of scratch memory for codes.
     pub codes: &'a mut [i32],
+    /// The blocks that can be seen; none: rows are made as a whole.
+    pub seen: Option<&'a Sight>,
+    pub batch: &'a mut Batch,
 }
 
 /// Rows of scratch memory.
 pub(super) const SCRATCH_ROWS: usize = 2 + 2 + 1 + 3 + 1 + 3 + 3;
 
 /// Where a plane meets the image.
-struct Meeting {
-    y: Cell,
-    columns: Range<usize>,
-    rows: Range<u32>,
+pub(super) struct Meeting<'s> {
+    pub y: Cell,
+    pub columns: Range<usize>,
+    pub rows: Range<u32>,
     /// Column of the volume under the first of `columns`.
-    voxel: usize,
-    width: usize,
-    height: i32,
+    pub voxel: usize,
+    pub width: usize,
+    pub height: i32,
     /// Along x, y, z.
-    weights: [f32; 3],
+    pub weights: [f32; 3],
+    /// The slice that will be read some planes later, asked for row by row.
+    ahead: Option<Slice<'s>>,
 }
 
-impl Meeting {
+impl Meeting<'_> {
     /// The voxel rows around a row of samples.
-    fn voxel_rows(&self, row: i32) -> [usize; 2] {
+    pub(super) fn voxel_rows(&self, row: i32) -> [usize; 2] {
         [row, row + 1].map(|row| row.clamp(0, self.height - 1) as usize)
     }
 
@@ -77,7 +84,7 @@ impl Sampler<'_> {
 
     /// Makes the samples between voxel rows `row` and `row + 1`; `LIT` may ask for one row beyond each face.
     #[inline(always)]
-    fn make<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
+    fn make<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting<'_>, window: &Window<'_>, row: i32) {
         let slot = Self::slot(row);
         if self.sample_row[slot] == row {
             return;
@@ -103,7 +110,7 @@ impl Sampler<'_> {
 
     /// Makes the z interpolation of a voxel row.
     #[inline(always)]
-    fn make_z<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
+    fn make_z<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting<'_>, window: &Window<'_>, row: i32) {
         let index = (row & 1) as usize;
         if self.z_row[index] == row {
             return;
@@ -128,7 +135,13 @@ impl Sampler<'_> {
 
     /// Makes some columns of the z interpolation of a voxel row's derivatives along z.
     #[inline(always)]
-    fn make_slopes<F: Floats>(&mut self, meeting: &Meeting, window: &Window<'_>, row: usize, columns: &Range<usize>) {
+    fn make_slopes<F: Floats>(
+        &mut self,
+        meeting: &Meeting<'_>,
+        window: &Window<'_>,
+        row: usize,
+        columns: &Range<usize>,
+    ) {
         let made = &mut self.slopes_made[row & 1];
         if made.0 == row && made.1.start <= columns.start && columns.end <= made.1.end {
             return;
@@ -141,7 +154,7 @@ impl Sampler<'_> {
 }
 
 /// Derivatives along z at the slices before and behind a plane, for columns of a voxel row.
-fn slopes<'a>(window: &Window<'a>, row: usize, columns: &Range<usize>) -> [Slope<'a>; 2] {
+pub(super) fn slopes<'a>(window: &Window<'a>, row: usize, columns: &Range<usize>) -> [Slope<'a>; 2] {
     let of = |scale, behind: Slice<'a>, before: Slice<'a>| {
         let columns = columns.clone();
         Slope(scale, &behind.row(row)[columns.clone()], &before.row(row)[columns])
@@ -208,14 +221,20 @@ impl OverFloats for FoldTile<'_, '_> {
         for index in 0..self.plan.planes() {
             let plane = plane(self.plan, self.plan.phase(self.tile.phase), index);
             let (x, y, z) = (cell(plane.x), cell(plane.y), cell(plane.z));
+            let mut fresh = None;
             if ahead != Some(z.index) {
                 ahead = Some(z.index);
-                if let Some(slice) = slice(z.index + AHEAD) {
-                    let first = (i64::from(self.tile.first) + i64::from(y.index)).max(0) as usize;
-                    for row in first..first + self.tile.rows as usize + 1 {
-                        prefetch(slice.row(row));
-                    }
+                fresh = slice(z.index + AHEAD);
+            }
+            // Blocks are made here and there: a tile's rows are asked for together.
+            if let (Some(slice), Some(_)) = (fresh, self.seen) {
+                let first = (i64::from(self.tile.first) + i64::from(y.index)).max(1) as usize;
+                for row in first - 1..(first + self.tile.rows as usize + 2).min(slice.height()) {
+                    prefetch(slice.words(row));
                 }
+            }
+            if self.seen.is_some() && index % FINISHED_EVERY == 0 && self.finished::<F>() {
+                break;
             }
             let Some(window) = Window::at(z.index, slice) else {
                 continue;
@@ -232,22 +251,40 @@ impl OverFloats for FoldTile<'_, '_> {
                 width: width as usize,
                 height: height as i32,
                 weights: [weight(x.weight), weight(y.weight), weight(z.weight)],
+                ahead: fresh,
             };
             if meeting.columns.is_empty() {
                 continue;
             }
-            if self.opponent.phong.is_some() {
-                self.fold_plane::<F, true>(&meeting, &window);
-            } else {
-                self.fold_plane::<F, false>(&meeting, &window);
+            let seen = self.seen.map(|seen| seen.at(z.index as usize));
+            match (seen, self.opponent.phong.is_some()) {
+                (Some(seen), true) => self.fold_blocks::<F, true>(&meeting, &window, seen),
+                (Some(seen), false) => self.fold_blocks::<F, false>(&meeting, &window, seen),
+                (None, true) => self.fold_plane::<F, true>(&meeting, &window),
+                (None, false) => self.fold_plane::<F, false>(&meeting, &window),
             }
         }
     }
 }
 
+/// After how many planes a tile of blocks is asked whether its rays are all finished.
+const FINISHED_EVERY: u32 = 16;
+
 impl FoldTile<'_, '_> {
+    /// Whether all rays of the tile are finished.
     #[inline(always)]
-    fn fold_plane<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting, window: &Window<'_>) {
+    fn finished<F: Floats>(&self) -> bool {
+        let (run, [width, _]) = (run_len(self.plan), self.plan.base());
+        for row in self.data.chunks_exact(4 * run) {
+            if !all_finished::<F>(&row[3 * run..][..width as usize]) {
+                return false;
+            }
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn fold_plane<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting<'_>, window: &Window<'_>) {
         let Opponent {
             table, phong, floor, ..
         } = self.opponent;
@@ -284,6 +321,11 @@ impl FoldTile<'_, '_> {
             let mut pixels: Pixels<'_> = [pixels(), pixels(), pixels(), pixels()];
             if all_finished::<F>(&pixels[3][..n]) || !meets(table.support, window, meeting.voxel_rows(voxel_row)) {
                 continue;
+            }
+            if let (Some(slice), Ok(row)) = (meeting.ahead, usize::try_from(voxel_row + 2))
+                && row < slice.height()
+            {
+                prefetch(slice.words(row));
             }
             sampler.make::<F, LIT>(meeting, window, voxel_row);
             let place = FIRST + meeting.voxel;
@@ -334,7 +376,7 @@ impl FoldTile<'_, '_> {
 fn make_normals<F: Floats>(
     opponent: &Opponent,
     sampler: &mut Sampler<'_>,
-    meeting: &Meeting,
+    meeting: &Meeting<'_>,
     window: &Window<'_>,
     row: i32,
     span: &Range<usize>,

@@ -109,10 +109,10 @@ impl Avx2 {
 }
 
 /// For each set of lanes, the bits of a byte: those lanes in their order, in the first places.
-static PACKED: [[i32; 8]; 256] = orders(false);
+pub(super) static PACKED: [[i32; 8]; 256] = orders(false);
 
 /// For each set of lanes: where each of them finds itself among the packed ones.
-static SPREAD: [[i32; 8]; 256] = orders(true);
+pub(super) static SPREAD: [[i32; 8]; 256] = orders(true);
 
 const fn orders(spread: bool) -> [[i32; 8]; 256] {
     let mut orders = [[0; 8]; 256];

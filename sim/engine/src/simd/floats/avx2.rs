@@ -8,7 +8,7 @@ use std::ops::{Add, Mul, Sub};
 use slicecast::table::Neighboured;
 
 use super::{AS_IT_IS, Floats};
-use crate::simd::avx2::look_up;
+use crate::simd::avx2::{PACKED, SPREAD, look_up};
 use crate::simd::partial::{chunk, chunk_mut, rest};
 
 /// Eight floats. Of use only where the processor has AVX2, FMA and BMI1; see [`super::with_floats`].
@@ -62,6 +62,26 @@ fn of_voxels(voxels: &[u16; 8]) -> Avx2 {
     Avx2(avx2!(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(
         voxels.as_ptr().cast()
     )))))
+}
+
+impl Avx2 {
+    /// The lanes above 0, as bits.
+    #[inline(always)]
+    fn positive(self) -> u8 {
+        avx2!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(
+            self.0,
+            _mm256_setzero_ps()
+        ))) as u8
+    }
+
+    /// Lanes in another order.
+    #[inline(always)]
+    fn moved(self, order: &[i32; 8]) -> Self {
+        Self(avx2!(_mm256_permutevar8x32_ps(
+            self.0,
+            _mm256_loadu_si256(order.as_ptr().cast())
+        )))
+    }
 }
 
 impl Floats for Avx2 {
@@ -177,6 +197,18 @@ impl Floats for Avx2 {
             let mask = _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, _mm256_setzero_ps());
             _mm256_movemask_ps(mask) != 0
         })
+    }
+    #[inline(always)]
+    fn count_positive(self) -> usize {
+        self.positive().count_ones() as usize
+    }
+    #[inline(always)]
+    fn packed(self, chosen: Self) -> Self {
+        self.moved(&PACKED[usize::from(chosen.positive())])
+    }
+    #[inline(always)]
+    fn spread(self, chosen: Self) -> Self {
+        self.moved(&SPREAD[usize::from(chosen.positive())])
     }
     #[inline(always)]
     fn reciprocal_root(self) -> Self {

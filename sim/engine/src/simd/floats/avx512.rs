@@ -61,6 +61,14 @@ fn of_voxels(voxels: &[u16; 16]) -> Avx512 {
     )))))
 }
 
+impl Avx512 {
+    /// The lanes above 0, as bits.
+    #[inline(always)]
+    fn positive(self) -> __mmask16 {
+        avx512!(_mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, _mm512_setzero_ps()))
+    }
+}
+
 impl Floats for Avx512 {
     const COUNT: usize = 16;
 
@@ -167,6 +175,18 @@ impl Floats for Avx512 {
     #[inline(always)]
     fn any_positive(self) -> bool {
         avx512!(_mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, _mm512_setzero_ps())) != 0
+    }
+    #[inline(always)]
+    fn count_positive(self) -> usize {
+        self.positive().count_ones() as usize
+    }
+    #[inline(always)]
+    fn packed(self, chosen: Self) -> Self {
+        Self(avx512!(_mm512_maskz_compress_ps(chosen.positive(), self.0)))
+    }
+    #[inline(always)]
+    fn spread(self, chosen: Self) -> Self {
+        Self(avx512!(_mm512_maskz_expand_ps(chosen.positive(), self.0)))
     }
     #[inline(always)]
     fn reciprocal_root(self) -> Self {

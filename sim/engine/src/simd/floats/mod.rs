@@ -54,6 +54,12 @@ pub trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn at_least_then(self, floor: Self, value: Self) -> Self;
     /// Whether any lane is above 0.
     fn any_positive(self) -> bool;
+    /// How many lanes are above 0.
+    fn count_positive(self) -> usize;
+    /// The lanes where `chosen` is above 0, in their order, in the first lanes; the others hold anything finite.
+    fn packed(self, chosen: Self) -> Self;
+    /// The first lanes, in their order, in those where `chosen` is above 0; the others hold anything finite.
+    fn spread(self, chosen: Self) -> Self;
     /// `1 / sqrt(x)` to about 22 bits: the processor's estimate and one Newton step. 0 for 0.
     fn reciprocal_root(self) -> Self;
 
@@ -132,6 +138,18 @@ impl Floats for f32 {
     #[inline(always)]
     fn any_positive(self) -> bool {
         self > 0.0
+    }
+    #[inline(always)]
+    fn count_positive(self) -> usize {
+        usize::from(self > 0.0)
+    }
+    #[inline(always)]
+    fn packed(self, _: Self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn spread(self, _: Self) -> Self {
+        self
     }
     #[inline(always)]
     fn reciprocal_root(self) -> Self {
