@@ -51,7 +51,7 @@ impl Batch {
 
 /// The voxels around the samples of a plane.
 struct Around<'m, 'w> {
-    meeting: &'m Meeting<'w>,
+    meeting: &'m Meeting,
     window: &'m Window<'w>,
 }
 
@@ -234,7 +234,7 @@ impl FoldTile<'_, '_> {
     #[inline(always)]
     pub(super) fn fold_blocks<F: Floats, const LIT: bool>(
         &mut self,
-        meeting: &Meeting<'_>,
+        meeting: &Meeting,
         window: &Window<'_>,
         seen: Seen<'_>,
     ) {
@@ -269,7 +269,7 @@ impl FoldTile<'_, '_> {
 
     /// Folds the places of a batch, and empties it.
     #[inline(always)]
-    fn fold_batch<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting<'_>, window: &Window<'_>) {
+    fn fold_batch<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting, window: &Window<'_>) {
         let Opponent {
             table,
             phong,

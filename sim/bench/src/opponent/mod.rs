@@ -27,7 +27,7 @@ use self::blocks::Batch;
 use self::light::FloatPhong;
 use self::rows::{FIRST, row_len};
 use self::table::FloatTable;
-use self::tile::{FoldTile, SCRATCH_ROWS};
+use self::tile::{FoldBlocks, FoldTile, SCRATCH_ROWS};
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::occupancy::Looks;
@@ -64,7 +64,7 @@ impl Opponent {
             phong: prepared.setup.material.as_ref().map(FloatPhong::of),
             spacing: (spacing != [Intensity::ONE; 3]).then(|| spacing.map(|f| f32::from(f.to_bits()) / 32768.0)),
             floor: 1.0 / 65535.0,
-            few: if prepared.setup.material.is_some() { 0.4 } else { 0.3 },
+            few: 0.3,
         }
     }
 
@@ -110,7 +110,11 @@ impl Opponent {
                     seen: seen.as_ref(),
                     batch,
                 };
-                with_floats(simd, fold);
+                if seen.is_some() {
+                    with_floats(simd, FoldBlocks(fold));
+                } else {
+                    with_floats(simd, fold);
+                }
             },
         );
     }

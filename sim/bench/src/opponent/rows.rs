@@ -162,15 +162,18 @@ fn normals<F: Floats, const CUBIC: bool>(around: &Around<'_>, spacing: [f32; 3],
     for at in (0..nx.len()).step_by(F::COUNT) {
         let behind = at + F::COUNT;
         let next = F::load(a, behind).towards(F::load(b, behind), wy);
-        // x and y are negative already.
-        let x = F::load(around.left, at) - F::load(around.right, at);
-        let y = F::load(around.previous, at) - F::load(around.next, at);
-        let z = here.towards(here.followed_by(next), wx);
+        let mut x = F::load(around.left, at) - F::load(around.right, at);
+        let mut y = F::load(around.previous, at) - F::load(around.next, at);
+        let mut z = here.towards(here.followed_by(next), wx);
         here = next;
-        let [x, y, z] = normal::<F, CUBIC>([x, y, z], [fx, fy, fz]);
-        x.store(nx, at);
-        y.store(ny, at);
-        z.store(nz, at);
+        if !CUBIC {
+            (x, y, z) = (x * fx, y * fy, z * fz);
+        }
+        // x and y are negative already.
+        let r = x.times_plus(x, y.times_plus(y, z * z)).reciprocal_root();
+        (x * r).store(nx, at);
+        (y * r).store(ny, at);
+        (z * (F::splat(0.0) - r)).store(nz, at);
     }
 }
 
