@@ -6,9 +6,9 @@ use std::ops::Range;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use slicecast::classify::Classifier;
+use slicecast::clip::Clips;
 use slicecast::composite::{BackToFront, Channel as _, FrontToBack, Order};
 use slicecast::lanes::Small;
-use slicecast::plan::Plan;
 use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, near_slice, plane, planes, scratch_len};
 use slicecast::precision::Precision;
 use slicecast::project::{Maximum, Minimum};
@@ -16,6 +16,7 @@ use slicecast::shade::{Shader, Unlit};
 use slicecast::slice::{Code12, Slice, Window};
 use slicecast::stream::{Needs, base_pixel, phase_len};
 use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::tiles::Geometry;
 use slicecast_engine::with_precision;
 use slicecast_host_tests::frame::Frame;
 use slicecast_scene::{Blend, PrecisionName};
@@ -26,7 +27,11 @@ use super::frames::frame;
 type Bits = Vec<[u32; 4]>;
 
 /// Folds all planes with [`Small`] lanes.
-fn folded<L: Pipeline<Voxel = Code12>>(plan: &Plan, slices: &[Slice<'_>], pipeline: &L) -> Bits {
+fn folded<L: Pipeline<Voxel = Code12>>(
+    Geometry { plan, clips }: Geometry<'_>,
+    slices: &[Slice<'_>],
+    pipeline: &L,
+) -> Bits {
     let mut image = vec![L::Element::default(); Needs::of::<L>(plan).image];
     clear(pipeline, plan, &mut image);
     let mut scratch = vec![0; scratch_len::<L>(plan.dims()[0])];
@@ -44,7 +49,7 @@ fn folded<L: Pipeline<Voxel = Code12>>(plan: &Plan, slices: &[Slice<'_>], pipeli
                 plane,
                 window,
                 seen: None,
-                clips: None,
+                clips: clips.map(Clips::clipper),
                 reading: None,
             };
             let rows = Rows { first: 0, data };
@@ -71,14 +76,14 @@ fn composited<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order>(
     if let Some(bits) = prepared.scene.early_termination {
         pipeline = pipeline.with_early_termination(bits);
     }
-    folded(&prepared.setup.plan, slices, &pipeline)
+    folded(prepared.setup.geometry(), slices, &pipeline)
 }
 
 fn small<P: Precision>(p: P, prepared: &Prepared<'_>, slices: &[Slice<'_>]) -> Bits {
-    let (plan, table) = (&prepared.setup.plan, prepared.table.classifier());
+    let (geometry, table) = (prepared.setup.geometry(), prepared.table.classifier());
     match (prepared.scene.blend, &prepared.segments) {
-        (Blend::Maximum, _) => folded(plan, slices, &Project::<_, _, Maximum>::new(p, table)),
-        (Blend::Minimum, _) => folded(plan, slices, &Project::<_, _, Minimum>::new(p, table)),
+        (Blend::Maximum, _) => folded(geometry, slices, &Project::<_, _, Maximum>::new(p, table)),
+        (Blend::Minimum, _) => folded(geometry, slices, &Project::<_, _, Minimum>::new(p, table)),
         (_, Some(segments)) => classified(p, prepared, slices, segments.clone()),
         (_, None) => classified(p, prepared, slices, table),
     }

@@ -119,10 +119,14 @@ fn cube(size: Size) -> Result<Case, RenderError> {
                 (worst, longest) = (worst.max(error), longest.max(voxels));
             }
         }
-        let who = format!("wide, {kind}, {name}, rays of up to {longest:.2} voxels, {within} in a face left out");
+        let who = format!("wide, {kind}, {name}, rays of up to {longest:.2} voxels ({within} left out)");
         case.outcome(who, worst, Some(0.01));
     }
-    case.note = Some("limit: that of whole volumes and of crop boxes (groups borders and crop)".into());
+    case.note = Some(
+        "limit: that of whole volumes and of crop boxes (groups borders and crop); rays that run in a face may be on either side of it, and are \
+         left out"
+            .into(),
+    );
     Ok(case)
 }
 
