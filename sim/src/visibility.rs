@@ -170,6 +170,14 @@ fn reason(prepared: &Prepared<'_>, base: &BaseImage, known: &Circumstances<'_>) 
             "`--scene mip` has a grey ramp over the values that rays keep".into(),
         );
     }
+    let cut = match (scene.clips.is_empty(), scene.crop) {
+        (false, _) => Some(("the clip planes leave", "a normal the other way shows the other side")),
+        (true, Some(_)) => Some(("the crop box leaves", "a larger `--crop` shows more")),
+        (true, None) => None,
+    };
+    if let Some((what, advice)) = cut.filter(|_| thickest == 0.0) {
+        return (format!("{what} nothing of what is visible"), advice.into());
+    }
     if thickest <= f64::from(SEEN) / 255.0 {
         return (too_thin(prepared), unit_distance(prepared));
     }
@@ -277,6 +285,8 @@ pub fn fineness(prepared: &Prepared<'_>) -> Option<String> {
 mod tests {
     use super::*;
     use slicecast_engine::frame::Layer;
+    use slicecast_scene::clip::Clip;
+    use slicecast_scene::crop::Crop;
     use slicecast_scene::file::built_in;
     use slicecast_scene::{Image, Scene};
     use slicecast_volume::{Mapping, Volume};
@@ -366,6 +376,27 @@ mod tests {
         says(&scene(), &volume, &parts);
         volume.spacing = [1e-9; 3];
         says(&scene(), &volume, &["`--unit-distance 0.000000001`"]);
+    }
+
+    #[test]
+    fn everything_cut_away() {
+        let mut scene = scene();
+        scene.clips = vec![Clip::new([99.0, 0.0, 0.0], [1.0, 0.0, 0.0])];
+        says(
+            &scene,
+            &ball(),
+            &[
+                "the clip planes leave nothing of what is visible",
+                "a normal the other way",
+            ],
+        );
+        scene.clips.clear();
+        scene.crop = Some(Crop::parse(":2,:2,:2").unwrap());
+        says(
+            &scene,
+            &ball(),
+            &["the crop box leaves nothing of what is visible", "a larger `--crop`"],
+        );
     }
 
     #[test]
