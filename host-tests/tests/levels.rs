@@ -14,12 +14,11 @@ use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_model::{BoxOfLevel, Levels, Segments};
 use slicecast_pyramid::scalar::halved;
-use slicecast_scene::crop::{Crop, CropUnit};
 use slicecast_scene::file::built_in;
 use slicecast_scene::{Blend, Borders, Classification, Interpolation, PrecisionName, Scene, Surface};
 use slicecast_volume::Volume;
 
-use crate::parts::on_disk;
+use crate::parts::{crop, on_disk};
 
 /// A scene that is rendered in several levels.
 fn scene(random: &mut Random) -> Scene {
@@ -42,16 +41,7 @@ fn scene(random: &mut Random) -> Scene {
         scene.blend = Blend::BackToFront;
     }
     if pick(4) == 0 {
-        let mut range = || {
-            [
-                [-1.0, 0.3, 0.75][pick(3) as usize],
-                [1.2, 6.6, f64::INFINITY][pick(3) as usize],
-            ]
-        };
-        scene.crop = Some(Crop {
-            ranges: [range(), range(), range()],
-            unit: CropUnit::Voxels,
-        });
+        scene.crop = Some(crop(&mut pick));
     }
     scene
 }

@@ -115,19 +115,23 @@ fn scene(random: &mut Random) -> Scene {
         if scene.borders == Borders::Whole {
             scene.borders = Borders::Cells;
         }
-        // Every volume has something in it: it is two voxels or more along each side.
-        let mut range = || {
-            [
-                [-1.0, 0.3, 0.75][pick(3) as usize],
-                [1.2, 6.6, f64::INFINITY][pick(3) as usize],
-            ]
-        };
-        scene.crop = Some(Crop {
-            ranges: [range(), range(), range()],
-            unit: CropUnit::Voxels,
-        });
+        scene.crop = Some(crop(&mut pick));
     }
     scene
+}
+
+/// A box that holds something of every volume of two voxels or more along each side.
+pub(super) fn crop(pick: &mut impl FnMut(u32) -> u32) -> Crop {
+    let mut range = || {
+        [
+            [-1.0, 0.3, 0.75][pick(3) as usize],
+            [1.2, 6.6, f64::INFINITY][pick(3) as usize],
+        ]
+    };
+    Crop {
+        ranges: [range(), range(), range()],
+        unit: CropUnit::Voxels,
+    }
 }
 
 /// What random volumes hold.

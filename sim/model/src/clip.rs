@@ -7,11 +7,54 @@ use super::rays::Geometry;
 use slicecast_scene::clip::Clip;
 use slicecast_scene::cueing::Cueing;
 
+/// A distance that is linear in the place, along i, j and k.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Linear {
+    slope: [f64; 3],
+    first: f64,
+}
+
+impl Linear {
+    /// Of slopes along x, y and z, and the distance of the first voxel.
+    fn of(slope: [f64; 3], first: f64, geometry: &Geometry) -> Self {
+        let [i, j, k] = geometry.order.map(|axis| slope[axis]);
+        let last = (geometry.dims[2] - 1) as f64;
+        if geometry.flipped {
+            Self {
+                slope: [i, j, -k],
+                first: first + k * last,
+            }
+        } else {
+            Self {
+                slope: [i, j, k],
+                first,
+            }
+        }
+    }
+
+    /// By how much it grows along a way.
+    fn along(&self, way: [f64; 3]) -> f64 {
+        (0..3).map(|axis| self.slope[axis] * way[axis]).sum()
+    }
+
+    fn at(&self, place: [f64; 3]) -> f64 {
+        self.first + self.along(place)
+    }
+}
+
+/// What a geometry has along i, j and k, along x, y and z.
+fn along_axes<T: Copy + Default>(geometry: &Geometry, values: [T; 3]) -> [T; 3] {
+    let mut out = [T::default(); 3];
+    for (axis, value) in geometry.order.into_iter().zip(values) {
+        out[axis] = value;
+    }
+    out
+}
+
 /// A clip plane along i, j and k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipPlane {
-    slope: [f64; 3],
-    distance: f64,
+    distance: Linear,
     thickness: Option<f64>,
     falloff: f64,
     outside: bool,
@@ -68,16 +111,9 @@ impl Left {
 impl ClipPlane {
     /// A scene's plane in a geometry.
     pub fn of(clip: &Clip, geometry: &Geometry) -> Self {
-        let mut spacing = [0.0; 3];
-        for (axis, length) in geometry.order.into_iter().zip(geometry.spacing) {
-            spacing[axis] = length;
-        }
-        let plane = clip.in_voxels(spacing);
-        let [i, j, k] = geometry.order.map(|axis| plane.slope[axis]);
-        let last = (geometry.dims[2] - 1) as f64;
+        let plane = clip.in_voxels(along_axes(geometry, geometry.spacing));
         Self {
-            slope: [i, j, if geometry.flipped { -k } else { k }],
-            distance: plane.distance + if geometry.flipped { k * last } else { 0.0 },
+            distance: Linear::of(plane.slope, plane.distance, geometry),
             thickness: plane.thickness,
             falloff: plane.falloff,
             outside: clip.outside,
@@ -86,17 +122,12 @@ impl ClipPlane {
 
     /// The distance of a place.
     pub fn distance(&self, at: [f64; 3]) -> f64 {
-        self.distance + (0..3).map(|axis| self.slope[axis] * at[axis]).sum::<f64>()
-    }
-
-    /// By how much the distance grows along a way.
-    fn along(&self, way: [f64; 3]) -> f64 {
-        (0..3).map(|axis| self.slope[axis] * way[axis]).sum()
+        self.distance.at(at)
     }
 
     /// What it leaves of a segment that begins at a place and goes this way.
     fn left(&self, front: [f64; 3], way: [f64; 3]) -> Left {
-        let (front, along) = (self.distance(front), self.along(way));
+        let (front, along) = (self.distance(front), self.distance.along(way));
         let face = |front: f64, along: f64| {
             if self.falloff > along.abs() {
                 return Left {
@@ -166,8 +197,7 @@ impl ClipPlane {
 /// Depth cueing along i, j and k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CuePlane {
-    slope: [f64; 3],
-    distance: f64,
+    place: Linear,
     depth: f64,
     strength: f64,
     colour: [f64; 3],
@@ -176,16 +206,13 @@ pub struct CuePlane {
 impl CuePlane {
     /// A scene's depth cueing in a geometry, along a view of this direction.
     pub fn of(cue: &Cueing, forward: [f64; 3], geometry: &Geometry) -> Self {
-        let (mut spacing, mut dims) = ([0.0; 3], [0; 3]);
-        for (n, axis) in geometry.order.into_iter().enumerate() {
-            (spacing[axis], dims[axis]) = (geometry.spacing[n], geometry.dims[n]);
-        }
+        let (dims, spacing) = (
+            along_axes(geometry, geometry.dims),
+            along_axes(geometry, geometry.spacing),
+        );
         let plane = cue.in_voxels(forward, dims, spacing);
-        let [i, j, k] = geometry.order.map(|axis| plane.slope[axis]);
-        let last = (geometry.dims[2] - 1) as f64;
         Self {
-            slope: [i, j, if geometry.flipped { -k } else { k }],
-            distance: plane.distance + if geometry.flipped { k * last } else { 0.0 },
+            place: Linear::of(plane.slope, plane.distance, geometry),
             depth: plane.depth,
             strength: plane.strength,
             colour: cue.colour,
@@ -194,8 +221,7 @@ impl CuePlane {
 
     /// How far colours have turned at a place.
     pub fn turned(&self, at: [f64; 3]) -> f64 {
-        let depth = self.distance + (0..3).map(|axis| self.slope[axis] * at[axis]).sum::<f64>();
-        (depth / self.depth).clamp(0.0, 1.0) * self.strength
+        (self.place.at(at) / self.depth).clamp(0.0, 1.0) * self.strength
     }
 
     /// A colour that has turned so far.
@@ -215,8 +241,10 @@ mod tests {
     use super::*;
 
     const ALONG_Z: ClipPlane = ClipPlane {
-        slope: [0.0, 0.0, 1.0],
-        distance: -2.0,
+        distance: Linear {
+            slope: [0.0, 0.0, 1.0],
+            first: -2.0,
+        },
         thickness: None,
         falloff: 0.0,
         outside: false,
@@ -226,8 +254,10 @@ mod tests {
     fn what_is_left_of_a_ray_is_as_long_as_it_is() {
         let way = [0.3, -0.2, 0.5];
         let steep = ClipPlane {
-            slope: [0.6, 0.0, 0.8],
-            distance: -3.05,
+            distance: Linear {
+                slope: [0.6, 0.0, 0.8],
+                first: -3.05,
+            },
             ..ALONG_Z
         };
         let slab = ClipPlane {

@@ -6,7 +6,7 @@ use slicecast_scene::clip::Clip;
 use slicecast_scene::{Borders, Scene};
 
 use super::borders::{homogeneous, views};
-use super::scenes::{scene, volume};
+use super::scenes::{scene, waves};
 use super::{Case, Size};
 use crate::borders::rays::{Ray, rays, seen};
 
@@ -143,9 +143,7 @@ fn halves(size: Size) -> Result<Case, RenderError> {
         0.0,
         "optical depths of both sides add up to that of the whole",
     );
-    let waves = volume([9, 8, 7], [1.0; 3], |[x, y, z]| {
-        2000.0 + 2000.0 * (1.3 * x as f64 + 0.7 * y as f64 - 1.9 * z as f64).sin()
-    });
+    let waves = waves();
     let points = scene(&[(0.0, 0.0), (4095.0, 0.1)]);
     let planes = [
         "4.1,3.3,2.9:0.5,1,-0.3",

@@ -7,7 +7,7 @@ use slicecast_scene::crop::Crop;
 use slicecast_scene::{Borders, Scene};
 
 use super::borders::{homogeneous, views};
-use super::scenes::{scene, volume};
+use super::scenes::{scene, waves};
 use super::{Case, Size};
 use crate::borders::rays::{rays, seen};
 
@@ -95,9 +95,7 @@ fn halves(size: Size) -> Result<Case, RenderError> {
         0.0,
         "optical depths of both boxes add up to that of the whole",
     );
-    let waves = volume([9, 8, 7], [1.0; 3], |[x, y, z]| {
-        2000.0 + 2000.0 * (1.3 * x as f64 + 0.7 * y as f64 - 1.9 * z as f64).sin()
-    });
+    let waves = waves();
     let points = scene(&[(0.0, 0.0), (4095.0, 0.1)]);
     let pairs = [
         ["3.3:,:,:", ":3.3,:,:"],

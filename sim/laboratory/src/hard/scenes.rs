@@ -84,3 +84,10 @@ pub fn compared(scene: &Scene, volume: &Volume, precision: PrecisionName) -> Res
     let prepared = Prepared::new(&scene, volume)?;
     compare(&prepared, ModelPositions::Pipeline, &|_, _| ())
 }
+
+/// Waves of 9 x 8 x 7 voxels, askew.
+pub fn waves() -> Volume {
+    volume([9, 8, 7], [1.0; 3], |[x, y, z]| {
+        2000.0 + 2000.0 * (1.3 * x as f64 + 0.7 * y as f64 - 1.9 * z as f64).sin()
+    })
+}
