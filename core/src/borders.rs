@@ -265,9 +265,15 @@ pub fn opacity_of_fraction<V: Lanes>(opacity: V, fraction: u32) -> V {
     if fraction >= WHOLE {
         return opacity;
     }
+    opacity_of_part(opacity, V::splat(fraction as i32))
+}
+
+/// The same of another fraction in each lane, each less than [`WHOLE`].
+#[inline(always)]
+fn opacity_of_part<V: Lanes>(opacity: V, fraction: V) -> V {
     let one = V::splat(i32::MIN);
     let transparency = one.wrapping_sub(opacity);
-    let y = depth(transparency).product(V::splat(fraction as i32)) + V::Wide::splat(1 << 18);
+    let y = depth(transparency).product(fraction) + V::Wide::splat(1 << 18);
     let left = one.wrapping_sub(absorbed(y.shr_narrow(19)));
     // A depth is a whole number of 2^-24: the part of a very thin step would round to more than the step.
     one.wrapping_sub(transparency.nonzero_then(left))
@@ -287,6 +293,30 @@ pub fn fraction_row<V: Lanes>(opacities: &mut [i32], fraction: u32) {
     }
     for at in places::<V>(opacities.len()) {
         opacity_of_fraction(V::load(opacities, at), fraction).store(opacities, at);
+    }
+}
+
+/// Applies [`opacity_of_fraction`] along a row, of another fraction in each column, 0 to [`WHOLE`]: of 0 nothing is left.
+#[inline(always)]
+pub fn fractions_row<V: Lanes>(opacities: &mut [i32], fractions: &[i32]) {
+    if V::SMALL {
+        for (opacity, fraction) in opacities.iter_mut().zip(fractions) {
+            let mut own = [*opacity];
+            if *fraction == 0 {
+                own = [0];
+            } else {
+                fraction_row_small(&mut own, *fraction as u32);
+            }
+            [*opacity] = own;
+        }
+        return;
+    }
+    let whole = V::splat(WHOLE as i32);
+    for at in places::<V>(opacities.len()) {
+        let (opacity, fraction) = (V::load(opacities, at), V::load(fractions, at));
+        let part = fraction.nonzero_then(opacity_of_part(opacity, fraction));
+        let part = part ^ fraction.at_least_then(whole, part ^ opacity);
+        part.store(opacities, at);
     }
 }
 

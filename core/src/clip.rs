@@ -12,6 +12,7 @@
 //! A length is what the caller says: a voxel, or a millimetre divided so that no slope is above 1. Rounding: a distance down, to
 //! 2^-30 a term; cuts and fades to nearest. Overflow: none inside [`Clips`]. State: none.
 
+use core::marker::PhantomData;
 use core::ops::Range;
 
 mod cue;
@@ -19,11 +20,11 @@ mod pieces;
 
 pub use self::cue::{Cue, CuePlane};
 pub(crate) use self::pieces::{Boxed, Pieces};
-use crate::borders::{Borders, Part, WHOLE, fraction_row};
+use crate::borders::{Borders, Part, WHOLE, fraction_row, fractions_row};
 use crate::format::{Distance, Intensity, Vector};
-use crate::lanes::Native;
+use crate::lanes::{Kernel, Lanes, Native};
 use crate::plan::{Phase, Plan};
-use crate::rows::part_mut;
+use crate::rows::{part, part_mut};
 use crate::surface::Turn;
 
 /// The most clip planes of a scene.
@@ -123,6 +124,9 @@ impl Remainder {
     /// part.
     #[must_use]
     pub fn of(self, part: Part) -> Self {
+        if part == Part::WHOLE && self.part.length() > 0 {
+            return self;
+        }
         let (both, length) = (self.part.and(part), u64::from(part.length()));
         if both.length() == 0 {
             return Self {
@@ -268,6 +272,19 @@ impl ClipPlane {
         self.outside
     }
 
+    /// Whether nothing is left of segments whose ends have distances from `least` to `most`.
+    fn hides(&self, [least, most]: [i64; 2]) -> bool {
+        let from_behind = |distance: i64| self.thickness - distance;
+        if self.outside {
+            let [_, near] = self.bounds([least; 2]);
+            let [_, far] = self.bounds([from_behind(most); 2]);
+            return near >= 0 && (self.thickness == 0 || far >= 0);
+        }
+        let [near, _] = self.bounds([most; 2]);
+        let [far, _] = self.bounds([from_behind(least); 2]);
+        near < 0 || self.thickness > 0 && far < 0
+    }
+
     /// What a face leaves of a segment whose ends have these distances from it.
     fn face(&self, [front, back]: [i64; 2]) -> Remainder {
         if let Some(ramp) = self.ramp {
@@ -355,6 +372,52 @@ pub struct Clips {
     planes: [ClipPlane; CLIPS_MAX],
     count: usize,
     cue: Option<CuePlane>,
+    rows: RowKernels,
+}
+
+/// What is reckoned of rows, compiled for lanes.
+#[derive(Clone, Copy, Debug)]
+struct RowKernels {
+    /// Makes opacities those of shares of the step.
+    fade: fn(&mut [i32], &[i32]),
+    /// Turns a channel of colours into another by shares.
+    turn: fn(&mut [i32], u32, &[i32]),
+}
+
+impl RowKernels {
+    const fn of<V: Lanes>() -> Self {
+        Self {
+            fade: fade_by::<V>,
+            turn: cue::turn_by::<V>,
+        }
+    }
+}
+
+fn fade_by<V: Lanes>(opacities: &mut [i32], shares: &[i32]) {
+    V::enter((Fade, PhantomData::<V>, opacities, shares));
+}
+
+struct Fade;
+
+impl<V: Lanes> Kernel for (Fade, PhantomData<V>, &mut [i32], &[i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, opacities, shares) = self;
+        fractions_row::<V>(opacities, shares);
+    }
+}
+
+/// Columns whose shares are at hand at a time.
+const BATCH: usize = 64;
+
+/// What clip planes leave of some rows of a plane.
+pub(crate) struct Left {
+    /// Columns outside of which nothing is left.
+    pub(crate) columns: Range<usize>,
+    /// Whether all of it is left.
+    pub(crate) whole: bool,
 }
 
 /// The distances of the ends of pixel (0, 0)'s segment from each clip plane, and behind them the depths of depth cueing.
@@ -378,7 +441,17 @@ impl Clips {
             planes,
             count: clips.len(),
             cue: None,
+            rows: RowKernels::of::<Native>(),
         })
+    }
+
+    /// The same, which fade and turn rows in these lanes; the bits do not depend on them.
+    #[must_use]
+    pub const fn in_lanes<V: Lanes>(self) -> Self {
+        Self {
+            rows: RowKernels::of::<V>(),
+            ..self
+        }
     }
 
     /// The same with depth cueing.
@@ -407,6 +480,20 @@ impl Clips {
         Clipper(self)
     }
 
+    /// Whether nothing is left of segments that lie between two places of the slice frame, in whole voxels within 2^15 along
+    /// i, j and k: what a program need not read.
+    pub fn hides(&self, low: [i64; 3], high: [i64; 3]) -> bool {
+        self.planes().iter().any(|plane| {
+            let (mut least, mut most) = (plane.distance, plane.distance);
+            for ((slope, low), high) in plane.slope.iter().zip(low).zip(high) {
+                let ends = [slope * low, slope * high];
+                least += ends[0].min(ends[1]);
+                most += ends[0].max(ends[1]);
+            }
+            plane.hides([least, most])
+        })
+    }
+
     /// The planes.
     pub fn planes(&self) -> &[ClipPlane] {
         self.planes.get(..self.count).unwrap_or(&[])
@@ -423,6 +510,8 @@ pub(crate) trait Clipping: core::fmt::Debug + Sync {
     fn distances(&self, plan: &Plan, phase: Phase, index: u32, slabs: bool) -> Distances;
     /// The columns of a row of which something may be left, and a range of those that a plane may cut.
     fn reach(&self, distances: &Distances, boxed: &Boxed, row: u32) -> [Range<usize>; 2];
+    /// What is left of rows and columns of a plane of samples, or of the segments that end at it.
+    fn left(&self, plan: &Plan, plane: (Phase, u32, bool), columns: &Range<usize>, rows: &Range<u32>) -> Left;
     /// Goes through a span of a row, counted from the first column: what is left of runs of segments.
     fn each(
         &self,
@@ -466,6 +555,12 @@ impl Clipping for Clips {
         Pieces::of(self, distances, boxed, row).reach()
     }
 
+    fn left(&self, plan: &Plan, plane: (Phase, u32, bool), columns: &Range<usize>, rows: &Range<u32>) -> Left {
+        let (phase, index, slabs) = plane;
+        let distances = self.distances(plan, phase, index, slabs);
+        pieces::of_rows(self, &distances, columns, rows)
+    }
+
     fn each(
         &self,
         distances: &Distances,
@@ -479,12 +574,27 @@ impl Clipping for Clips {
     }
 
     fn weigh(&self, distances: &Distances, boxed: &Boxed, (row, span): (u32, Range<usize>), opacities: &mut [i32]) {
+        // Columns that are cut, side by side.
+        let (mut shares, mut first, mut count) = ([0; BATCH], 0, 0);
         for (columns, left) in Pieces::of(self, distances, boxed, row).span(&span) {
-            if left != Remainder::WHOLE {
-                let columns = columns.start - span.start..columns.end - span.start;
-                self.fade(part_mut(&mut *opacities, columns), left.weight());
+            let columns = columns.start - span.start..columns.end - span.start;
+            if columns.start != first + count || count == BATCH {
+                (self.rows.fade)(part_mut(&mut *opacities, first..first + count), part(&shares, 0..count));
+                (first, count) = (columns.start, 0);
+            }
+            if left == Remainder::WHOLE {
+                continue;
+            }
+            let weight = left.weight();
+            match (weight, shares.get_mut(count)) {
+                (1.., Some(share)) if columns.len() == 1 => {
+                    *share = weight as i32;
+                    count += 1;
+                }
+                _ => self.fade(part_mut(&mut *opacities, columns), weight),
             }
         }
+        (self.rows.fade)(part_mut(opacities, first..first + count), part(&shares, 0..count));
     }
 
     fn fade(&self, opacities: &mut [i32], share: u32) {
@@ -506,11 +616,17 @@ impl Clipping for Clips {
         let [along_i, along_j, _] = cue.slope;
         let mut ends = ends.map(|end| end + along_j * i64::from(row) + along_i * column as i64);
         let [red, green, blue] = colours;
-        for ((r, g), b) in red.iter_mut().zip(green).zip(blue) {
-            let turned = cue.turned([*r as u32, *g as u32, *b as u32], bits, cue.share(ends));
-            [*r, *g, *b] = turned.map(|c| c as i32);
-            for end in &mut ends {
-                *end += along_i;
+        let mut shares = [0; BATCH];
+        for first in (0..red.len()).step_by(BATCH) {
+            let columns = first..(first + BATCH).min(red.len());
+            let shares = part_mut(&mut shares, 0..columns.len());
+            for share in &mut *shares {
+                *share = cue.share(ends) as i32;
+                ends = ends.map(|end| end + along_i);
+            }
+            let channels = [&mut *red, &mut *green, &mut *blue];
+            for (channel, other) in channels.into_iter().zip(cue.target(bits)) {
+                (self.rows.turn)(part_mut(channel, columns.clone()), other, shares);
             }
         }
     }

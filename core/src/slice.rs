@@ -306,14 +306,18 @@ impl<'a, X: Voxel> Slice<'a, X> {
         self.voxels.get(start..start + X::WORDS * self.width).unwrap_or(&[])
     }
 
-    /// Some of its columns: few, whose ranges are found when they are asked for.
+    /// Some of its columns, with the ranges of whole rows.
     pub(crate) fn columns(self, columns: Range<usize>) -> Self {
         Self {
             voxels: self.voxels.get(columns.start..).unwrap_or(&[]),
             width: columns.len(),
-            ranges: &[],
             ..self
         }
+    }
+
+    /// Few columns, whose ranges are found when they are asked for.
+    pub(crate) fn of_few(self) -> Self {
+        Self { ranges: &[], ..self }
     }
 
     /// Voxels in a row.
@@ -380,6 +384,16 @@ impl<'a, X: Voxel> Window<'a, X> {
             near: of(self.near),
             far: self.far.map(of),
             after: self.after.map(of),
+        }
+    }
+
+    /// Slices of few columns ([`Slice::of_few`]).
+    pub(crate) fn of_few(self) -> Self {
+        Self {
+            before: self.before.map(Slice::of_few),
+            near: self.near.of_few(),
+            far: self.far.map(Slice::of_few),
+            after: self.after.map(Slice::of_few),
         }
     }
 

@@ -10,7 +10,9 @@ use slicecast_engine::shard::Shard;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, Random, volume};
+use slicecast_scene::clip::Clip;
 use slicecast_scene::crop::{Crop, CropUnit};
+use slicecast_scene::cueing::Cueing;
 use slicecast_scene::file::built_in;
 use slicecast_scene::{Blend, Borders, Classification, Face, PrecisionName, Scene, Surface};
 use slicecast_volume::Volume;
@@ -117,7 +119,24 @@ fn scene(random: &mut Random) -> Scene {
         }
         scene.crop = Some(crop(&mut pick));
     }
+    if pick(3) == 0 {
+        scene.clips = (0..=pick(2)).map(|_| clip(&mut pick)).collect();
+        scene.cueing = (pick(2) == 0 && !matches!(scene.blend, Blend::Maximum | Blend::Minimum)).then(Cueing::default);
+    }
     scene
+}
+
+/// A plane through a place of a small volume, or a slab behind it, drawn or cut away.
+fn clip(pick: &mut impl FnMut(u32) -> u32) -> Clip {
+    let mut number = |count: u32| f64::from(pick(count));
+    let point = [(); 3].map(|()| number(90) / 4.0);
+    let normal = [number(9) - 4.0, number(9) - 4.0, number(4) + 0.5];
+    Clip {
+        thickness: Some(1.0 + number(40) / 4.0).filter(|t| *t < 6.0),
+        falloff: [0.0, 0.0, 5.0][number(3) as usize],
+        outside: number(3) == 0.0,
+        ..Clip::new(point, normal)
+    }
 }
 
 /// A box that holds something of every volume of two voxels or more along each side.
@@ -274,6 +293,43 @@ fn what_the_table_hides_is_not_read() {
     assert!(hidden > 20, "of {hidden} of 40 frames half was left out");
 }
 
+/// Parts that lie on the side of a clip plane that is cut away.
+#[test]
+fn what_clip_planes_hide_is_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random::new(91);
+    let mut hidden = 0;
+    for case in 0..40 {
+        let volume = volume([14, 16, 120], Filling::Noise, case);
+        let (loaded, on_disk) = on_disk(&volume, &folder);
+        let mut scene = scene(&mut random);
+        scene.crop = None;
+        (scene.view.azimuth, scene.view.elevation) = (f64::from(random.below(30)), 80.0);
+        let falloff = [0.0, 7.0][random.below(2) as usize];
+        let slab = Clip {
+            thickness: Some(9.0),
+            falloff,
+            ..Clip::new([5.0, 5.0, 50.0], [0.1, 0.0, [1.0, -1.0][random.below(2) as usize]])
+        };
+        let side = Clip {
+            falloff,
+            outside: random.below(2) == 0,
+            ..Clip::new([5.0, 5.0, 60.0], [0.0, 0.2, 1.0])
+        };
+        scene.clips = [vec![slab], vec![side], vec![slab, side]][random.below(3) as usize].clone();
+        let whole = Prepared::new(&scene, &volume).unwrap();
+        let parted = Prepared::new(&scene, &loaded.volume).unwrap();
+        let expected = whole.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
+        let (found, reading) = parted.render_in_parts(&on_disk, Cut::of_slices(8), &|_, _| ()).unwrap();
+        assert!(expected == found, "case {case}: {scene:?}");
+        hidden += u32::from(3 * reading.slices < 2 * reading.depth);
+    }
+    assert!(
+        hidden > 30,
+        "a third of the slices was left out of {hidden} of 40 frames"
+    );
+}
+
 #[test]
 fn nothing_is_read_behind_what_is_opaque() {
     let folder = tempfile::tempdir().unwrap();
@@ -293,10 +349,10 @@ fn nothing_is_read_behind_what_is_opaque() {
 }
 
 #[test]
-fn what_needs_all_voxels_or_more_memory_is_refused() {
+fn what_needs_more_memory_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (loaded, on_disk) = on_disk(&volume([9; 3], Filling::Noise, 1), &folder);
-    let mut scene = built_in("ct-fog").unwrap();
+    let scene = built_in("ct-fog").unwrap();
     let prepared = Prepared::new(&scene, &loaded.volume).unwrap();
     let Err(RenderError::Budget { least, .. }) = prepared.cut_within(&on_disk, 1 << 20) else {
         panic!("1 MiB is enough");
@@ -306,8 +362,42 @@ fn what_needs_all_voxels_or_more_memory_is_refused() {
         Err(RenderError::Budget { .. })
     ));
     assert!(prepared.cut_within(&on_disk, least).unwrap().slices >= 5);
+}
+
+/// The same choice, and so the same bits.
+#[test]
+fn auto_looks_at_the_same_voxels_on_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = built_in("ct-fog").unwrap();
     scene.classification = Classification::Auto;
-    let automatic = Prepared::new(&scene, &loaded.volume).unwrap();
-    let refused = automatic.render_in_parts(&on_disk, Cut::of_slices(5), &|_, _| ());
-    assert!(matches!(refused, Err(RenderError::Automatic)));
+    let mut chosen = [0; 2];
+    for case in 0..24 {
+        let volume = volume([31, 33, 35], FILLINGS[case as usize % 6], case);
+        let (loaded, on_disk) = if case % 2 == 0 {
+            on_disk(&volume, &folder)
+        } else {
+            in_chunks(&volume, &folder, [7, 9, 8])
+        };
+        for (point, (value, opacity)) in
+            scene
+                .transfer
+                .points
+                .iter_mut()
+                .zip([(1500.0, 0.0), (1520.0, 0.6), (1540.0, 0.0)])
+        {
+            (point.value, point.opacity) = (value + 30.0 * case as f64, opacity);
+        }
+        scene.transfer.points.truncate(3);
+        scene.transfer.unit_distance = 1.0;
+        let mut whole = volume.clone();
+        whole.spacing = loaded.volume.spacing;
+        let whole = Prepared::new(&scene, &whole).unwrap();
+        let parted = Prepared::of(&scene, &loaded.volume, &on_disk).unwrap();
+        assert_eq!(whole.finest, parted.finest, "case {case}");
+        chosen[usize::from(parted.segments.is_some())] += 1;
+        let expected = whole.render(Layer::Tiles(TILE_ROWS), &|_, _| ()).unwrap();
+        let (found, _) = parted.render_in_parts(&on_disk, Cut::of_slices(9), &|_, _| ()).unwrap();
+        assert!(expected == found, "case {case}");
+    }
+    assert!(chosen[0] > 3 && chosen[1] > 3, "{chosen:?} of points and segments");
 }

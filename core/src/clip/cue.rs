@@ -1,7 +1,11 @@
 //! Depth cueing: colours that turn into another with the distance from a plane, after shading.
 
+use core::marker::PhantomData;
+
 use super::{Ramp, product};
+use crate::borders::WHOLE;
 use crate::format::{Distance, Intensity, Vector};
+use crate::lanes::{Kernel, Lanes, Wide as _, places};
 
 /// Depth cueing: a depth that is linear in the place, from where colours begin to turn to where they have turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +50,11 @@ impl CuePlane {
         product(self.ramp.share(front + back), self.most)
     }
 
+    /// What colours of so many bits after 1.0 turn into.
+    pub(super) fn target(&self, bits: u32) -> [u32; 3] {
+        self.colour.map(|colour| scaled(colour, bits) as u32)
+    }
+
     /// A colour of so many bits after 1.0, turned by a share, to nearest. This function is the definition.
     pub fn turned(&self, colour: [u32; 3], bits: u32, share: u32) -> [u32; 3] {
         let mut out = colour;
@@ -55,6 +64,29 @@ impl CuePlane {
             *own = (i64::from(*own) + ((way + (1 << 15)) >> 16)) as u32;
         }
         out
+    }
+}
+
+/// Turns a channel of colours, of some bits after 1.0, into another by shares: the definition ([`CuePlane::turned`]), in lanes.
+pub(super) fn turn_by<V: Lanes>(colours: &mut [i32], other: u32, shares: &[i32]) {
+    V::enter((Turn, PhantomData::<V>, colours, other, shares));
+}
+
+struct Turn;
+
+impl<V: Lanes> Kernel for (Turn, PhantomData<V>, &mut [i32], u32, &[i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, colours, other, shares) = self;
+        let (other, whole) = (V::splat(other as i32), V::splat(WHOLE as i32));
+        for at in places::<V>(colours.len()) {
+            let (own, share) = (V::load(colours, at), V::load(shares, at));
+            // Below 2^48: both shares add up to 2^16.
+            let sum = own.product(whole - share) + other.product(share) + V::Wide::splat(1 << 15);
+            sum.shr_narrow(16).store(colours, at);
+        }
     }
 }
 

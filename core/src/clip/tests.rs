@@ -1,5 +1,7 @@
 use super::*;
-use crate::format::Direction;
+use crate::borders::fraction_of;
+use crate::format::{Direction, Opacity};
+use crate::lanes::Small;
 use crate::plan::{Sampling, Spacing};
 use crate::view::View;
 use proptest::prelude::*;
@@ -121,6 +123,73 @@ proptest! {
         }
     }
 
+    /// What is said of some rows is true of each of their segments, and opacities are weighed by the definition, in any lanes.
+    #[test]
+    fn rows_are_left_as_their_segments_are(
+        (plan, clips) in frame(), place in any::<[u32; 4]>(), count in 1u32..=9, slabs in any::<bool>(),
+        opacities in prop::collection::vec(prop_oneof![Just(0i32), Just(i32::MIN), 0..=i32::MAX], 90),
+    ) {
+        let clips = Clips::new(&plan, &clips).unwrap();
+        let [a, b, c, d] = place;
+        let [columns, rows] = plan.base();
+        let (phase, index) = (plan.phase(a % plan.phases()), b % plan.planes().max(1) + u32::from(slabs));
+        let (row, first) = (c % rows, (d % columns) as usize);
+        let rows = row..(row + count).min(rows);
+        let boxed = Boxed {
+            columns: first..(first + 90).min(columns as usize),
+            part: Part::WHOLE,
+            ends: [None; 2],
+        };
+        let left = clips.left(&plan, (phase, index, slabs), &boxed.columns, &rows);
+        let distances = clips.distances(&plan, phase, index, slabs);
+        for row in rows {
+            let mut weights = Vec::new();
+            clips.each(&distances, &boxed, (row, 0..boxed.columns.len()), &mut |run, rest| {
+                weights.extend(run.map(|_| rest.weight()));
+                assert!(!left.whole || rest == Remainder::WHOLE, "{rest:?} of {clips:?}");
+            });
+            for (column, weight) in boxed.columns.clone().zip(&weights) {
+                prop_assert!(*weight == 0 || left.columns.contains(&column), "{} of {:?}", column, left.columns);
+            }
+            let expected: Vec<i32> = opacities.iter().zip(&weights).map(|(opacity, weight)| match weight {
+                0 => 0,
+                weight => fraction_of(Opacity::from_bits(*opacity as u32), *weight).to_bits() as i32,
+            }).collect();
+            for clips in [clips.clone(), clips.clone().in_lanes::<Small>(), clips.clone().in_lanes::<i32>()] {
+                let mut found = opacities[..weights.len()].to_vec();
+                clips.weigh(&distances, &boxed, (row, 0..weights.len()), &mut found);
+                prop_assert_eq!(&found, &expected);
+                // Some columns alone.
+                let span = weights.len() / 3..weights.len();
+                let mut found = opacities[span.clone()].to_vec();
+                clips.weigh(&distances, &boxed, (row, span.clone()), &mut found);
+                prop_assert_eq!(&found, &expected[span]);
+            }
+        }
+    }
+
+    /// What is hidden of a box is hidden of all segments in it; and a box around a whole side is.
+    #[test]
+    fn boxes_that_are_hidden_hide_their_segments((plan, clips) in frame(), low in prop::array::uniform3(-3i64..9), side in prop::array::uniform3(0i64..4)) {
+        let clips = Clips::new(&plan, &clips).unwrap();
+        let high = [0, 1, 2].map(|axis| low[axis] + side[axis]);
+        let corners: Vec<[i64; 3]> = (0..8).map(|n| [0, 1, 2].map(|axis| if n >> axis & 1 == 0 { low[axis] } else { high[axis] })).collect();
+        let distance = |plane: &ClipPlane, at: [i64; 3]| {
+            plane.distance + plane.slope.iter().zip(at).map(|(slope, at)| slope * at).sum::<i64>()
+        };
+        let hidden = clips.hides(low, high);
+        let gone = |plane: &ClipPlane| corners.iter().all(|a| {
+            corners.iter().all(|b| plane.cut([distance(plane, *a), distance(plane, *b)]).weight() == 0)
+        });
+        if hidden {
+            prop_assert!(clips.planes().iter().any(gone), "{:?} {:?}", clips, low);
+        }
+        // The other way, for half spaces.
+        if clips.planes().iter().any(|plane| plane.thickness == 0 && !plane.is_outside() && gone(plane)) {
+            prop_assert!(hidden);
+        }
+    }
+
     /// What hard faces leave of a ray is its length behind them, and a soft plane and its outside are the whole.
     #[test]
     fn rays_have_their_lengths((plan, clips) in frame(), place in any::<[u32; 2]>()) {
@@ -227,6 +296,26 @@ fn colours_turn_all_the_way() {
         assert_eq!(cue.turned(own, bits, 0), own);
         assert_eq!(cue.turned(own, bits, WHOLE), [one, 0, 12_345 << (bits - 15)]);
         assert_eq!(cue.turned(own, bits, WHOLE / 2)[..2], [one / 2, one / 2]);
+    }
+    // Rows are the definition, in any lanes.
+    for bits in [12, 15, 31] {
+        let shares: Vec<i32> = (0..=256).map(|n| n * 256).collect();
+        for own in [0, 1, 77, 1u32 << bits >> 1, (1 << bits) - 1, 1 << bits] {
+            for (channel, other) in cue.target(bits).into_iter().enumerate() {
+                let mut rows = [(); 2].map(|()| std::vec![own as i32; shares.len()]);
+                let [one, small] = &mut rows;
+                super::cue::turn_by::<i32>(one, other, &shares);
+                super::cue::turn_by::<Small>(small, other, &shares);
+                for (at, share) in shares.iter().enumerate() {
+                    let expected = cue.turned([own; 3], bits, *share as u32)[channel];
+                    assert_eq!(
+                        [one[at] as u32, small[at] as u32],
+                        [expected; 2],
+                        "{own} {share} {bits}"
+                    );
+                }
+            }
+        }
     }
     // Depths -1.5 to 5.5 from the box's front face on, of which 0 to 2 turn.
     let shares: Vec<_> = (0..7)

@@ -74,6 +74,11 @@ struct Walk<'a> {
     /// The next row, and the one behind the last.
     next: usize,
     end: usize,
+    clipped: Option<&'a Clipped<'a>>,
+    /// The row of the image from which rows are counted.
+    first: u32,
+    /// Columns of the volume under those of the row of which clip planes leave something.
+    left: Range<usize>,
     /// What is left of the row's blocks, and of the present one.
     blocks: u64,
     column: usize,
@@ -81,6 +86,17 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
+    /// Columns of the volume under those of the row of which something may be left.
+    #[inline(always)]
+    fn left(&self, places: &Places<'_>) -> Range<usize> {
+        let Some(clipped) = self.clipped else {
+            return places.inside.clone();
+        };
+        let [left, _] = clipped.reach(self.first + self.row as u32);
+        let voxel = |column: usize| places.inside.start + column.saturating_sub(places.first);
+        voxel(left.start)..voxel(left.end)
+    }
+
     /// Row, counted from the first, and column in the volume of the next vector.
     #[inline(always)]
     fn next(&mut self, places: &Places<'_>) -> Option<(usize, usize)> {
@@ -92,11 +108,17 @@ impl Walk<'_> {
                 self.row = self.next;
                 self.next += 1;
                 self.blocks = self.seen.row(places.voxel_row(self.row) as usize);
+                if self.blocks != 0 {
+                    self.left = self.left(places);
+                    if self.left.is_empty() {
+                        self.blocks = 0;
+                    }
+                }
             }
             let block = self.seen.grain().block(self.blocks.trailing_zeros());
             self.blocks &= self.blocks - 1;
-            self.column = block.start.max(places.inside.start);
-            self.column_end = block.end.min(places.inside.end);
+            self.column = block.start.max(self.left.start);
+            self.column_end = block.end.min(self.left.end);
         }
         let place = (self.row, self.column);
         self.column += places.lanes;
@@ -108,8 +130,8 @@ impl Walk<'_> {
 pub(super) type Lists<'s> = ([&'s mut [i32]; 2], [&'s mut [i32]; 2], [[&'s mut [i32]; 2]; 2]);
 
 /// Batches of the blocks that can be seen.
-pub(super) struct Blocks<'s, 'a> {
-    walk: Walk<'a>,
+pub(super) struct Blocks<'s> {
+    walk: Walk<'s>,
     places: Places<'s>,
     source: &'s dyn SourceAt<i32>,
     /// Of the plane in front, empty where segments are not classified, and of the plane.
@@ -120,15 +142,12 @@ pub(super) struct Blocks<'s, 'a> {
     made: usize,
     kept: usize,
     packed: bool,
-    clipped: Option<&'s Clipped<'s>>,
-    /// Number of the image's row that rows of places count from.
-    first_row: u32,
 }
 
-impl<'s, 'a> Blocks<'s, 'a> {
+impl<'s> Blocks<'s> {
     /// Blocks of the image's rows from `first` on.
     pub(super) fn new(
-        seen: Seen<'a>,
+        seen: Seen<'s>,
         extent: &Extent,
         (first, count): (u32, usize),
         lanes: usize,
@@ -139,6 +158,9 @@ impl<'s, 'a> Blocks<'s, 'a> {
         let met = extent.met(first, count);
         let walk = Walk {
             seen,
+            clipped,
+            first,
+            left: 0..0,
             row: 0,
             next: (met.start - first) as usize,
             end: (met.end - first) as usize,
@@ -164,13 +186,11 @@ impl<'s, 'a> Blocks<'s, 'a> {
             made: 0,
             kept: 0,
             packed: true,
-            clipped,
-            first_row: first,
         }
     }
 }
 
-impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_, '_> {
+impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_> {
     const WHOLE_ROWS: bool = false;
 
     fn next(&mut self, canvas: &mut X) -> Option<usize> {
@@ -206,12 +226,12 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_, '_> {
 
     /// Samples only: segments under clip planes go by whole rows.
     fn clip<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, opacities: &mut [i32]) {
-        let Some(clipped) = self.clipped else { return };
+        let Some(clipped) = self.walk.clipped else { return };
         let (first, lanes) = (self.places.first, self.places.lanes);
         let (mut row, mut reach) = (usize::MAX, [0..0, 0..0]);
         for number in 0..self.made {
             let (own, column) = self.places.get(number);
-            let image_row = self.first_row + own as u32;
+            let image_row = self.walk.first + own as u32;
             if own != row {
                 (row, reach) = (own, clipped.reach(image_row));
             }

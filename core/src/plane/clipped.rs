@@ -2,9 +2,75 @@
 
 use core::ops::Range;
 
-use super::At;
 use super::extent::Extent;
-use crate::clip::{Boxed, Clipping, Distances, Remainder};
+use super::parts::Samples;
+use super::{At, parts};
+use crate::clip::{Boxed, Clipper, Clipping, Distances, Left, Remainder};
+
+/// What clip planes leave of rows of a plane.
+pub(super) enum Rest<'c> {
+    /// Nothing.
+    Nothing,
+    /// All of it, and no colour turns.
+    All,
+    /// Some, or colours turn.
+    Some(&'c dyn Clipping),
+}
+
+impl<'c> Rest<'c> {
+    /// Of so many rows from the first on of a plane of samples, or of the segments that end at it. Colours may turn where there
+    /// are any.
+    #[inline(always)]
+    pub(super) fn of<X>(at: &At<'c, X>, slabs: bool, (first, count): (u32, usize), colours: bool) -> Self {
+        let Some(Clipper(clips)) = at.clips else {
+            return Self::All;
+        };
+        let [width, _] = at.plan.base();
+        let (plane, rows) = ((at.plane.phase, at.plane.index, slabs), first..first + count as u32);
+        let Left { columns, whole } = clips.left(at.plan, plane, &(0..width as usize), &rows);
+        if columns.is_empty() {
+            Self::Nothing
+        } else if whole && !(colours && clips.cues()) {
+            Self::All
+        } else {
+            Self::Some(clips)
+        }
+    }
+
+    /// Whether something is cut that the blocks of a plane do not cut: segments and colours lie in rows.
+    pub(super) fn cuts_rows(&self, slabs: bool) -> bool {
+        matches!(self, Self::Some(clips) if slabs || clips.cues())
+    }
+
+    /// Narrows samples of a plane, or both ends of segments, to the columns of which something may be left in one of some rows;
+    /// whether it did. Both ends of narrowed segments are made anew, for which half of the columns must be cut away.
+    #[inline(always)]
+    pub(super) fn narrow<X>(
+        &self,
+        at: &At<'_, X>,
+        samples: &mut [Samples<'_>],
+        slabs: bool,
+        (first, count): (u32, usize),
+    ) -> bool {
+        let (Self::Some(clips), [.., Samples { extent, .. }]) = (self, &*samples) else {
+            return false;
+        };
+        let (all, rows) = (&extent.columns, extent.met(first, count));
+        let plane = (at.plane.phase, at.plane.index, slabs);
+        let Left { columns, .. } = clips.left(at.plan, plane, all, &rows);
+        if columns == *all || slabs && 2 * columns.len() > all.len() {
+            return false;
+        }
+        for Samples { extent, .. } in &mut *samples {
+            extent.keep(columns.clone());
+        }
+        if !columns.is_empty() {
+            let [width, _, _] = at.plan.dims();
+            parts::narrow(samples, width);
+        }
+        true
+    }
+}
 
 /// An extent under clip planes.
 pub(super) struct Clipped<'c> {
@@ -16,10 +82,18 @@ pub(super) struct Clipped<'c> {
 }
 
 impl<'c> Clipped<'c> {
-    /// Of the segments about the samples of a plane, or of those that end at it; `None` without clip planes.
+    /// Of the segments about the samples of a plane, or of those that end at it; `None` where nothing is cut.
     #[inline(always)]
-    pub(super) fn of<X>(at: &At<'c, X>, extent: &Extent, slabs: bool, colour_bits: u32) -> Option<Self> {
-        let clips = at.clips?.0;
+    pub(super) fn of<X>(
+        rest: &Rest<'c>,
+        at: &At<'_, X>,
+        extent: &Extent,
+        slabs: bool,
+        colour_bits: u32,
+    ) -> Option<Self> {
+        let Rest::Some(clips) = *rest else {
+            return None;
+        };
         Some(Self {
             clips,
             distances: clips.distances(at.plan, at.plane.phase, at.plane.index, slabs),

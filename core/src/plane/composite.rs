@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use super::blocks::Blocks;
 use super::canvas::{AllFinished, Canvas, Image};
-use super::clipped::Clipped;
+use super::clipped::{Clipped, Rest};
 use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kept::{Kept, KeptRows};
@@ -98,7 +98,7 @@ where
     #[inline(always)]
     fn fold_extent<V: Lanes>(
         &self,
-        at: &At<'_>,
+        (at, rest): (&At<'_>, &Rest<'_>),
         (extent, behind, seen): (&Extent, &Window<'_>, Option<Seen<'_>>),
         before: Option<(&Extent, &Window<'_>, [KeptRows<'_>; 2])>,
         rows: Rows<'_, ChannelOf<P>>,
@@ -132,7 +132,7 @@ where
         );
         let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fractions(extent, plan.exact());
         let shader = Kernels::<S, P, V>::of(&self.shader, precision);
-        let clipped = Clipped::of(at, extent, C::SLABS, precision.pixel().colour_bits());
+        let clipped = Clipped::of(rest, at, extent, C::SLABS, precision.pixel().colour_bits());
         let spacing = plan.spacing();
         // Two constants, before which no code for blocks is compiled.
         if !V::SMALL
@@ -231,7 +231,7 @@ fn fold_rows(
 /// Blocks through the driver, of which there is one copy for all pipelines.
 #[inline(never)]
 fn fold_blocks(
-    blocks: &mut Blocks<'_, '_>,
+    blocks: &mut Blocks<'_>,
     slots: (&dyn ClassifierRows<i32>, &dyn ShaderRows<i32>),
     canvas: &mut dyn Canvas<i32>,
     memory: BatchRows<'_, i32>,
@@ -286,8 +286,14 @@ where
         } = at;
         // Small machines have no whole volume at hand, and observers see whole rows; segments that are cut and colours that turn lie
         // in rows too.
-        let cut = at.clips.is_some_and(|clips| C::SLABS || clips.0.cues());
-        let seen = at.seen.filter(|_| !V::SMALL && tap.is_none() && !cut);
+        let (first, met) = (
+            rows.first,
+            rows.data.len().checked_div(4 * plan.base()[0] as usize).unwrap_or(0),
+        );
+        let rest = Rest::of(at, C::SLABS, (first, met), true);
+        let seen = at
+            .seen
+            .filter(|_| !V::SMALL && tap.is_none() && !rest.cuts_rows(C::SLABS));
         let [mut width, _, _] = plan.dims();
         if seen.is_some() {
             width = width.max(BATCH_WIDTH);
@@ -296,7 +302,10 @@ where
         if let Some(tap) = &mut tap {
             tap.plane(plane);
         }
-        let Rows { first, data } = rows;
+        if matches!(rest, Rest::Nothing) {
+            return Ok(());
+        }
+        let Rows { data, .. } = rows;
         // What is read is told of whole rows.
         let at_rows = |whole: bool| At {
             reading: at.reading.filter(|_| whole),
@@ -314,11 +323,12 @@ where
         // Behind the first plane there is no segment; a constant, without which no code for them is compiled.
         if C::SLABS {
             let mut kept = kept.filter(|_| !V::SMALL);
-            while let Some(Segments { ends, inner, .. }) = parts.segments(window, S::LIT) {
+            while let Some(Segments { mut ends, inner, .. }) = parts.segments(window, S::LIT) {
+                let narrowed = rest.narrow(at, &mut ends, true, (first, met));
                 let [front, back] = &ends;
                 let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
                 let kept = match &mut kept {
-                    Some(kept) if inner => kept.of(plane.index, [&front.extent, &back.extent]),
+                    Some(kept) if inner && !narrowed => kept.of(plane.index, [&front.extent, &back.extent]),
                     _ => Default::default(),
                 };
                 let rows = Rows {
@@ -326,7 +336,7 @@ where
                     data: &mut *data,
                 };
                 self.fold_extent::<V>(
-                    &at_rows(back.whole_rows),
+                    (&at_rows(back.whole_rows), &rest),
                     (&back.extent, &back.window, seen),
                     Some((&front.extent, &front.window, kept)),
                     rows,
@@ -336,14 +346,17 @@ where
             }
             return Ok(());
         }
-        while let Some(samples) = parts.samples(window) {
+        while let Some(mut samples) = parts.samples(window) {
+            if seen.is_none() {
+                rest.narrow(at, core::slice::from_mut(&mut samples), false, (first, met));
+            }
             let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let rows = Rows {
                 first,
                 data: &mut *data,
             };
             self.fold_extent::<V>(
-                &at_rows(samples.whole_rows),
+                (&at_rows(samples.whole_rows), &rest),
                 (&samples.extent, &samples.window, seen),
                 None,
                 rows,

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use super::clipped::Clipped;
+use super::clipped::{Clipped, Rest};
 use super::extent::around;
 use super::kept::Kept;
 use super::parts::{Columns, Parts, Segments, Way};
@@ -131,19 +131,24 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
         let Some(count) = rows.data.len().checked_div(base_width) else {
             return Ok(());
         };
+        let rest = Rest::of(at, true, (rows.first, count), false);
+        if matches!(rest, Rest::Nothing) {
+            return Ok(());
+        }
         let mut parts = Parts::of(plan, plane, Columns::Alone);
         let (spacing, mut kept) = (plan.spacing(), kept.filter(|_| !V::SMALL));
-        while let Some(Segments { ends, inner, way }) = parts.segments(&at.window, false) {
+        while let Some(Segments { mut ends, inner, way }) = parts.segments(&at.window, false) {
+            let narrowed = rest.narrow(at, &mut ends, true, (rows.first, count));
             let [front, back] = &ends;
             let (ahead, window, extent, behind) = (&front.extent, &front.window, &back.extent, &back.window);
             let [front_rows, back_rows] = match &mut kept {
-                Some(kept) if inner => kept.of(plane.index, [ahead, extent]),
+                Some(kept) if inner && !narrowed => kept.of(plane.index, [ahead, extent]),
                 _ => Default::default(),
             };
             let Scratch { source, front, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let mut front = Sheared::<P, V, Unlit>::new(self.precision, ahead, window, spacing, front, front_rows);
             let mut back = Sheared::<P, V, Unlit>::new(self.precision, extent, behind, spacing, source, back_rows);
-            let clipped = Clipped::of(at, extent, true, 0);
+            let clipped = Clipped::of(&rest, at, extent, true, 0);
             for row in extent.met(rows.first, count) {
                 let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));
                 let range = around(behind, extent.voxel_rows(back_row));

@@ -56,6 +56,21 @@ impl Extent {
         self
     }
 
+    /// Leaves some of its columns; without one, no row either.
+    pub(super) fn keep(&mut self, columns: Range<usize>) {
+        if columns.is_empty() {
+            self.rows.end = self.rows.start;
+        }
+        let [low, high] = [columns.start > self.columns.start, columns.end < self.columns.end];
+        for ((end, held), cut) in self.ends.iter_mut().zip(&mut self.held).zip([low, high]) {
+            if cut {
+                (*end, *held) = (None, false);
+            }
+        }
+        self.voxel = (columns.start as isize + self.x.index as isize).max(0) as usize;
+        self.columns = columns;
+    }
+
     /// Whether rows have places beyond their voxels.
     pub(super) fn is_wide(&self) -> bool {
         self.held != [false; 2]

@@ -335,17 +335,28 @@ fn extent([columns, rows]: &[Axis; 2], [column, row]: &[Band; 2], part: Part, [x
     Extent::of(pixels, cells, rows.voxels, part)
 }
 
-/// Gives the samples of a column windows that hold what gradients look at, and so cost no whole rows.
-fn narrow(samples: &mut [Samples<'_>], voxels: u32, columns: Columns) {
+/// Gives the samples of a column windows that cost no whole rows.
+fn narrow_column(samples: &mut [Samples<'_>], voxels: u32, columns: Columns) {
     for samples in &mut *samples {
         samples.whole_rows = false;
     }
     if columns == Columns::InBlocks {
         return;
     }
-    let places = || samples.iter().map(|samples| samples.extent.voxel);
-    let (first, last) = (places().fold(usize::MAX, Ord::min), places().fold(0, Ord::max));
-    let kept = first.saturating_sub(1)..(last + 3).min(voxels as usize);
+    narrow(samples, voxels);
+    for samples in samples {
+        samples.window = samples.window.of_few();
+    }
+}
+
+/// Gives samples of some columns of slices of this width windows that hold what gradients look at, and no more.
+pub(super) fn narrow(samples: &mut [Samples<'_>], voxels: u32) {
+    let (mut first, mut end) = (usize::MAX, 0);
+    for Samples { extent, .. } in &*samples {
+        first = first.min(extent.voxel);
+        end = end.max(extent.voxel + extent.columns.len());
+    }
+    let kept = first.saturating_sub(1)..(end + 2).min(voxels as usize);
     for samples in samples {
         samples.extent.narrow(kept.start);
         samples.window = samples.window.columns(kept.clone());
@@ -382,7 +393,7 @@ fn exact_samples<'w>(parts: &mut Parts<'_>, window: &Window<'w>) -> Option<Sampl
     parts.axes = Some(axes);
     let [column, _] = &bands;
     if column.edge {
-        narrow(&mut samples, width, parts.columns);
+        narrow_column(&mut samples, width, parts.columns);
     }
     let [samples] = samples;
     Some(samples)
@@ -415,7 +426,7 @@ fn exact_segments<'w>(parts: &mut Parts<'_>, window: &Window<'w>, lit: bool) -> 
     parts.axes = Some(axes);
     let [column, row] = &bands;
     if column.edge {
-        narrow(&mut ends, width, parts.columns);
+        narrow_column(&mut ends, width, parts.columns);
     }
     Some(Segments {
         ends,

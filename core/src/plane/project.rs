@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use super::clipped::Clipped;
+use super::clipped::{Clipped, Rest};
 use super::kept::{Kept, KeptRows};
 use super::parts::{Columns, Parts, Samples};
 use super::scratch::{self, Scratch, ScratchError};
@@ -74,9 +74,15 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         let Some(count) = rows.data.len().checked_div(base_width) else {
             return Ok(());
         };
+        let rest = Rest::of(at, false, (rows.first, count), false);
+        if matches!(rest, Rest::Nothing) {
+            return Ok(());
+        }
         // A sample counts as one, however little of its segment lies in the volume.
         let mut parts = Parts::of(plan, plane, Columns::Alone);
-        while let Some(Samples { extent, window, .. }) = parts.samples(&at.window) {
+        while let Some(mut samples) = parts.samples(&at.window) {
+            rest.narrow(at, core::slice::from_mut(&mut samples), false, (rows.first, count));
+            let Samples { extent, window, .. } = samples;
             let Scratch { source, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let mut source = Sheared::<P, V, Unlit>::new(
                 self.precision,
@@ -86,7 +92,7 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
                 source,
                 KeptRows::default(),
             );
-            let clipped = Clipped::of(at, &extent, false, 0);
+            let clipped = Clipped::of(&rest, at, &extent, false, 0);
             for row in extent.met(rows.first, count) {
                 if clipped.as_ref().is_some_and(|clipped| clipped.is_empty(row)) {
                     continue;

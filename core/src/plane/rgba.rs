@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use super::canvas::{AllFinished, Canvas as _, Image};
-use super::clipped::Clipped;
+use super::clipped::{Clipped, Rest};
 use super::extent::around;
 use super::kept::{Kept, KeptRows};
 use super::parts::{Columns, Parts, Samples};
@@ -61,6 +61,13 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         if let Some(tap) = &mut tap {
             tap.plane(&at.plane);
         }
+        let Some(count) = rows.data.len().checked_div(4 * at.plan.base()[0] as usize) else {
+            return Ok(());
+        };
+        let rest = Rest::of(at, false, (rows.first, count), false);
+        if matches!(rest, Rest::Nothing) {
+            return Ok(());
+        }
         let windows: [Window<'_>; 4] = [0, 1, 2, 3].map(|run| at.window.run(run));
         // Four runs of the same shape have the same parts.
         let mut parts = windows
@@ -73,19 +80,21 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
             let [Some(t), Some(r), Some(g), Some(b)] = found else {
                 return Ok(());
             };
+            let mut runs = [t, r, g, b];
+            rest.narrow(at, &mut runs, false, (rows.first, count));
             let memory = Scratch::cut_runs(&mut *scratch, width, V::COUNT > 1)?;
             let tap: Option<&mut dyn Tap> = match &mut tap {
                 Some(tap) => Some(*tap),
                 None => None,
             };
-            self.fold_extent::<V>(at, [t, r, g, b], &mut rows, memory, tap);
+            self.fold_extent::<V>((at, &rest), runs, &mut rows, memory, tap);
         }
     }
 
     #[inline(always)]
     fn fold_extent<V: Lanes>(
         &self,
-        at: &At<'_, Rgba15>,
+        (at, rest): (&At<'_, Rgba15>, &Rest<'_>),
         runs: [Samples<'_>; 4],
         rows: &mut Rows<'_, ChannelOf<P>>,
         memory: [SourceRows<'_, i32>; 4],
@@ -104,7 +113,7 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         }
         let bits = precision.formats().sample_bits;
         let absorption = self.medium.absorption(bits, extent.part.length());
-        let clipped = Clipped::of(at, extent, false, 0);
+        let clipped = Clipped::of(rest, at, extent, false, 0);
         let mut image = Image::<P::Pixel, FrontToBack, V>::new(
             (rows.first, &mut *rows.data),
             base_width,

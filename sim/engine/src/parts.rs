@@ -18,7 +18,6 @@ use slicecast::locate::{cell, plane};
 use slicecast::plan::{Phase, Plan};
 use slicecast::slice::{RowRange, Slice};
 use slicecast::view::Axis;
-use slicecast_scene::Classification;
 use slicecast_volume::on_disk::OnDisk;
 
 use crate::error::RenderError;
@@ -238,8 +237,7 @@ impl Prepared<'_> {
     /// Renders the frame of a volume on disk, a part of it in memory at a time. `progress` is told how far it is.
     ///
     /// # Errors
-    /// [`RenderError::Automatic`] if segments or samples were to be chosen by a look at all voxels; [`RenderError::Read`] if
-    /// the file cannot be read any more.
+    /// [`RenderError::Read`] if the file cannot be read any more.
     pub fn render_in_parts(
         &self,
         volume: &OnDisk,
@@ -277,9 +275,6 @@ impl Prepared<'_> {
         shard: Shard,
         progress: Progress<'_>,
     ) -> Result<(Box<dyn Framing>, Reading), RenderError> {
-        if self.scene.classification == Classification::Auto && self.scene.surfaces.is_empty() {
-            return Err(RenderError::Automatic);
-        }
         let plan = &self.setup.plan;
         let mut rendering = self.begun()?;
         let parts = self.parts(&*rendering, cut);
@@ -302,6 +297,9 @@ impl Prepared<'_> {
                 continue;
             }
             let (first, dims) = self.region(part);
+            if self.is_clipped_away(first, dims) {
+                continue;
+            }
             let (sub, voxels) = volume.read(first, dims, wanted.as_ref())?;
             // Nothing was read because nothing can be seen.
             if voxels == 0 {
@@ -387,6 +385,22 @@ impl Prepared<'_> {
             }
         }
         (first, dims)
+    }
+
+    /// Whether clip planes leave nothing of the samples and segments about some voxels.
+    fn is_clipped_away(&self, first: [usize; 3], dims: [usize; 3]) -> bool {
+        let (Some(clips), plan) = (&self.setup.clips, &self.setup.plan) else {
+            return false;
+        };
+        // Cells reach half a voxel beyond the first and the last one, steps a little further.
+        let mut low = first.map(|at| at as i64 - 2);
+        let mut high = [0, 1, 2].map(|axis| (first[axis] + dims[axis]) as i64 + 1);
+        let (axis, reversed) = self.along();
+        if reversed {
+            let last = plan.volume()[2] as i64 - 1;
+            (low[axis], high[axis]) = (last - high[axis], last - low[axis]);
+        }
+        clips.hides(plan.view().arrange(low), plan.view().arrange(high))
     }
 
     /// How the volume is cut for so many bytes of memory, beside the image and all that the program takes: into runs of slices, or

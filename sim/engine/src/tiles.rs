@@ -505,7 +505,12 @@ impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {
     type Output = Result<(), ScratchError>;
 
     fn run<V: Lanes>(mut self) -> Self::Output {
-        self.way.walk(&mut OfLanes::<L, V>(&mut self.folding, PhantomData))
+        let clips = self.way.clips.map(|clips| clips.clone().in_lanes::<V>());
+        let way = Way {
+            clips: clips.as_ref(),
+            ..self.way
+        };
+        way.walk(&mut OfLanes::<L, V>(&mut self.folding, PhantomData))
     }
 }
 
