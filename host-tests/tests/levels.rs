@@ -6,10 +6,11 @@ use slicecast_compare::{ModelPositions, model};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::Frame;
-use slicecast_engine::levels::budget::Losses;
+use slicecast_engine::levels::budget::{Limits, Losses};
 use slicecast_engine::levels::tree::Tree;
-use slicecast_engine::levels::{Leveled, LevelsError, Source};
+use slicecast_engine::levels::{Leveled, LevelsError};
 use slicecast_engine::simd::Simd;
+use slicecast_engine::source::Source;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_model::{BoxOfLevel, Levels, Segments};
@@ -335,7 +336,10 @@ fn budgets_are_kept_and_spend_on_what_is_seen() {
     scene.transfer.unit_distance = 1.0;
     let prepared = Prepared::new(&scene, &loaded.volume).unwrap();
     let losses = Losses::of(&prepared, &on_disk, &|_, _| ()).unwrap();
-    let within = |memory: u64| losses.within(&prepared, &on_disk, memory);
+    let within = |memory: u64| {
+        let memory = Some(memory);
+        losses.within(&prepared, &on_disk, Limits { memory, work: None })
+    };
     let whole = within(u64::MAX).unwrap();
     assert_eq!(
         (whole.tree.clone(), whole.bricks, whole.loss),

@@ -5,8 +5,9 @@
 
 use std::collections::HashSet;
 
+use slicecast_engine::error::RenderError;
+use slicecast_engine::source::{AT_A_TIME, Source, each_slice};
 use slicecast_scene::TransferFunction;
-use slicecast_volume::Volume;
 use slicecast_volume::open::Loaded;
 use slicecast_volume::statistics::Statistics;
 
@@ -33,11 +34,14 @@ const TRIES: u64 = 256;
 const CODES: usize = 4096;
 
 /// The labels of a volume, from the least code up, without the background, which is the least.
-pub fn labels(loaded: &Loaded, statistics: &Statistics) -> Vec<Label> {
+///
+/// # Errors
+/// [`RenderError::Read`] if a file that the voxels come from cannot be read.
+pub fn labels(loaded: &Loaded, statistics: &Statistics, source: &dyn Source) -> Result<Vec<Label>, RenderError> {
     let mut labels = listed(loaded, statistics, |_| [0; 3]);
-    let touching = touching(&loaded.volume, &labels);
+    let touching = touching(loaded.volume.dims, source, &labels)?;
     colour(&mut labels, &touching);
-    labels
+    Ok(labels)
 }
 
 /// The same labels in the colours that a transfer function has for them.
@@ -96,7 +100,7 @@ fn colour(labels: &mut [Label], touching: &[Vec<usize>]) {
 }
 
 /// For each label the places of those before it that have a voxel beside one of its own.
-fn touching(volume: &Volume, labels: &[Label]) -> Vec<Vec<usize>> {
+fn touching(dims: [usize; 3], source: &dyn Source, labels: &[Label]) -> Result<Vec<Vec<usize>>, RenderError> {
     let mut places = [usize::MAX; CODES];
     for (place, label) in labels.iter().enumerate() {
         places[usize::from(label.code)] = place;
@@ -112,22 +116,24 @@ fn touching(volume: &Volume, labels: &[Label]) -> Vec<Vec<usize>> {
             }
         }
     };
-    let [nx, ny, _] = volume.dims;
-    for row in volume.voxels.chunks_exact(nx.max(1)) {
-        row.windows(2).for_each(|pair| meet(pair[0], pair[1]));
-    }
-    for slice in volume.voxels.chunks_exact((nx * ny).max(1)) {
+    let [nx, ny, _] = dims;
+    let mut before = Vec::with_capacity(nx * ny);
+    each_slice(source, dims, AT_A_TIME, &mut |slice| {
+        for row in slice.chunks_exact(nx.max(1)) {
+            row.windows(2).for_each(|pair| meet(pair[0], pair[1]));
+        }
         slice.iter().zip(slice.iter().skip(nx)).for_each(|(a, b)| meet(*a, *b));
-    }
-    let behind = volume.voxels.iter().skip(nx * ny);
-    volume.voxels.iter().zip(behind).for_each(|(a, b)| meet(*a, *b));
+        slice.iter().zip(&before).for_each(|(a, b)| meet(*a, *b));
+        before.clear();
+        before.extend_from_slice(slice);
+    })?;
     let before = |row: &[bool]| {
         row.iter()
             .enumerate()
             .filter_map(|(place, met)| met.then_some(place))
             .collect()
     };
-    met.chunks_exact(labels.len().max(1)).map(before).collect()
+    Ok(met.chunks_exact(labels.len().max(1)).map(before).collect())
 }
 
 /// A colour of the walk: hue, lightness and chroma by the additive recurrence of the third root of the plastic numbers
@@ -265,19 +271,19 @@ mod tests {
     fn labels_that_codes_count_keep_their_numbers_and_show_their_colours() {
         let loaded = loaded([6, 1, 1], vec![0, 0, 0, 7, 5000, 60_000]);
         let statistics = Statistics::of(&loaded.volume);
-        let labels = labels(&loaded, &statistics);
+        let labels = labels(&loaded, &statistics, &loaded.volume).unwrap();
         let named: Vec<(u16, f64)> = labels.iter().map(|label| (label.code, label.label)).collect();
         assert_eq!(named, [(1, 7.0), (2, 5000.0), (3, 60_000.0)]);
-        let scene = crate::presets::scene("labels", &loaded, &statistics).unwrap();
+        let scene = crate::presets::scene("labels", &loaded, &statistics, &loaded.volume).unwrap();
         assert_eq!(shown(&loaded, &statistics, &scene.transfer), labels);
     }
 
     #[test]
     fn voxels_touch_along_all_three_axes() {
         let loaded = loaded([2, 2, 2], vec![1, 2, 3, 0, 5, 0, 0, 0]);
-        let touched = touching(&loaded.volume, &labelled(&loaded));
+        let touched = touching([2; 3], &loaded.volume, &labelled(&loaded)).unwrap();
         assert_eq!(touched, [vec![], vec![0], vec![0], vec![0]]);
-        assert!(touching(&loaded.volume, &[]).is_empty());
+        assert!(touching([2; 3], &loaded.volume, &[]).unwrap().is_empty());
     }
 
     #[test]

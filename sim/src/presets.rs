@@ -13,6 +13,8 @@
 
 use crate::labels::labels;
 use crate::projection;
+use slicecast_engine::error::RenderError;
+use slicecast_engine::source::Source;
 use slicecast_scene::file::{self, SceneError};
 use slicecast_scene::{Blend, check};
 use slicecast_scene::{Image, Interpolation, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
@@ -80,17 +82,28 @@ fn looks_hounsfield(loaded: &Loaded) -> bool {
     loaded.integers && (-4096.0..=-500.0).contains(&low) && (300.0..=40000.0).contains(&high)
 }
 
-/// A preset, or another built-in scene, for a volume.
+/// Why there is no preset.
+#[derive(Debug, thiserror::Error)]
+pub enum PresetError {
+    /// None of that name, or the volume's values are beyond what scenes may state.
+    #[error("{0}")]
+    Scene(#[from] SceneError),
+    /// The voxels cannot be read.
+    #[error("{0}")]
+    Read(#[from] RenderError),
+}
+
+/// A preset, or another built-in scene, for a volume whose voxels come from a source.
 ///
 /// # Errors
-/// [`SceneError`] if there is none of that name, or the volume's values are beyond what scenes may state.
-pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics) -> Result<Scene, SceneError> {
+/// [`PresetError`].
+pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics, source: &dyn Source) -> Result<Scene, PresetError> {
     let volume = &loaded.volume;
     let transfer = match name {
         "mr" => two_surfaces(volume, statistics),
-        "labels" => coloured(loaded, statistics),
+        "labels" => coloured(loaded, statistics, source)?,
         "fog" => fog(volume, statistics),
-        "mip" => projection::ramp(volume, Blend::Maximum),
+        "mip" => projection::ramp(volume, source, Blend::Maximum)?,
         _ => return Ok(thrifty(file::built_in(name)?, volume)),
     };
     let lit = !["fog", "mip"].contains(&name);
@@ -211,14 +224,14 @@ fn two_surfaces(volume: &Volume, statistics: &Statistics) -> TransferFunction {
 }
 
 /// A colour for every label, on an invisible background.
-fn coloured(loaded: &Loaded, statistics: &Statistics) -> TransferFunction {
-    let labels = labels(loaded, statistics);
+fn coloured(loaded: &Loaded, statistics: &Statistics, source: &dyn Source) -> Result<TransferFunction, RenderError> {
+    let labels = labels(loaded, statistics, source)?;
     let [background, _] = statistics.range().map(|code| code as f64);
     // The background fades in the colour of the label next to it.
     let ground = labels.first().map_or([0; 3], |label| label.colour);
     let mut listed = vec![(background, ground, 0.0)];
     listed.extend(labels.iter().map(|label| (f64::from(label.code), label.colour, 0.5)));
-    points(&loaded.volume, &listed)
+    Ok(points(&loaded.volume, &listed))
 }
 
 /// Everything above the background, thin enough that about half of the light passes.
@@ -271,7 +284,7 @@ mod tests {
             assert_eq!(suggest(&loaded).0, "labels", "{step}");
             assert_eq!(fitting(&loaded), ["labels", "mr", "fog", "mip"]);
             let statistics = Statistics::of(&loaded.volume);
-            let scene = scene("labels", &loaded, &statistics).unwrap();
+            let scene = scene("labels", &loaded, &statistics, &loaded.volume).unwrap();
             let codes = loaded.labels.as_ref().unwrap().entries().iter().map(|label| label.code);
             let opacity = |code| scene.transfer.evaluate(loaded.volume.mapping.value(f64::from(code))).1;
             let opacities: Vec<f64> = codes.map(opacity).collect();
@@ -292,7 +305,7 @@ mod tests {
             let loaded = loaded(values, None);
             let statistics = Statistics::of(&loaded.volume);
             for name in NAMES {
-                scene(name, &loaded, &statistics).unwrap_or_else(|error| panic!("{name}: {error}"));
+                scene(name, &loaded, &statistics, &loaded.volume).unwrap_or_else(|error| panic!("{name}: {error}"));
             }
         }
     }
@@ -306,7 +319,7 @@ mod tests {
         );
         let statistics = Statistics::of(&loaded.volume);
         for name in ["mr", "fog", "mip"] {
-            let scene = scene(name, &loaded, &statistics).unwrap();
+            let scene = scene(name, &loaded, &statistics, &loaded.volume).unwrap();
             assert!(scene.transfer.points.len() > 1, "{name}");
             for point in scene.transfer.points {
                 assert_eq!(point.value.fract(), 0.0, "{name}");
@@ -318,7 +331,7 @@ mod tests {
     fn values_beyond_scenes_are_refused_by_name() {
         let mut loaded = loaded(Values::F64(vec![0.0, 0.5]), None);
         loaded.volume.mapping.scale = 1e200;
-        let error = scene("mr", &loaded, &Statistics::of(&loaded.volume)).unwrap_err();
+        let error = scene("mr", &loaded, &Statistics::of(&loaded.volume), &loaded.volume).unwrap_err();
         assert!(
             error.to_string().starts_with("t: the scene `mr`: `transfer.points"),
             "{error}"

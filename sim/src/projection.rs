@@ -5,6 +5,8 @@
 //! Values become grey in proportion. Smallest ones become grey by their rank where nearly every ray crosses air: its
 //! values lie close together, and in proportion they would all be black.
 
+use slicecast_engine::error::RenderError;
+use slicecast_engine::source::{AT_A_TIME, Source, each_slice};
 use slicecast_scene::{Blend, Point, TransferFunction};
 use slicecast_volume::Volume;
 
@@ -22,10 +24,14 @@ const DARK: f64 = 0.25;
 /// Codes of a volume.
 const CODES: usize = 4096;
 
-/// Black to white over the values that a projection of the volume keeps; opaque. One grey if it keeps one value only.
-pub fn ramp(volume: &Volume, blend: Blend) -> TransferFunction {
+/// Black to white over the values that a projection of the volume keeps; opaque. One grey if it keeps one value only. The voxels
+/// come from a source.
+///
+/// # Errors
+/// [`RenderError::Read`] if a file cannot be read.
+pub fn ramp(volume: &Volume, source: &dyn Source, blend: Blend) -> Result<TransferFunction, RenderError> {
     let greys = if blend == Blend::Minimum {
-        let counts = kept(volume, u16::MAX, u16::min);
+        let counts = kept(volume.dims, source, u16::MAX, u16::min)?;
         let greys = in_proportion(&counts);
         if mean(&counts, &greys) < DARK {
             by_rank(&counts)
@@ -33,17 +39,17 @@ pub fn ramp(volume: &Volume, blend: Blend) -> TransferFunction {
             greys
         }
     } else {
-        in_proportion(&kept(volume, 0, u16::max))
+        in_proportion(&kept(volume.dims, source, 0, u16::max)?)
     };
     let point = |&(code, grey): &(usize, f64)| Point {
         value: volume.mapping.value(code as f64),
         colour: [grey; 3],
         opacity: 1.0,
     };
-    TransferFunction {
+    Ok(TransferFunction {
         unit_distance: 1.0,
         points: greys.iter().map(point).collect(),
-    }
+    })
 }
 
 /// Codes and their greys, black and white near the ends of what is kept.
@@ -122,7 +128,7 @@ pub fn in_background(volume: &Volume, first: usize) -> Option<f64> {
             dark += u64::from(below(code));
         }
     }
-    let counts = kept(volume, u16::MAX, u16::min);
+    let counts = kept(volume.dims, volume, u16::MAX, u16::min).ok()?;
     let rays: u64 = counts.iter().sum();
     let crossing = counts.iter().take(first).sum::<u64>() as f64 / rays.max(1) as f64;
     let surrounded = dark as f64 > AROUND * sides as f64;
@@ -130,8 +136,8 @@ pub fn in_background(volume: &Volume, first: usize) -> Option<f64> {
 }
 
 /// How often rays along x, y and z keep each code.
-fn kept(volume: &Volume, none: u16, keep: fn(u16, u16) -> u16) -> Vec<u64> {
-    let [nx, ny, _] = volume.dims;
+fn kept(dims: [usize; 3], source: &dyn Source, none: u16, keep: fn(u16, u16) -> u16) -> Result<Vec<u64>, RenderError> {
+    let [nx, ny, _] = dims;
     let mut counts = vec![0; CODES];
     let mut count = |codes: &[u16]| {
         for &code in codes {
@@ -139,7 +145,7 @@ fn kept(volume: &Volume, none: u16, keep: fn(u16, u16) -> u16) -> Vec<u64> {
         }
     };
     let mut along_z = vec![none; nx * ny];
-    for slice in volume.voxels.chunks_exact((nx * ny).max(1)) {
+    each_slice(source, dims, AT_A_TIME, &mut |slice| {
         let mut along_y = vec![none; nx];
         for (row, along_z) in slice.chunks_exact(nx).zip(along_z.chunks_exact_mut(nx)) {
             for ((&code, y), z) in row.iter().zip(&mut along_y).zip(along_z) {
@@ -148,9 +154,9 @@ fn kept(volume: &Volume, none: u16, keep: fn(u16, u16) -> u16) -> Vec<u64> {
             count(&[row.iter().copied().fold(none, keep)]);
         }
         count(&along_y);
-    }
+    })?;
     count(&along_z);
-    counts
+    Ok(counts)
 }
 
 /// The least code that is not below this share of the counts.

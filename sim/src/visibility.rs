@@ -251,7 +251,9 @@ pub fn fineness(prepared: &Prepared<'_>) -> Option<String> {
     }
     let finest = match scene.classification {
         Classification::Auto => prepared.finest,
-        _ => fineness::of(scene, prepared.volume),
+        // Not worth so many small reads of a volume on disk.
+        _ if prepared.volume.voxels.is_empty() => None,
+        _ => fineness::of(scene, prepared.volume, prepared.volume).ok().flatten(),
     };
     let facts = |Finest {
                      codes,
@@ -442,7 +444,7 @@ mod tests {
     fn smallest_values_of_rays_through_air() {
         let mut scene = scene();
         scene.blend = Blend::Minimum;
-        scene.transfer = crate::projection::ramp(&ball(), Blend::Minimum);
+        scene.transfer = crate::projection::ramp(&ball(), &ball(), Blend::Minimum).unwrap();
         scene.lighting = None;
         says(
             &scene,
@@ -450,7 +452,7 @@ mod tests {
             &["shows the background: 100 % of the rays cross it", "(values below "],
         );
         scene.blend = Blend::Maximum;
-        scene.transfer = crate::projection::ramp(&ball(), Blend::Maximum);
+        scene.transfer = crate::projection::ramp(&ball(), &ball(), Blend::Maximum).unwrap();
         assert_eq!(said(&scene, &ball()), None);
     }
 

@@ -685,6 +685,15 @@ fn a_volume_read_in_parts_is_one_picture() {
     folder.says("merge 1.shard 2.shard -o merged.png");
     assert_eq!(folder.read("merged.png"), folder.read("whole.png"));
 
+    let said = folder.run(&format!("render {scene} --borders cells --budget 100s -o finest.png"));
+    let said = String::from_utf8(said.stderr).unwrap();
+    assert!(
+        said.contains("12 bricks of 32 voxels at level 0") && said.contains("of 100000.0 ms"),
+        "{said}"
+    );
+    folder.says(&format!("render {scene} --borders cells -o cells.png"));
+    assert_eq!(folder.read("finest.png"), folder.read("cells.png"));
+
     let refuses = |line: &str, words: &str| {
         let output = folder.run(line);
         let text = String::from_utf8(output.stderr).unwrap();
@@ -700,18 +709,36 @@ fn a_volume_read_in_parts_is_one_picture() {
         "like 512MiB, 2GiB or 1.5GB",
     );
     refuses("render --memory 1GiB -o x.png", "the built-in CT head is in memory");
+    let levels = format!("render {scene} --borders cells");
     refuses(
-        "render a.nrrd --memory 1GiB --scene mip -o x.png",
-        "the scene `mip` is fitted by a look at all voxels",
+        &format!("{levels} --budget 1us -o x.png"),
+        "like 128MiB, 2GiB, 200ms or 1.5s",
     );
     refuses(
-        "render a.nrrd --memory 1GiB --scene ct-bone --blend maximum -o x.png",
-        "a projection of a named scene",
+        &format!("{levels} --budget 0.001ms -o x.png"),
+        "expected at least as long",
     );
+    refuses(&format!("{levels} --budget 1s,2s -o x.png"), "two of a kind");
     refuses(
-        "render a.nrrd --memory 1GiB --scene ct-bone --classification auto -o x.png",
-        "accepted: point, integral or none",
+        "render --borders cells --budget 1GiB -o x.png",
+        "the built-in CT head is in memory",
     );
+    // What is fitted by a look at all voxels looks at them in the file.
+    folder.volume("labels.nrrd", [40, 30, 20], "1 1 1", |[x, y, z]| {
+        ((x / 8 + y / 6 + z / 5) % 7) as i16
+    });
+    for fitted in [
+        "a.nrrd --scene mip",
+        "a.nrrd --scene ct-bone --blend minimum",
+        "a.nrrd --scene ct-bone --classification auto",
+        "labels.nrrd --scene labels",
+    ] {
+        folder.says(&format!("render {fitted} --size 120x100 --force -o fitted.png"));
+        folder.says(&format!(
+            "render {fitted} --size 120x100 --memory 1GiB --force -o in-parts.png"
+        ));
+        assert_eq!(folder.read("in-parts.png"), folder.read("fitted.png"), "{fitted}");
+    }
     folder.volume("flat.nrrd", [8, 8, 1], "1 1 1", |[x, y, _]| (x * y) as i16);
     refuses("render flat.nrrd --memory 1GiB -o x.png", "is one slice thick");
     assert!(!folder.names().iter().any(|name| name.starts_with("x.")));

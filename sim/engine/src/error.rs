@@ -67,11 +67,6 @@ pub enum RenderError {
         /// Bytes needed.
         least: u64,
     },
-    /// Samples or segments, chosen by how much neighbouring voxels differ.
-    #[error(
-        "--classification auto looks at all voxels, and the volume is read in parts; accepted: point, integral or none"
-    )]
-    Automatic,
     /// Several levels, and a scene or a cut that asks for what there is not.
     #[error("{0}")]
     Levels(#[from] LevelsError),

@@ -4,8 +4,12 @@
 //! between them: point classification then shows wood grain, or nothing. The measure is the peak's width at half its height
 //! against the median difference of neighbouring voxels that have some of it, but not only of it, between them, divided by the planes per voxel.
 
+use rayon::prelude::*;
 use slicecast_scene::{Blend, Interpolation, Scene};
 use slicecast_volume::Volume;
+
+use crate::error::RenderError;
+use crate::source::Source;
 
 /// Codes.
 const CODES: usize = 4096;
@@ -40,11 +44,15 @@ impl Finest {
     }
 }
 
-/// The finest peak of a scene's transfer function on a volume; `None` where there is none, or nothing is integrated.
-pub fn of(scene: &Scene, volume: &Volume) -> Option<Finest> {
+/// The finest peak of a scene's transfer function on a volume, whose voxels come from a source; `None` where there is none, or
+/// nothing is integrated.
+///
+/// # Errors
+/// [`RenderError::Read`] if a file cannot be read.
+pub fn of(scene: &Scene, volume: &Volume, source: &dyn Source) -> Result<Option<Finest>, RenderError> {
     let composited = matches!(scene.blend, Blend::FrontToBack | Blend::BackToFront);
     if !composited || scene.interpolation == Interpolation::Nearest {
-        return None;
+        return Ok(None);
     }
     let depths: Vec<f64> = (0..CODES)
         .map(|code| scene.transfer.evaluate(volume.mapping.value(code as f64)).1)
@@ -52,12 +60,12 @@ pub fn of(scene: &Scene, volume: &Volume) -> Option<Finest> {
         .collect();
     let mut peaks = peaks(&depths);
     if peaks.is_empty() {
-        return None;
+        return Ok(None);
     }
     peaks.sort_by_key(|[low, high]| high - low);
     peaks.truncate(PEAKS);
     let planes = f64::from(scene.sampling.planes_per_voxel);
-    (differences(volume, &peaks).into_iter().zip(peaks))
+    let finest = (differences(volume.dims, source, &peaks)?.into_iter().zip(peaks))
         .filter_map(|(difference, [low, high])| {
             let difference = difference? / planes;
             Some(Finest {
@@ -66,7 +74,8 @@ pub fn of(scene: &Scene, volume: &Volume) -> Option<Finest> {
                 difference,
             })
         })
-        .max_by(|a, b| (a.difference / a.width).total_cmp(&(b.difference / b.width)))
+        .max_by(|a, b| (a.difference / a.width).total_cmp(&(b.difference / b.width)));
+    Ok(finest)
 }
 
 /// First and last codes, at half height, of the peaks that fall off on both sides.
@@ -93,17 +102,19 @@ fn peaks(depths: &[f64]) -> Vec<[usize; 2]> {
 }
 
 /// The median difference of neighbouring voxels that have some of each peak between them, and something else.
-fn differences(volume: &Volume, peaks: &[[usize; 2]]) -> Vec<Option<f64>> {
-    let [nx, ny, _] = volume.dims;
-    let mut counts = vec![vec![0u32; CODES]; peaks.len()];
-    for (axis, stride) in [1, nx, nx * ny].into_iter().enumerate() {
-        let side = volume.dims[axis];
-        let step = (volume.voxels.len() / PAIRS).max(1) | 1;
-        for place in (0..volume.voxels.len()).step_by(step) {
-            if place / stride % side + 1 >= side {
-                continue;
-            }
-            let ends = [volume.voxels[place], volume.voxels[place + stride]].map(usize::from);
+fn differences(dims: [usize; 3], source: &dyn Source, peaks: &[[usize; 2]]) -> Result<Vec<Option<f64>>, RenderError> {
+    let (all, [nx, ny, _]) = (dims.iter().product::<usize>(), dims);
+    let step = (all / PAIRS).max(1) | 1;
+    let none = || vec![vec![0u32; CODES]; peaks.len()];
+    let count = |mut counts: Vec<Vec<u32>>, number: usize| {
+        let place = number * step;
+        let first = [place % nx, place / nx % ny, place / nx / ny];
+        let sides = [0, 1, 2].map(|axis| (dims[axis] - first[axis]).min(2));
+        let about = source.voxels(first, sides)?;
+        let code = |at: usize| about.voxels.get(at).map_or(0, |code| usize::from(*code));
+        let neighbours = [1, sides[0], sides[0] * sides[1]].into_iter().zip(sides);
+        for (stride, _) in neighbours.filter(|(_, side)| *side > 1) {
+            let ends = [code(0), code(stride)];
             let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
             for (counts, [from, to]) in counts.iter_mut().zip(peaks) {
                 let (meets, inside) = (low <= *to && *from <= high, *from <= low && high <= *to);
@@ -112,7 +123,18 @@ fn differences(volume: &Volume, peaks: &[[usize; 2]]) -> Vec<Option<f64>> {
                 }
             }
         }
-    }
+        Ok::<_, RenderError>(counts)
+    };
+    let join = |mut counts: Vec<Vec<u32>>, others: Vec<Vec<u32>>| {
+        for (count, other) in counts.iter_mut().flatten().zip(others.iter().flatten()) {
+            *count += other;
+        }
+        Ok(counts)
+    };
+    let counts = (0..all.div_ceil(step))
+        .into_par_iter()
+        .try_fold(none, count)
+        .try_reduce(none, join)?;
     let median = |counts: Vec<u32>| {
         let pairs: u32 = counts.iter().sum();
         let mut seen = 0;
@@ -122,7 +144,7 @@ fn differences(volume: &Volume, peaks: &[[usize; 2]]) -> Vec<Option<f64>> {
         });
         (pairs >= PAIRS_LEAST).then(|| middle.unwrap_or(0) as f64)
     };
-    counts.into_iter().map(median).collect()
+    Ok(counts.into_iter().map(median).collect())
 }
 
 #[cfg(test)]
@@ -156,23 +178,28 @@ mod tests {
         scene
     }
 
+    fn finest_of(scene: &Scene) -> Option<Finest> {
+        let volume = ramp(50);
+        of(scene, &volume, &volume).unwrap()
+    }
+
     #[test]
     fn a_thin_shell_is_missed_until_planes_are_as_fine() {
         let mut scene = with_points(&[(400.0, 0.0), (410.0, 0.9), (420.0, 0.0)]);
-        let finest = of(&scene, &ramp(50)).unwrap();
+        let finest = finest_of(&scene).unwrap();
         // The extinction of an opacity of 0.9 is at half its height where the opacity is 1 - sqrt(0.1).
         assert_eq!((finest.codes, finest.width, finest.difference), ([408, 412], 5.0, 50.0));
         assert!(finest.is_missed());
         scene.sampling.planes_per_voxel = 16;
-        assert!(!of(&scene, &ramp(50)).unwrap().is_missed());
+        assert!(!finest_of(&scene).unwrap().is_missed());
     }
 
     #[test]
     fn ramps_and_flat_tables_have_no_peak() {
-        assert_eq!(of(&with_points(&[(0.0, 0.0), (4000.0, 0.9)]), &ramp(50)), None);
-        assert_eq!(of(&with_points(&[(0.0, 0.5)]), &ramp(50)), None);
+        assert_eq!(finest_of(&with_points(&[(0.0, 0.0), (4000.0, 0.9)])), None);
+        assert_eq!(finest_of(&with_points(&[(0.0, 0.5)])), None);
         let mut scene = with_points(&[(400.0, 0.0), (410.0, 0.9), (420.0, 0.0)]);
         scene.blend = Blend::Maximum;
-        assert_eq!(of(&scene, &ramp(50)), None);
+        assert_eq!(finest_of(&scene), None);
     }
 }

@@ -14,6 +14,7 @@ use crate::rendering::Framing;
 use crate::segments::{self, Segments};
 use crate::shard::Shard;
 use crate::simd::Simd;
+use crate::source::Source;
 use crate::table::Table;
 
 /// A scene on a volume, ready to be rendered.
@@ -50,9 +51,21 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`RenderError::Camera`] if the scene does not fit the pipeline.
     pub fn new(scene: &'a Scene, volume: &'a Volume) -> Result<Self, RenderError> {
+        Self::of(scene, volume, volume)
+    }
+
+    /// Prepares a scene on a volume without voxels: what is to be known of them comes from a source.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`], and [`RenderError::Read`] if a file cannot be read.
+    pub fn of(scene: &'a Scene, volume: &'a Volume, source: &dyn Source) -> Result<Self, RenderError> {
         let setup = set_up(scene, volume)?;
         let automatic = scene.classification == Classification::Auto;
-        let finest = automatic.then(|| fineness::of(scene, volume)).flatten();
+        let finest = if automatic {
+            fineness::of(scene, volume, source)?
+        } else {
+            None
+        };
         let segments = match scene.classification {
             Classification::Point => false,
             Classification::Integral | Classification::None => true,

@@ -4,10 +4,12 @@
 //! as its planes lie apart, and each box is folded after the other, in the order of the rays, into one base plane.
 
 pub mod budget;
+pub mod timed;
 pub mod tree;
 
 use std::borrow::Cow;
 use std::ops::Range;
+use std::time::Duration;
 
 use slicecast::crop::Crop;
 use slicecast::format::Position;
@@ -16,7 +18,6 @@ use slicecast::slice::Slice;
 use slicecast_pyramid::scalar::halved;
 use slicecast_scene::{Blend, Borders, Classification, Interpolation, Scene};
 use slicecast_volume::Volume;
-use slicecast_volume::on_disk::OnDisk;
 
 use crate::camera;
 use crate::error::RenderError;
@@ -24,6 +25,7 @@ use crate::frame::Prepared;
 use crate::image::Frame;
 use crate::oriented::{Held, Oriented, Turned};
 use crate::rendering::{Framing, Progress};
+use crate::source::Source;
 use tree::{Leaf, Tree};
 
 /// What is not rendered in several levels.
@@ -77,7 +79,7 @@ pub enum LevelsError {
         /// The one behind its last.
         to: usize,
     },
-    /// Not even the coarsest level fits.
+    /// Not even the coarsest level fits in memory.
     #[error(
         "within {memory} bytes of memory: the image and all of the volume at level {LEVEL_MAX} take {least}; expected at least as much, or fewer --rays"
     )]
@@ -86,6 +88,17 @@ pub enum LevelsError {
         memory: u64,
         /// Bytes needed.
         least: u64,
+    },
+    /// Not even the coarsest level is fast enough.
+    #[error(
+        "within {} ms: a frame of all of the volume at level {LEVEL_MAX} takes {} ms here; expected at least as long, fewer --rays or a smaller --size",
+        .time.as_millis(), .least.as_millis()
+    )]
+    Time {
+        /// The time given.
+        time: Duration,
+        /// What was measured.
+        least: Duration,
     },
     /// A level that there is not.
     #[error("{0}")]
@@ -113,54 +126,6 @@ impl LevelsError {
             } => Err(Self::Automatic),
             _ => Ok(()),
         }
-    }
-}
-
-/// Where the voxels of a volume come from.
-pub trait Source: Sync {
-    /// Some voxels, `dims` from `first` on, along x, y and z.
-    ///
-    /// # Errors
-    /// [`RenderError::Read`] if a file cannot be read any more.
-    fn voxels(&self, first: [usize; 3], dims: [usize; 3]) -> Result<Cow<'_, Volume>, RenderError>;
-    /// Bytes that reading takes beside them.
-    fn reading_bytes(&self) -> u64;
-}
-
-impl Source for Volume {
-    fn voxels(&self, first: [usize; 3], dims: [usize; 3]) -> Result<Cow<'_, Volume>, RenderError> {
-        if dims == self.dims {
-            return Ok(Cow::Borrowed(self));
-        }
-        let [width, height, _] = self.dims;
-        let mut voxels = Vec::with_capacity(dims.iter().product());
-        for (z, y) in (0..dims[2]).flat_map(|z| (0..dims[1]).map(move |y| (z, y))) {
-            let start = ((first[2] + z) * height + first[1] + y) * width + first[0];
-            voxels.extend_from_slice(&self.voxels[start..start + dims[0]]);
-        }
-        Ok(Cow::Owned(Self {
-            name: self.name.clone(),
-            dims,
-            voxels,
-            ..*self
-        }))
-    }
-
-    fn reading_bytes(&self) -> u64 {
-        0
-    }
-}
-
-impl Source for OnDisk {
-    fn voxels(&self, first: [usize; 3], dims: [usize; 3]) -> Result<Cow<'_, Volume>, RenderError> {
-        let (volume, _) = self.read(first, dims, None)?;
-        Ok(Cow::Owned(volume))
-    }
-
-    fn reading_bytes(&self) -> u64 {
-        // Rows of bricks, and rows of a level as they are made, are at most as large again.
-        let [width, _, _] = self.dims();
-        Self::reading_bytes(self, rayon::current_num_threads()) + 4 * (width * ROWS * ROWS) as u64
     }
 }
 

@@ -23,6 +23,7 @@ pub mod rendering;
 pub mod segments;
 pub mod shard;
 pub mod simd;
+pub mod source;
 mod stream;
 pub mod table;
 pub mod threads;

@@ -70,7 +70,7 @@ impl Args {
         let (fitting, scene_reason) = presets::suggest(&loaded);
         let statistics = loaded.statistics.clone();
         let chosen = Chosen {
-            scene: presets::scene(fitting, &loaded, &statistics).map_err(Failure::input)?,
+            scene: presets::scene(fitting, &loaded, &statistics, &loaded.volume).map_err(Failure::input)?,
             stock: Some(fitting.into()),
             fitting,
             statistics,

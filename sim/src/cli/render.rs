@@ -2,6 +2,7 @@
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use slicecast_engine::colours::Coloured;
 use slicecast_engine::depth::depths;
@@ -9,12 +10,13 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::{BaseImage, Frame};
 use slicecast_engine::levels::Leveled;
-use slicecast_engine::levels::budget::Losses;
+use slicecast_engine::levels::budget::{Limits, Losses};
 use slicecast_engine::levels::tree::Tree;
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::parts::{Cut, Reading};
 use slicecast_engine::rendering::Progress;
 use slicecast_engine::shard::Shard;
+use slicecast_engine::source::Source;
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_pyramid::volume::RgbaVolume;
@@ -26,7 +28,7 @@ use super::Failure;
 use super::chosen::Chosen;
 use super::colours::{ColourArgs, LevelArgs};
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
-use super::memory;
+use super::memory::{self, Budget};
 use super::output::{check_free, write_file};
 use super::picture::{self, PictureArgs, Target};
 use super::progress::with_bar;
@@ -78,10 +80,11 @@ pub struct Args {
     /// MetaImage, NIfTI and Zarr files that are larger than memory. The picture is the same.
     #[arg(long, value_name = "SIZE", value_parser = memory::bytes, conflicts_with_all = ["stream", "depth_map"])]
     memory: Option<u64>,
-    /// Keep the picture within so much memory, such as 128MiB: bricks of the volume that show least are taken from levels whose
-    /// voxels are two, four or eight times as long. For raw, NRRD, MetaImage, NIfTI and Zarr files; what fits is not made coarser.
-    #[arg(long, value_name = "SIZE", value_parser = memory::bytes, conflicts_with_all = ["stream", "depth_map", "shard", "memory"])]
-    budget: Option<u64>,
+    /// Keep the picture within so much memory, such as 128MiB, or its frame within a time, such as 200ms, or both: bricks of the
+    /// volume that show least are taken from levels whose voxels are two, four or eight times as long; what fits is not made coarser.
+    /// By memory, for raw, NRRD, MetaImage, NIfTI and Zarr files. Times are measured on this machine, by a few frames.
+    #[arg(long, value_name = "SIZE|TIME", value_delimiter = ',', value_parser = memory::budget, conflicts_with_all = ["stream", "depth_map", "shard", "memory"])]
+    budget: Vec<Budget>,
     /// Replace the output if it exists.
     #[arg(long)]
     force: bool,
@@ -105,8 +108,9 @@ impl Args {
         if let Some((scene, volume)) = self.level.volume(&self.volume, &self.colours, &self.scene)? {
             return self.render_colours(target, scene, &volume);
         }
-        let option = if self.budget.is_some() { "--budget" } else { "--memory" };
-        let (mut loaded, on_disk) = match self.memory.or(self.budget) {
+        let (budget_memory, budget_time) = self.budgets()?;
+        let option = if self.memory.is_some() { "--memory" } else { "--budget" };
+        let (mut loaded, on_disk) = match self.memory.or(budget_memory) {
             Some(_) => {
                 let (loaded, on_disk) = self.volume.load_on_disk(option)?;
                 (loaded, Some(on_disk))
@@ -114,7 +118,10 @@ impl Args {
             None => (self.volume.load()?, None),
         };
         self.colours.check_none(&loaded)?;
-        let mut chosen = self.scene.choose(&self.volume, &loaded)?;
+        let mut chosen = match &on_disk {
+            Some(voxels) => self.scene.choose_from(&self.volume, &loaded, voxels)?,
+            None => self.scene.choose(&self.volume, &loaded)?,
+        };
         self.picture.apply(&mut chosen.scene);
         let legend = match &target {
             Some(target) => self.legend(target, &chosen, &loaded)?,
@@ -128,7 +135,11 @@ impl Args {
         let scenes = std::slice::from_ref(&chosen.scene);
         let framing = self.picture.frame(scenes, &loaded.volume, &self.scene)?;
         let scene = framing.scene(&chosen.scene, &loaded.volume);
-        let prepared = Prepared::new(&scene, &loaded.volume)?.with_simd(self.threads.simd());
+        let prepared = match &on_disk {
+            Some(volume) => Prepared::of(&scene, &loaded.volume, volume)?,
+            None => Prepared::new(&scene, &loaded.volume)?,
+        };
+        let prepared = prepared.with_simd(self.threads.simd());
         if let Some(note) = visibility::fineness(&prepared) {
             eprintln!("note: {note}");
         }
@@ -137,15 +148,18 @@ impl Args {
             (None, shard) => return self.write_shard(&prepared, on_disk.as_ref(), shard.unwrap_or(Shard::ALL)),
         };
         let frame = with_bar("rendering", |progress| {
-            on_threads(self.threads.count(), || match (&on_disk, self.budget) {
-                (Some(volume), Some(budget)) => in_levels(&prepared, volume, budget, progress),
-                (Some(volume), None) => {
+            on_threads(self.threads.count(), || match &on_disk {
+                Some(volume) if !self.budget.is_empty() => {
+                    in_levels(&prepared, volume, (budget_memory, budget_time), progress)
+                }
+                None if !self.budget.is_empty() => in_levels(&prepared, &loaded.volume, (None, budget_time), progress),
+                Some(volume) => {
                     let cut = self.cut(&prepared, volume)?;
                     let (frame, read) = prepared.render_in_parts(volume, cut, progress)?;
                     say_read(&read, volume);
                     Ok(frame)
                 }
-                (None, _) => prepared.render(self.layer(), progress),
+                None => prepared.render(self.layer(), progress),
             })
         })??;
         let depth_map = self.depth_map(&prepared)?;
@@ -163,6 +177,23 @@ impl Args {
             println!("{}: {said}", path.display());
         }
         Ok(())
+    }
+
+    /// What `--budget` says of memory and of time, one of each at most.
+    fn budgets(&self) -> Result<(Option<u64>, Option<Duration>), Failure> {
+        let (mut memory, mut time) = (None, None);
+        for budget in &self.budget {
+            let twice = match *budget {
+                Budget::Memory(bytes) => memory.replace(bytes).is_some(),
+                Budget::Time(limit) => time.replace(limit).is_some(),
+            };
+            if twice {
+                return Err(Failure::input(
+                    "--budget: two of a kind, expected one size, one time, or both (128MiB,200ms)",
+                ));
+            }
+        }
+        Ok((memory, time))
     }
 
     /// How slices reach the pipeline.
@@ -297,11 +328,11 @@ impl Args {
     }
 }
 
-/// Renders a volume in the levels that a budget of memory leaves room for, and says on standard error which these are.
+/// Renders a volume in the levels that a budget of memory, or of time, leaves room for, and says on standard error which these are.
 fn in_levels(
     prepared: &Prepared<'_>,
-    volume: &OnDisk,
-    budget: u64,
+    volume: &dyn Source,
+    (memory, time): (Option<u64>, Option<Duration>),
     progress: Progress<'_>,
 ) -> Result<Frame, RenderError> {
     // Losses, voxels and the picture, in thousandths of a third each.
@@ -309,7 +340,19 @@ fn in_levels(
     // Refused before anything is read.
     Leveled::new(prepared, &Tree::Leaf(0))?;
     let losses = Losses::of(prepared, volume, &third(0))?;
-    let chosen = losses.within(prepared, volume, budget)?;
+    if let Some(time) = time {
+        let timed = losses.within_time(prepared, volume, (time, memory), &third(2))?;
+        let milliseconds = |time: Duration| time.as_secs_f64() * 1000.0;
+        eprintln!(
+            "{}; the frame took {:.1} of {:.1} ms, found by {} frames",
+            timed.chosen,
+            milliseconds(timed.took),
+            milliseconds(time),
+            timed.frames,
+        );
+        return Ok(timed.frame);
+    }
+    let chosen = losses.within(prepared, volume, Limits { memory, work: None })?;
     eprintln!("{chosen}");
     let leveled = Leveled::new(prepared, &chosen.tree)?;
     let bricks = leveled.bricks(volume, &third(1))?;

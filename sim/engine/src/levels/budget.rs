@@ -1,9 +1,11 @@
-//! Levels by a budget of memory: the voxels that the picture loses least by are the first to become longer.
+//! Levels by a budget: the voxels that the picture loses least by are the first to become longer.
 //!
 //! A volume is a grid of bricks of [`SIDE`] voxels. The *loss* of a brick at a level is how much the transfer function makes of it: over all
 //! its voxels, the sum of the largest difference of opacity, or of a colour times opacity (over the unit distance), between the voxel and the mean that stands for it.
-//! What the table hides loses nothing, nor does what has one value. Starting with all bricks at level 0, the one that loses least per
-//! byte saved goes one level up, until all of them fit; gradients and what lies in front are not looked at.
+//! What the table hides loses nothing, nor does what has one value. Its *work* at a level is the samples that meet what the table shows: each visible voxel
+//! of level m has 2^m x 2^m of the finest rays. Starting with all bricks at level 0, the one that loses least per
+//! byte, or per sample, saved goes one level up, until all of them fit; gradients and what lies in front are not looked at. How long
+//! so many samples take is not foretold but measured ([`timed`](super::timed)).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -15,12 +17,13 @@ use slicecast_pyramid::scalar::halved;
 use slicecast_scene::TransferFunction;
 use slicecast_volume::{Mapping, Volume};
 
+use super::LevelsError;
 use super::tree::Tree;
-use super::{LevelsError, Source};
 use crate::error::RenderError;
 use crate::frame::Prepared;
 use crate::parts::PROGRAM;
 use crate::rendering::Progress;
+use crate::source::Source;
 
 /// Voxels of a brick along each axis: whole voxels of every level.
 pub const SIDE: usize = 32;
@@ -41,8 +44,19 @@ pub struct Chosen {
     pub bytes: u64,
     /// Bytes of all that a picture takes.
     pub all: u64,
+    /// Visible samples of one ray and one plane per voxel.
+    pub work: f64,
     /// Mean loss of a voxel, in steps of 1/255.
     pub loss: f64,
+}
+
+/// What levels are chosen by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Bytes of all that a picture takes.
+    pub memory: Option<u64>,
+    /// Visible samples, as of [`Chosen::work`].
+    pub work: Option<f64>,
 }
 
 impl fmt::Display for Chosen {
@@ -61,11 +75,18 @@ impl fmt::Display for Chosen {
     }
 }
 
-/// Losses of every brick at every level, x fastest.
+/// What a brick loses and costs at a level.
+#[derive(Clone, Copy, Debug, Default)]
+struct Price {
+    loss: f64,
+    work: f64,
+}
+
+/// Losses and work of every brick at every level, x fastest.
 #[derive(Clone, Debug)]
 pub struct Losses {
     dims: [usize; 3],
-    losses: Vec<[f64; LEVELS]>,
+    bricks: Vec<[Price; LEVELS]>,
 }
 
 impl Losses {
@@ -77,7 +98,7 @@ impl Losses {
         let dims = prepared.volume.dims;
         let looks = looks(&prepared.scene.transfer, &prepared.volume.mapping);
         let [across, down, deep] = dims.map(|side| side.div_ceil(SIDE));
-        let mut losses = Vec::with_capacity(across * down * deep);
+        let mut bricks = Vec::with_capacity(across * down * deep);
         for row in 0..down * deep {
             progress(row, down * deep);
             let at = [0, row % down * SIDE, row / down * SIDE];
@@ -90,19 +111,26 @@ impl Losses {
                 Ok::<_, RenderError>(of_levels(&brick, &looks))
             };
             let row: Vec<_> = (0..across).into_par_iter().map(of_brick).collect::<Result<_, _>>()?;
-            losses.extend(row);
+            bricks.extend(row);
         }
-        Ok(Self { dims, losses })
+        Ok(Self { dims, bricks })
     }
 
-    /// The order in which bricks go one level up.
-    fn order(&self) -> Vec<usize> {
-        let mut levels = vec![0; self.losses.len()];
-        let size = |level: usize| (SIDE >> level).pow(3) as f64;
-        // What a byte costs that a brick saves by its next level. Losses are sums of numbers from 0 to 1: their bits are in order.
+    /// The order in which bricks go one level up, by what each loses per unit of what it saves: samples or bytes.
+    fn order(&self, by_work: bool) -> Vec<usize> {
+        let mut levels = vec![0; self.bricks.len()];
+        let cost = |brick: usize, level: usize| {
+            if by_work {
+                self.bricks[brick][level].work
+            } else {
+                (SIDE >> level).pow(3) as f64
+            }
+        };
+        // Losses are sums of numbers from 0 to 1, and costs are not below 0: their bits are in order.
         let price = |brick: usize, level: usize| {
-            let [now, next] = [self.losses[brick][level], self.losses[brick][level + 1]];
-            ((next - now).max(0.0) / (size(level) - size(level + 1))).to_bits()
+            let [now, next] = [self.bricks[brick][level].loss, self.bricks[brick][level + 1].loss];
+            let saved = (cost(brick, level) - cost(brick, level + 1)).max(f64::MIN_POSITIVE);
+            ((next - now).max(0.0) / saved).to_bits()
         };
         let mut heap: BinaryHeap<_> = (0..levels.len())
             .map(|brick| Reverse((price(brick, 0), brick)))
@@ -120,66 +148,71 @@ impl Losses {
 
     /// The tree after so many bricks have gone one level up.
     fn after(&self, steps: &[usize]) -> (Tree, Vec<usize>) {
-        let mut levels = vec![0; self.losses.len()];
+        let mut levels = vec![0; self.bricks.len()];
         steps.iter().for_each(|brick| levels[*brick] += 1);
         let [across, down, _] = self.dims.map(|side| side.div_ceil(SIDE));
         let level = |[i, j, k]: [usize; 3]| levels[(k * down + j) * across + i] as u32;
         (Tree::of_grid(self.dims, SIDE, &level), levels)
     }
 
-    /// The finest levels whose picture takes no more than `memory` bytes, all that the program takes with it.
+    /// The finest levels whose picture takes no more than some limits, in memory all that the program takes. Where no limit of
+    /// work can be kept, the coarsest.
     ///
     /// # Errors
-    /// [`LevelsError::Budget`] if not even the coarsest fit.
-    pub fn within(&self, prepared: &Prepared<'_>, source: &dyn Source, memory: u64) -> Result<Chosen, RenderError> {
-        let order = self.order();
+    /// [`LevelsError::Budget`] if not even the coarsest fit in the memory.
+    pub fn within(&self, prepared: &Prepared<'_>, source: &dyn Source, limits: Limits) -> Result<Chosen, RenderError> {
+        let order = self.order(limits.work.is_some());
         let beside = beside(prepared, source)?;
-        let taken = |steps: usize| {
-            let (tree, levels) = self.after(&order[..steps]);
-            let leaves = tree.leaves(self.dims, [true; 3])?;
-            let sizes = leaves
-                .iter()
-                .map(|leaf| 2 * leaf.held(self.dims).iter().product::<usize>() as u64);
-            let (bytes, largest) = sizes.fold((0, 0), |(all, most): (u64, u64), size| (all + size, most.max(size)));
-            // A brick as its view reads it, and what is measured of it.
-            Ok::<_, LevelsError>((
-                bytes,
-                beside + bytes + largest + largest / 4,
-                (tree, levels, leaves.len()),
-            ))
+        let fits = |chosen: &Chosen| {
+            limits.memory.is_none_or(|memory| chosen.all <= memory)
+                && limits.work.is_none_or(|work| chosen.work <= work)
         };
-        let (_, least, _) = taken(order.len())?;
-        if least > memory {
+        let taken = |steps: usize| self.chosen(&order[..steps], beside);
+        let coarsest = taken(order.len())?;
+        if let Some(memory) = limits.memory.filter(|memory| coarsest.all > *memory) {
+            let least = coarsest.all;
             return Err(LevelsError::Budget { memory, least }.into());
         }
         // The first number of steps that fits; more take less, but for what bricks have beside them.
-        let (mut over, mut fits) = (None, order.len());
+        let (mut over, mut least, mut found) = (None, order.len(), coarsest);
         loop {
-            let middle = over.map_or(0, |over: usize| usize::midpoint(over, fits).max(over + 1));
-            if middle >= fits {
-                break;
+            let middle = over.map_or(0, |over: usize| usize::midpoint(over, least).max(over + 1));
+            if middle >= least {
+                return Ok(found);
             }
-            if taken(middle)?.1 <= memory {
-                fits = middle;
+            let chosen = taken(middle)?;
+            if fits(&chosen) {
+                (least, found) = (middle, chosen);
             } else {
                 over = Some(middle);
             }
         }
-        let (bytes, all, (tree, levels, boxes)) = taken(fits)?;
-        let lost: f64 = levels
+    }
+
+    /// The levels after so many bricks have gone one level up.
+    fn chosen(&self, steps: &[usize], beside: u64) -> Result<Chosen, LevelsError> {
+        let (tree, levels) = self.after(steps);
+        let leaves = tree.leaves(self.dims, [true; 3])?;
+        let sizes = leaves
             .iter()
-            .zip(&self.losses)
-            .map(|(level, losses)| losses[*level])
-            .sum();
+            .map(|leaf| 2 * leaf.held(self.dims).iter().product::<usize>() as u64);
+        let (bytes, largest) = sizes.fold((0, 0), |(all, most): (u64, u64), size| (all + size, most.max(size)));
         let mut bricks = [0; LEVELS];
-        levels.iter().for_each(|level| bricks[*level] += 1);
+        let mut sum = Price::default();
+        for (level, brick) in levels.iter().zip(&self.bricks) {
+            bricks[*level] += 1;
+            sum.loss += brick[*level].loss;
+            sum.work += brick[*level].work;
+        }
         Ok(Chosen {
             tree,
             bricks,
-            boxes,
+            boxes: leaves.len(),
             bytes,
-            all,
-            loss: 255.0 * lost / self.dims.iter().product::<usize>().max(1) as f64,
+            // A brick as its view reads it, and what is measured of it.
+            all: beside + bytes + largest + largest / 4,
+            work: sum.work,
+            loss: 255.0 * sum.loss / self.dims.iter().product::<usize>().max(1) as f64,
         })
     }
 }
@@ -206,16 +239,25 @@ fn looks(transfer: &TransferFunction, mapping: &Mapping) -> Vec<[f32; 4]> {
     (0..4096).map(look).collect()
 }
 
-/// The losses of a brick, level after level.
-fn of_levels(brick: &Volume, looks: &[[f32; 4]]) -> [f64; LEVELS] {
+/// What a brick loses and costs, level after level.
+fn of_levels(brick: &Volume, looks: &[[f32; 4]]) -> [Price; LEVELS] {
     let look = |code: u16| looks.get(usize::from(code)).copied().unwrap_or_default();
+    let visible = |volume: &Volume| {
+        let seen = volume.voxels.iter().filter(|code| {
+            let [_, _, _, opacity] = look(**code);
+            opacity > 0.0
+        });
+        seen.count() as f64
+    };
     let [nx, ny, _] = brick.dims;
-    let mut losses = [0.0; LEVELS];
+    let mut prices = [Price::default(); LEVELS];
+    prices[0].work = visible(brick);
     let mut coarse = halved(brick);
-    for (level, loss) in losses.iter_mut().enumerate().skip(1) {
+    for (level, price) in prices.iter_mut().enumerate().skip(1) {
         if level > 1 {
             coarse = halved(&coarse);
         }
+        price.work = visible(&coarse) * f64::from(1 << (2 * level));
         let [cx, cy, _] = coarse.dims;
         for (at, code) in brick.voxels.iter().enumerate() {
             let [x, y, z] = [at % nx, at / nx % ny, at / nx / ny].map(|place| place >> level);
@@ -223,9 +265,9 @@ fn of_levels(brick: &Volume, looks: &[[f32; 4]]) -> [f64; LEVELS] {
             if mean != *code {
                 let (exact, found) = (look(*code), look(mean));
                 let away = exact.iter().zip(found).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-                *loss += f64::from(away);
+                price.loss += f64::from(away);
             }
         }
     }
-    losses
+    prices
 }

@@ -1,6 +1,7 @@
 //! A scene on the command line, and what overrides its fields.
 
 use clap::ValueEnum;
+use slicecast_engine::source::Source;
 use slicecast_scene::View;
 use slicecast_scene::check;
 use slicecast_scene::clip::Clip;
@@ -20,7 +21,8 @@ use crate::cli::Failure;
 use crate::cli::chosen::Chosen;
 use crate::cli::look::LookArgs;
 use crate::cli::named_scene::{NamedScene, Transfer, is_fitted};
-use crate::{presets, projection};
+use crate::presets::{self, PresetError};
+use crate::projection;
 
 /// `VALUE[,COLOUR[,OPACITY]]`.
 fn surface(text: &str) -> Result<Surface, String> {
@@ -213,15 +215,25 @@ impl SceneArgs {
 
     /// As [`SceneArgs::load_for`], and where the scene came from.
     pub fn choose(&self, volume: &VolumeArgs, loaded: &Loaded) -> Result<Chosen, Failure> {
-        self.choose_or(slicecast_scene::file::DEFAULT, volume, loaded)
+        self.choose_from(volume, loaded, &loaded.volume)
+    }
+
+    /// The same, of a volume whose voxels come from a source.
+    pub fn choose_from(&self, volume: &VolumeArgs, loaded: &Loaded, source: &dyn Source) -> Result<Chosen, Failure> {
+        self.choose_or(slicecast_scene::file::DEFAULT, volume, (loaded, source))
     }
 
     /// As [`SceneArgs::load_for`], with another scene for the built-in volume and for what looks like it.
     pub fn load_or(&self, default: &'static str, volume: &VolumeArgs, loaded: &Loaded) -> Result<Scene, Failure> {
-        Ok(self.choose_or(default, volume, loaded)?.scene)
+        Ok(self.choose_or(default, volume, (loaded, &loaded.volume))?.scene)
     }
 
-    fn choose_or(&self, default: &'static str, volume: &VolumeArgs, loaded: &Loaded) -> Result<Chosen, Failure> {
+    fn choose_or(
+        &self,
+        default: &'static str,
+        volume: &VolumeArgs,
+        (loaded, source): (&Loaded, &dyn Source),
+    ) -> Result<Chosen, Failure> {
         let statistics = loaded.statistics.clone();
         let (fitting, reason) = presets::suggest(loaded);
         let default = if volume.is_named() && fitting != slicecast_scene::file::DEFAULT {
@@ -236,26 +248,11 @@ impl SceneArgs {
             eprintln!("note: the file does not say how the patient lies: --view follows the file's axes");
         }
         let stock = self.stock(default);
-        // Colours of labels depend on which of them touch, and a projection's greys on what rays keep.
-        if let Some(name) = stock.as_deref().filter(|name| ["labels", "mip"].contains(name))
-            && loaded.volume.voxels.is_empty()
-        {
-            return Err(Failure::input(format!(
-                "--memory: the scene `{name}` is fitted by a look at all voxels, and the volume is read in parts; expected \
-                 --scene with another or with a file"
-            )));
-        }
-        let mut scene = self.finish(self.read(default, Some((loaded, &statistics)))?)?;
+        let mut scene = self.finish(self.read(default, Some((loaded, &statistics, source)))?)?;
         let projection = matches!(scene.blend, Blend::Maximum | Blend::Minimum);
         // Labels are names: they keep their colours.
         if projection && stock.as_ref().is_some_and(|name| name != "labels") && self.transfer.is_none() {
-            if loaded.volume.voxels.is_empty() {
-                return Err(Failure::input(
-                    "--memory: a projection of a named scene is grey by what rays keep, and the volume is read in parts; \
-                     expected --scene FILE or --transfer FILE",
-                ));
-            }
-            scene.transfer = projection::ramp(&loaded.volume, scene.blend);
+            scene.transfer = projection::ramp(&loaded.volume, source, scene.blend)?;
             scene.check().map_err(Failure::input)?;
             eprintln!("projection: {}", projection::described(&scene.transfer));
         }
@@ -306,7 +303,7 @@ impl SceneArgs {
     }
 
     /// The scene as named, before overrides.
-    fn read(&self, default: &str, fitted: Option<(&Loaded, &Statistics)>) -> Result<Scene, Failure> {
+    fn read(&self, default: &str, fitted: Option<(&Loaded, &Statistics, &dyn Source)>) -> Result<Scene, Failure> {
         let name = match &self.scene {
             Some(NamedScene::File(path, scene)) if scene.colours.is_some() => {
                 return Err(Failure::input(format!(
@@ -319,10 +316,10 @@ impl SceneArgs {
             None => default,
         };
         let read = match fitted {
-            Some((loaded, statistics)) if self.scene.is_none() || is_fitted(name) => {
-                presets::scene(name, loaded, statistics)
+            Some((loaded, statistics, source)) if self.scene.is_none() || is_fitted(name) => {
+                presets::scene(name, loaded, statistics, source)
             }
-            _ => slicecast_scene::file::built_in(name),
+            _ => slicecast_scene::file::built_in(name).map_err(PresetError::from),
         };
         read.map_err(Failure::input)
     }
