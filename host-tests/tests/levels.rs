@@ -124,8 +124,11 @@ fn boxes_of_levels_are_those_of_the_model() {
         let dims = [(); 3].map(|()| 1 + random.below(20) as usize);
         let mut scene = scene(&mut random);
         scene.precision = PrecisionName::Wide;
-        // Steps eight voxels long through what is nearly opaque in one are beyond a table's opacities: docs/contract/levels.md, Error.
-        scene.transfer.points.iter_mut().for_each(|point| point.opacity *= 0.2);
+        // Of samples, steps eight voxels long through what is nearly opaque in one are beyond a table's opacities:
+        // docs/contract/levels.md, Error.
+        if scene.classification != Classification::Integral {
+            scene.transfer.points.iter_mut().for_each(|point| point.opacity *= 0.5);
+        }
         let mut finest = volume(dims, [Filling::Ball, Filling::Ripples][case as usize % 2], case);
         if scene.lighting.is_some() {
             finest = slope(dims);
@@ -185,6 +188,48 @@ fn boxes_of_levels_are_those_of_the_model() {
     }
     println!("unlit, lit: at most {worst:?} of 255; {wrong} of {several} differ in the other order");
     assert!(several > 50 && wrong > several / 2, "{wrong} of {several}");
+}
+
+#[test]
+fn steps_that_are_too_opaque_are_said_to_be() {
+    let volume = volume([16; 3], Filling::Ball, 1);
+    let mut scene = Scene {
+        borders: Borders::Cells,
+        ..built_in("ct-bone").unwrap()
+    };
+    scene.transfer.unit_distance = 1.0;
+    scene.sampling.planes_per_voxel = 1;
+    let said = |scene: &Scene, level: u32| {
+        let prepared = Prepared::new(scene, &volume).unwrap();
+        let leveled = Leveled::new(&prepared, &Tree::Leaf(level)).unwrap();
+        leveled.opaque_steps().map(|steps| steps.to_string())
+    };
+    let most = |scene: &mut Scene, opacity: f64| {
+        scene
+            .transfer
+            .points
+            .iter_mut()
+            .for_each(|point| point.opacity = point.opacity.min(opacity));
+    };
+    most(&mut scene, 0.6);
+    assert_eq!(said(&scene, 0), None);
+    let words = said(&scene, 3).unwrap();
+    assert!(words.contains("at level 3") && words.contains("--planes 2 "), "{words}");
+    let finer = Scene {
+        sampling: slicecast_scene::Sampling {
+            planes_per_voxel: 2,
+            ..scene.sampling
+        },
+        ..scene.clone()
+    };
+    assert_eq!(said(&finer, 3), None);
+    let segments = Scene {
+        classification: Classification::Integral,
+        ..scene.clone()
+    };
+    assert_eq!(said(&segments, 3), None);
+    most(&mut scene, 0.1);
+    assert_eq!(said(&scene, 3), None);
 }
 
 #[test]

@@ -43,7 +43,8 @@ impl<'c> Rest<'c> {
     }
 
     /// Narrows samples of a plane, or both ends of segments, to the columns of which something may be left in one of some rows;
-    /// whether it did. Both ends of narrowed segments are made anew, for which half of the columns must be cut away.
+    /// whether it did. Both ends of narrowed segments are made anew, for which half of the columns must be cut away. Not for observers,
+    /// to whom rows are the same in tiles of any size.
     #[inline(always)]
     pub(super) fn narrow<X>(
         &self,

@@ -324,7 +324,7 @@ where
         if C::SLABS {
             let mut kept = kept.filter(|_| !V::SMALL);
             while let Some(Segments { mut ends, inner, .. }) = parts.segments(window, S::LIT) {
-                let narrowed = rest.narrow(at, &mut ends, true, (first, met));
+                let narrowed = tap.is_none() && rest.narrow(at, &mut ends, true, (first, met));
                 let [front, back] = &ends;
                 let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
                 let kept = match &mut kept {
@@ -347,7 +347,7 @@ where
             return Ok(());
         }
         while let Some(mut samples) = parts.samples(window) {
-            if seen.is_none() {
+            if seen.is_none() && tap.is_none() {
                 rest.narrow(at, core::slice::from_mut(&mut samples), false, (first, met));
             }
             let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;

@@ -81,7 +81,9 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
         // A sample counts as one, however little of its segment lies in the volume.
         let mut parts = Parts::of(plan, plane, Columns::Alone);
         while let Some(mut samples) = parts.samples(&at.window) {
-            rest.narrow(at, core::slice::from_mut(&mut samples), false, (rows.first, count));
+            if tap.is_none() {
+                rest.narrow(at, core::slice::from_mut(&mut samples), false, (rows.first, count));
+            }
             let Samples { extent, window, .. } = samples;
             let Scratch { source, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let mut source = Sheared::<P, V, Unlit>::new(

@@ -81,7 +81,9 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
                 return Ok(());
             };
             let mut runs = [t, r, g, b];
-            rest.narrow(at, &mut runs, false, (rows.first, count));
+            if tap.is_none() {
+                rest.narrow(at, &mut runs, false, (rows.first, count));
+            }
             let memory = Scratch::cut_runs(&mut *scratch, width, V::COUNT > 1)?;
             let tap: Option<&mut dyn Tap> = match &mut tap {
                 Some(tap) => Some(*tap),

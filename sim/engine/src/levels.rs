@@ -8,6 +8,7 @@ pub mod timed;
 pub mod tree;
 
 use std::borrow::Cow;
+use std::fmt;
 use std::ops::Range;
 use std::time::Duration;
 
@@ -16,7 +17,7 @@ use slicecast::format::Position;
 use slicecast::plan::{LEVEL_MAX, LevelError, Plan, PlanError, Rays};
 use slicecast::slice::Slice;
 use slicecast_pyramid::scalar::halved;
-use slicecast_scene::{Blend, Borders, Classification, Interpolation, Scene};
+use slicecast_scene::{Blend, Borders, Classification, Interpolation, Scene, check};
 use slicecast_volume::Volume;
 
 use crate::camera;
@@ -241,6 +242,36 @@ impl Bundle {
     }
 }
 
+/// Codes of a volume.
+const CODES: u32 = 4096;
+
+/// The optical depth of a step, in halvings of the light, from which a table's opacity says too little of its parts.
+const OPAQUE: f64 = 10.0;
+
+/// Steps of samples that leave hardly any light, of which a face cuts no right part: `docs/contract/levels.md`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpaqueSteps {
+    level: u32,
+    /// The share of the light.
+    left: f64,
+    /// Planes per voxel at which steps are short enough.
+    planes: f64,
+}
+
+impl fmt::Display for OpaqueSteps {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { level, left, planes } = self;
+        write!(
+            f,
+            "a step at level {level} leaves {left:.1e} of the light at most opacity, and parts of it at faces are drawn too opaque; "
+        )?;
+        if *planes <= *check::PLANES_PER_VOXEL.end() as f64 {
+            write!(f, "--planes {planes} has shorter steps, ")?;
+        }
+        f.write_str("--classification integral needs none")
+    }
+}
+
 /// The plan of a box, and the columns and rows of a phase of the base plane on which it can be seen.
 type Planned = (Plan, [Range<u32>; 2]);
 
@@ -326,6 +357,29 @@ impl<'a> Leveled<'a> {
             levels: levels.collect::<Result<_, _>>()?,
             leaves,
             finest,
+        })
+    }
+
+    /// Samples whose steps at the coarsest level that is used leave hardly any light.
+    pub fn opaque_steps(&self) -> Option<OpaqueSteps> {
+        let (scene, volume) = (self.finest.scene, self.finest.volume);
+        let level = self.leaves.iter().map(|leaf| leaf.level).max()?;
+        if level == 0 || self.finest.segments.is_some() {
+            return None;
+        }
+        let opacity = |code: u32| scene.transfer.evaluate(volume.mapping.value(f64::from(code))).1;
+        // What is wholly opaque is so in any part of a step.
+        let most = (0..CODES)
+            .map(opacity)
+            .filter(|opacity| *opacity < 1.0)
+            .fold(0.0, f64::max);
+        let step = self.finest.setup.step_length * f64::from(1 << level) / scene.transfer.unit_distance;
+        let depth = -(1.0 - most).log2() * step;
+        let times = (depth / OPAQUE).ceil();
+        (times > 1.0).then(|| OpaqueSteps {
+            level,
+            left: (-depth).exp2(),
+            planes: f64::from(scene.sampling.planes_per_voxel) * times,
         })
     }
 

@@ -350,13 +350,22 @@ fn in_levels(
             milliseconds(time),
             timed.frames,
         );
+        say_opaque(&Leveled::new(prepared, &timed.chosen.tree)?);
         return Ok(timed.frame);
     }
     let chosen = losses.within(prepared, volume, Limits { memory, work: None })?;
     eprintln!("{chosen}");
     let leveled = Leveled::new(prepared, &chosen.tree)?;
+    say_opaque(&leveled);
     let bricks = leveled.bricks(volume, &third(1))?;
     leveled.render(&bricks, &third(2))
+}
+
+/// Says on standard error that steps are too opaque for what faces cut of them.
+fn say_opaque(leveled: &Leveled<'_>) {
+    if let Some(steps) = leveled.opaque_steps() {
+        eprintln!("note: {steps}");
+    }
 }
 
 /// Says on standard error what was read of a volume in parts.

@@ -1,8 +1,9 @@
 //! Levels by a budget of time: frames are rendered and timed until one is found that takes no more.
 //!
 //! How long boxes take depends on what rays find in them: how much is hidden, where rays end, how many lights there are. So nothing is
-//! foretold from tables. The coarsest levels are timed first; time is taken to be linear in the visible samples ([`Chosen::work`]), through
-//! the last two frames that were timed; and a choice counts when its own frame has kept to the budget.
+//! foretold from tables. The coarsest levels are timed first, then the finest, which is done if it keeps to the budget. Else time is taken
+//! to be linear in the visible samples ([`Chosen::work`]), through the last two frames that were timed. Small boxes cost more than that, so a
+//! choice counts when its own frame has kept to the budget.
 
 use std::time::{Duration, Instant};
 
@@ -15,7 +16,7 @@ use crate::image::Frame;
 use crate::rendering::Progress;
 use crate::source::Source;
 
-/// Frames that are timed at most after the coarsest.
+/// Frames that are timed at most after the coarsest and the finest.
 const TRIES: u32 = 5;
 
 /// The share of a budget that a choice aims at: the next frame may take a little longer than the last.
@@ -67,25 +68,31 @@ impl Losses {
         if took > time {
             return Err(LevelsError::Time { time, least: took }.into());
         }
-        let finest = within(f64::INFINITY)?;
         let budget = time.as_secs_f64();
+        let line = Line::through([coarsest.work, took.as_secs_f64()]);
         let mut best = Timed {
             frame,
             chosen: coarsest,
             took,
-            frames: 2,
+            frames: 3,
         };
-        let mut line = Line::through([best.chosen.work, took.as_secs_f64()]);
+        let finest = within(f64::INFINITY)?;
+        let (frame, took) = frame_of(&finest.tree)?;
+        let mut line = line.and([finest.work, took.as_secs_f64()]);
+        if took <= time {
+            return Ok(Timed {
+                frame,
+                chosen: finest,
+                took,
+                ..best
+            });
+        }
         for _ in 0..TRIES {
             if best.took.as_secs_f64() >= ENOUGH * budget {
                 break;
             }
-            let chosen = if line.time(finest.work) <= AIM * budget {
-                finest.clone()
-            } else {
-                within(line.work(AIM * budget))?
-            };
-            if chosen.tree == best.chosen.tree {
+            let chosen = within(line.work(AIM * budget))?;
+            if [&best.chosen.tree, &finest.tree].contains(&&chosen.tree) {
                 break;
             }
             let (frame, took) = frame_of(&chosen.tree)?;
@@ -134,11 +141,6 @@ impl Line {
         }
     }
 
-    fn time(self, work: f64) -> f64 {
-        let [last, time] = self.last;
-        time + self.slope * (work - last)
-    }
-
     fn work(self, time: f64) -> f64 {
         let [last, taken] = self.last;
         (last + (time - taken) / self.slope.max(f64::MIN_POSITIVE)).max(0.0)
@@ -153,12 +155,12 @@ mod tests {
     fn a_line_foretells_what_is_linear() {
         let measured = |work: f64| [work, 0.5 + 3e-9 * work];
         let line = Line::through(measured(1e8));
-        assert!((line.time(1e8) - 0.8).abs() < 1e-12);
+        assert!((line.work(0.8) - 1e8).abs() < 1.0);
         let line = line.and(measured(4e8));
-        assert!((line.time(1e9) - 3.5).abs() < 1e-9 && (line.work(3.5) - 1e9).abs() < 1.0);
+        assert!((line.work(3.5) - 1e9).abs() < 1.0);
         // The same work again says nothing of the slope.
         let line = line.and([4e8, 1.9]);
-        assert!((line.slope - 3e-9).abs() < 1e-15 && line.time(4e8) == 1.9);
+        assert!((line.slope - 3e-9).abs() < 1e-15 && line.work(1.9) == 4e8);
         assert_eq!(line.work(0.0), 0.0);
     }
 }
