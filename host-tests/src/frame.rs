@@ -10,6 +10,7 @@ use slicecast::cut::Cut;
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::integral::{Colours, Length};
 use slicecast::plan::{Plan, Sampling, Spacing};
+use slicecast::project::Sum;
 use slicecast::slice::Slice;
 use slicecast::surface::Surface;
 use slicecast::table::ENTRIES;
@@ -24,6 +25,12 @@ use slicecast_engine::simd::Simd;
 use slicecast_engine::table::Table;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
 use slicecast_volume::Volume;
+
+/// What an additive projection of a frame makes of sums, whatever its view: seven steps show the mean, more saturate.
+pub const ADDITIVE: Sum = Sum::Additive {
+    step: 0x9249_2492,
+    shift: 2,
+};
 
 /// Everything that decides a frame's bits.
 #[derive(Clone, Debug)]
@@ -205,7 +212,7 @@ impl Frame {
     /// # Panics
     /// If core refuses the surfaces.
     pub fn classified(&self) -> Option<Segments> {
-        let composited = matches!(self.blend, Blend::FrontToBack | Blend::BackToFront);
+        let composited = self.blend.is_composited();
         let stated = self.segments.as_ref().filter(|_| composited)?;
         let integrals = (!stated.alone).then(|| self.integrals(stated.scaled));
         Some(Cut::new(integrals, stated.surfaces.clone().into(), stated.pieces).expect("surfaces that can be drawn"))
@@ -256,6 +263,7 @@ impl Frame {
                 picture: picture(&plan),
                 material: self.material.clone(),
                 step_length: 1.0,
+                additive: ADDITIVE,
                 clips: clips(&plan, &self.clips, self.cue.as_ref()),
                 plan,
             },

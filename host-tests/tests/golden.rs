@@ -161,6 +161,30 @@ fn frames() -> Vec<(&'static str, Frame)> {
             },
         ),
         (
+            "head-average",
+            Frame {
+                direction: [-866, 500, 100],
+                blend: Blend::Average,
+                ..head.clone()
+            },
+        ),
+        (
+            "head-additive",
+            Frame {
+                direction: [100, 200, 900],
+                blend: Blend::Additive,
+                ..head.clone()
+            },
+        ),
+        (
+            "noise-cropped-additive",
+            Frame {
+                blend: Blend::Additive,
+                direction: [300, -200, 1000],
+                ..cropped(noise.clone(), [[2.0, -9.0, 7.5], [2.625, 20.0, 99.0]])
+            },
+        ),
+        (
             "head-back-to-front",
             Frame {
                 blend: Blend::BackToFront,

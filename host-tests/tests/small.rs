@@ -11,7 +11,7 @@ use slicecast::composite::{BackToFront, Channel as _, FrontToBack, Order};
 use slicecast::lanes::Small;
 use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, near_slice, plane, planes, scratch_len};
 use slicecast::precision::Precision;
-use slicecast::project::{Maximum, Minimum};
+use slicecast::project::{Maximum, Minimum, Sum};
 use slicecast::shade::{Shader, Unlit};
 use slicecast::slice::{Code12, Slice, Window};
 use slicecast::stream::{Needs, base_pixel, phase_len};
@@ -84,6 +84,8 @@ fn small<P: Precision>(p: P, prepared: &Prepared<'_>, slices: &[Slice<'_>]) -> B
     match (prepared.scene.blend, &prepared.segments) {
         (Blend::Maximum, _) => folded(geometry, slices, &Project::<_, _, Maximum>::new(p, table)),
         (Blend::Minimum, _) => folded(geometry, slices, &Project::<_, _, Minimum>::new(p, table)),
+        (Blend::Average, _) => folded(geometry, slices, &Project::of(p, table, Sum::Average)),
+        (Blend::Additive, _) => folded(geometry, slices, &Project::of(p, table, prepared.setup.additive)),
         (_, Some(segments)) => classified(p, prepared, slices, segments.clone()),
         (_, None) => classified(p, prepared, slices, table),
     }

@@ -5,6 +5,7 @@
 //! Values become grey in proportion. Smallest ones become grey by their rank where nearly every ray crosses air: its
 //! values lie close together, and in proportion they would all be black.
 
+use slicecast_engine::camera::diagonal;
 use slicecast_scene::{Blend, Point, TransferFunction};
 use slicecast_volume::Volume;
 
@@ -24,16 +25,22 @@ const CODES: usize = 4096;
 
 /// Black to white over the values that a projection of the volume keeps; opaque. One grey if it keeps one value only.
 pub fn ramp(volume: &Volume, blend: Blend) -> TransferFunction {
-    let greys = if blend == Blend::Minimum {
-        let counts = kept(volume, u16::MAX, u16::min);
-        let greys = in_proportion(&counts);
-        if mean(&counts, &greys) < DARK {
-            by_rank(&counts)
-        } else {
-            greys
+    let greys = match blend {
+        Blend::Minimum => {
+            let counts = kept(volume, u16::MAX, u16::min);
+            let greys = in_proportion(&counts);
+            if mean(&counts, &greys) < DARK {
+                by_rank(&counts)
+            } else {
+                greys
+            }
         }
-    } else {
-        in_proportion(&kept(volume, 0, u16::max))
+        Blend::Average => in_proportion(&summed(volume, volume.dims.map(|side| 1.0 / side.max(1) as f64))),
+        Blend::Additive => {
+            let diagonal = diagonal(volume.dims, volume.spacing);
+            in_proportion(&summed(volume, volume.spacing.map(|spacing| spacing / diagonal)))
+        }
+        _ => in_proportion(&kept(volume, 0, u16::max)),
     };
     let point = |&(code, grey): &(usize, f64)| Point {
         value: volume.mapping.value(code as f64),
@@ -153,6 +160,30 @@ fn kept(volume: &Volume, none: u16, keep: fn(u16, u16) -> u16) -> Vec<u64> {
     counts
 }
 
+/// How often the sums of rays along x, y and z, times what a voxel along them counts, lie next to each code.
+fn summed(volume: &Volume, [x, y, z]: [f64; 3]) -> Vec<u64> {
+    let [nx, ny, _] = volume.dims;
+    let mut counts = vec![0; CODES];
+    let mut count = |sums: &[u64], voxel: f64| {
+        for &sum in sums {
+            counts[((sum as f64 * voxel).round() as usize).min(CODES - 1)] += 1;
+        }
+    };
+    let mut along_z = vec![0; nx * ny];
+    for slice in volume.voxels.chunks_exact((nx * ny).max(1)) {
+        let mut along_y = vec![0; nx];
+        for (row, along_z) in slice.chunks_exact(nx).zip(along_z.chunks_exact_mut(nx)) {
+            for ((&code, y), z) in row.iter().zip(&mut along_y).zip(along_z) {
+                (*y, *z) = (*y + u64::from(code), *z + u64::from(code));
+            }
+            count(&[row.iter().copied().map(u64::from).sum()], x);
+        }
+        count(&along_y, y);
+    }
+    count(&along_z, z);
+    counts
+}
+
 /// The least code that is not below this share of the counts.
 fn rank(counts: &[u64], share: f64) -> usize {
     let total: u64 = counts.iter().sum();
@@ -203,6 +234,22 @@ mod tests {
         );
         // All rays but that along the thread meet the least of the noise.
         assert_eq!(ends(&volume(), Blend::Minimum), [(2.0 * 10.0 - 100.0, 0.5)]);
+    }
+
+    #[test]
+    fn ramps_of_sums_run_over_what_rays_sum_up() {
+        // A slab of 3 of 20 slices across z: rays along z mean 300, those along x and y 0 or 2000.
+        let mut slab = volume();
+        for (index, code) in slab.voxels.iter_mut().enumerate() {
+            *code = if (8..11).contains(&(index / 400)) { 2000 } else { 0 };
+        }
+        assert_eq!(
+            ends(&slab, Blend::Average),
+            [(-100.0, 0.0), (2.0 * 2000.0 - 100.0, 1.0)]
+        );
+        // Over the diagonal: a side of it is 1 / sqrt(3).
+        let most = (2000.0 / 3f64.sqrt()).round();
+        assert_eq!(ends(&slab, Blend::Additive), [(-100.0, 0.0), (2.0 * most - 100.0, 1.0)]);
     }
 
     #[test]

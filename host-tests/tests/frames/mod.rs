@@ -157,6 +157,8 @@ fn blend() -> impl Strategy<Value = Blend> {
         2 => Just(Blend::BackToFront),
         1 => Just(Blend::Maximum),
         1 => Just(Blend::Minimum),
+        1 => Just(Blend::Average),
+        1 => Just(Blend::Additive),
     ]
 }
 

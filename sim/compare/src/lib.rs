@@ -79,7 +79,7 @@ pub fn split(
     comparison: &Comparison,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Split, RenderError> {
-    if !matches!(prepared.scene.blend, Blend::FrontToBack | Blend::BackToFront) {
+    if !prepared.scene.blend.is_composited() {
         return Err(RenderError::Projection);
     }
     let exact = model(prepared, ModelPositions::Exact);
@@ -198,8 +198,8 @@ fn beside(
     }
     let model_image = match prepared.scene.blend {
         Blend::FrontToBack | Blend::BackToFront => pixels.image(),
-        // One sample per ray decides: nothing to keep in step.
-        Blend::Maximum | Blend::Minimum => model.render(),
+        // One value per ray decides: nothing to keep in step.
+        Blend::Maximum | Blend::Minimum | Blend::Average | Blend::Additive => model.render(),
     };
     let frame = Frame {
         base: rendering.base(),

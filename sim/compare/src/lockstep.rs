@@ -292,7 +292,7 @@ impl<'a> Lockstep<'a> {
     /// One plane of the model: samples, then pixels.
     fn advance(&mut self, plane: &Plane) {
         let lit = self.model.lights().is_some();
-        let composited = matches!(self.blend, Blend::FrontToBack | Blend::BackToFront);
+        let composited = self.blend.is_composited();
         for index in 0..self.samples.len() {
             let (column, row) = (index % self.width, index / self.width + self.tile.first as usize);
             let (u, v) = self.full(plane, column, row);

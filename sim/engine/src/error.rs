@@ -50,6 +50,12 @@ pub enum RenderError {
         "this command knows neither clip planes nor depth cueing, and the scene has them ([[clip]], [cueing]); expected a scene without"
     )]
     Clipped,
+    /// Sums of samples, where single ones are known.
+    #[error(
+        "this command knows projections that keep a sample, and the scene sums samples up (render.blend average or additive); \
+         expected maximum or minimum, or a composited scene"
+    )]
+    Summed,
     /// A volume of colours, and a scene that asks for what there is not.
     #[error("{0}")]
     Colours(#[from] ColourError),

@@ -4,7 +4,7 @@
 //! between them: point classification then shows wood grain, or nothing. The measure is the peak's width at half its height
 //! against the median difference of neighbouring voxels that have some of it, but not only of it, between them, divided by the planes per voxel.
 
-use slicecast_scene::{Blend, Interpolation, Scene};
+use slicecast_scene::{Interpolation, Scene};
 use slicecast_volume::Volume;
 
 /// Codes.
@@ -42,7 +42,7 @@ impl Finest {
 
 /// The finest peak of a scene's transfer function on a volume; `None` where there is none, or nothing is integrated.
 pub fn of(scene: &Scene, volume: &Volume) -> Option<Finest> {
-    let composited = matches!(scene.blend, Blend::FrontToBack | Blend::BackToFront);
+    let composited = scene.blend.is_composited();
     if !composited || scene.interpolation == Interpolation::Nearest {
         return None;
     }
@@ -172,7 +172,7 @@ mod tests {
         assert_eq!(of(&with_points(&[(0.0, 0.0), (4000.0, 0.9)]), &ramp(50)), None);
         assert_eq!(of(&with_points(&[(0.0, 0.5)]), &ramp(50)), None);
         let mut scene = with_points(&[(400.0, 0.0), (410.0, 0.9), (420.0, 0.0)]);
-        scene.blend = Blend::Maximum;
+        scene.blend = slicecast_scene::Blend::Maximum;
         assert_eq!(of(&scene, &ramp(50)), None);
     }
 }

@@ -9,7 +9,7 @@ use crate::error::RenderError;
 use crate::fineness::{self, Finest};
 use crate::image::{BaseImage, Frame};
 use crate::oriented::{Oriented, Turned};
-use crate::pipelines::{compile, rendering, rendering_of_segments};
+use crate::pipelines::{Parameters, compile, rendering, rendering_of_segments};
 use crate::rendering::Framing;
 use crate::segments::{self, Segments};
 use crate::shard::Shard;
@@ -122,10 +122,10 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`RenderError::Camera`] if the setup's material has been changed to one that the pipeline does not take.
     pub fn rendering(&self) -> Result<Box<dyn Framing>, RenderError> {
-        let (material, geometry) = (self.setup.material.as_ref(), self.setup.geometry());
+        let (parameters, geometry) = (Parameters::of(&self.setup), self.setup.geometry());
         let rendering = match &self.segments {
-            Some(segments) => rendering_of_segments(self.scene, segments, material, geometry),
-            None => rendering(self.scene, &self.table, material, geometry),
+            Some(segments) => rendering_of_segments(self.scene, segments, parameters, geometry),
+            None => rendering(self.scene, &self.table, parameters, geometry),
         };
         Ok(rendering.map_err(CameraError::from)?)
     }

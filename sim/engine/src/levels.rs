@@ -97,10 +97,7 @@ impl LevelsError {
     fn check(scene: &Scene) -> Result<(), Self> {
         match scene {
             Scene { borders, .. } if *borders != Borders::Cells => Err(Self::Borders),
-            Scene {
-                blend: Blend::Maximum | Blend::Minimum,
-                ..
-            } => Err(Self::Projection),
+            Scene { blend, .. } if !blend.is_composited() => Err(Self::Projection),
             Scene { surfaces, .. } if !surfaces.is_empty() => Err(Self::Surfaces),
             Scene { clips, cueing, .. } if !clips.is_empty() || cueing.is_some() => Err(Self::Clipped),
             Scene {

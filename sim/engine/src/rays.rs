@@ -1,7 +1,7 @@
 //! The pipeline's definitions, applied to one ray at a time: what every row kernel, layer and vector has to equal.
 //!
 //! Only core's scalar definitions are used: `position` and `middle`, `Side::part`, `fraction_of`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`,
-//! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which
+//! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`, `Sum::add`, `Projection::shown`. Which
 //! voxels they are given follows from the contract and is written here once more: no rows, no ring, no spans, no reuse.
 //! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
 //! finished rays end, as any renderer of rays would have it, and that is what is measured.
@@ -22,7 +22,7 @@ use slicecast::normalise::{Normal, normalise};
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Depth, NO_DEPTH};
 use slicecast::precision::{Formats, Precision};
-use slicecast::project::{Extreme, Maximum, Minimum, resolve};
+use slicecast::project::{Extreme, Maximum, Minimum, Projection, Sum, pixel, resolve};
 use slicecast::shade::{Phong, PhongError};
 
 use self::grid::Grid;
@@ -118,6 +118,7 @@ struct Rays<'a, P: Precision> {
     segments: Option<&'a Segments>,
     phong: Option<Phong<P>>,
     blend: Blend,
+    additive: Sum,
     floor: ChannelOf<P>,
 }
 
@@ -183,6 +184,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             segments: prepared.segments.as_ref(),
             phong: material.map(|material| material.phong(precision)).transpose()?,
             blend,
+            additive: prepared.setup.additive,
             floor: Channel::from_bits(pixel.floor().bits().max(asked)),
         })
     }
@@ -247,6 +249,8 @@ impl<'a, P: Precision> Rays<'a, P> {
             Blend::BackToFront => self.composited::<W, true>(ray, witness),
             Blend::Maximum => self.projected::<Maximum, W>(ray, witness),
             Blend::Minimum => self.projected::<Minimum, W>(ray, witness),
+            Blend::Average => self.summed(ray, Sum::Average, witness),
+            Blend::Additive => self.summed(ray, self.additive, witness),
         }
     }
 
@@ -582,6 +586,21 @@ impl<'a, P: Precision> Rays<'a, P> {
             }
         }
         resolve::<_, X>(self.precision, kept, &self.table)
+    }
+
+    /// One ray, what is made of the sum of its samples.
+    fn summed<W: Witness>(&self, ray: &Ray, sum: Sum, witness: &mut W) -> Pixel<ChannelOf<P>> {
+        let mut words = [Sum::EMPTY; 3];
+        for step in 0..self.plan.planes() {
+            if let Some(located) = self.locate(ray, step, witness) {
+                let sample = self.sample::<false>(located.cells);
+                if let Some(left) = located.left {
+                    words = Sum::add(words, sample, share(located.fraction, left.weight()));
+                }
+                witness.sample(located.visit, sample, None);
+            }
+        }
+        pixel(self.precision, sum.shown(self.precision, words), &self.table)
     }
 
     /// Gradient of a sample, spaced. `INNER`: all voxels that are looked at exist.

@@ -477,6 +477,11 @@ impl<'a> Model<'a> {
             Blend::BackToFront => self.back_to_front(u, v),
             Blend::Maximum => self.extreme(u, v, f64::max),
             Blend::Minimum => self.extreme(u, v, f64::min),
+            Blend::Average => self.summed(u, v, |sum, length| sum / length),
+            Blend::Additive => {
+                let steps = self.geometry.diagonal() / self.geometry.step_length();
+                self.summed(u, v, |sum, _| (sum / steps).min(4095.0))
+            }
         }
     }
 
@@ -544,6 +549,26 @@ impl<'a> Model<'a> {
                 let Classified { colour, opacity } = self.classify_as_written(value);
                 Pixel::of_sample(colour, opacity)
             })
+    }
+}
+
+impl Model<'_> {
+    /// What is made of the sum of the ray's values and of its length in steps, of which each counts by what of it is in the box and is
+    /// left; classified once.
+    fn summed(&self, u: usize, v: usize, value: impl Fn(f64, f64) -> f64) -> Pixel {
+        let (mut sum, mut length) = (0.0, 0.0);
+        for plane in 0..self.geometry.planes() {
+            if let Some(place) = self.place(plane, u, v) {
+                let share = place.fraction * place.left.weight();
+                sum += share * self.value_at(place.position);
+                length += share;
+            }
+        }
+        if length == 0.0 {
+            return Pixel::TRANSPARENT;
+        }
+        let Classified { colour, opacity } = self.classify_as_written(value(sum, length));
+        Pixel::of_sample(colour, opacity)
     }
 }
 

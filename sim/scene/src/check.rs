@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use thiserror::Error;
 
 use super::{
-    Blend, Borders, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, Sampling, Scene,
+    Borders, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, Sampling, Scene,
     TransferFunction, View,
 };
 
@@ -95,7 +95,7 @@ impl Scene {
         let Some(cueing) = self.cueing else { return Ok(()) };
         let named = |(name, value, expected)| FieldError::new(&format!("cueing.{name}"), value, expected);
         cueing.check().map_err(named)?;
-        if matches!(self.blend, Blend::Maximum | Blend::Minimum) {
+        if !self.blend.is_composited() {
             let expected = "render.blend \"front_to_back\" or \"back_to_front\": a projection has no depth";
             return Err(FieldError::new("cueing", "given", expected));
         }
@@ -179,7 +179,7 @@ impl Scene {
                 format!("{needs} {why}"),
             ))
         };
-        if !matches!(self.blend, Blend::FrontToBack | Blend::BackToFront) {
+        if !self.blend.is_composited() {
             return refused("under a projection, which keeps single samples");
         }
         if self.interpolation == Interpolation::Nearest {

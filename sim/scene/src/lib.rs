@@ -402,6 +402,18 @@ pub enum Blend {
     Maximum,
     /// The smallest sample of the ray, then classified.
     Minimum,
+    /// The mean of the ray's samples, then classified.
+    Average,
+    /// The mean of the ray's samples over the length of the volume's diagonal, outside of the volume the value of code 0: what a ray
+    /// sums up. Then classified.
+    Additive,
+}
+
+impl Blend {
+    /// Whether samples are composited, not projected.
+    pub const fn is_composited(self) -> bool {
+        matches!(self, Self::FrontToBack | Self::BackToFront)
+    }
 }
 
 /// The named precisions.

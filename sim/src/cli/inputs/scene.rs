@@ -91,6 +91,8 @@ enum BlendArg {
     BackToFront,
     Maximum,
     Minimum,
+    Average,
+    Additive,
 }
 
 /// The scene of a volume of colours where none is named: the view of the other scenes.
@@ -246,7 +248,7 @@ impl SceneArgs {
             )));
         }
         let mut scene = self.finish(self.read(default, Some((loaded, &statistics)))?)?;
-        let projection = matches!(scene.blend, Blend::Maximum | Blend::Minimum);
+        let projection = !scene.blend.is_composited();
         // Labels are names: they keep their colours.
         if projection && stock.as_ref().is_some_and(|name| name != "labels") && self.transfer.is_none() {
             if loaded.volume.voxels.is_empty() {
@@ -409,6 +411,8 @@ impl SceneArgs {
                 BlendArg::BackToFront => Blend::BackToFront,
                 BlendArg::Maximum => Blend::Maximum,
                 BlendArg::Minimum => Blend::Minimum,
+                BlendArg::Average => Blend::Average,
+                BlendArg::Additive => Blend::Additive,
             };
         }
         if let Some(planes) = self.planes {
