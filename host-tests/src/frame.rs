@@ -9,6 +9,7 @@ use slicecast::crop::Crop;
 use slicecast::cut::Cut;
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::integral::{Colours, Length};
+use slicecast::modulate::Modulation;
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::project::Sum;
 use slicecast::slice::Slice;
@@ -26,10 +27,10 @@ use slicecast_engine::table::Table;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
 use slicecast_volume::Volume;
 
-/// What an additive projection of a frame makes of sums, whatever its view: seven steps show the mean, more saturate.
+/// What an additive projection of a frame makes of sums, whatever its view: forty steps show the mean, many more saturate.
 pub const ADDITIVE: Sum = Sum::Additive {
-    step: 0x9249_2492,
-    shift: 2,
+    step: 0xcccc_cccd,
+    shift: 5,
 };
 
 /// Everything that decides a frame's bits.
@@ -64,6 +65,8 @@ pub struct Frame {
     pub clips: Vec<Clip>,
     /// Depth cueing.
     pub cue: Option<Cue>,
+    /// Factors by the magnitude of the gradient, of composited samples.
+    pub modulation: Option<Modulation>,
     /// Table coding; `None` takes the precision's own.
     pub code: Option<AlphaCodeName>,
     /// Table look-up; `None` takes the precision's own.
@@ -117,6 +120,7 @@ impl Frame {
             crop: None,
             clips: Vec::new(),
             cue: None,
+            modulation: None,
             code: None,
             lookup: None,
             early_termination: None,
@@ -156,6 +160,7 @@ impl Frame {
             crop: None,
             clips: Vec::new(),
             cueing: None,
+            modulation: None,
             surfaces: Vec::new(),
         }
     }
@@ -269,6 +274,7 @@ impl Frame {
             },
             table: self.compiled(),
             segments: self.classified(),
+            modulation: self.modulation.clone(),
             finest: None,
             simd: Simd::widest(),
         };

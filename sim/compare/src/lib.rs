@@ -73,7 +73,7 @@ pub struct Split {
 /// how many are done.
 ///
 /// # Errors
-/// [`RenderError`] if the scene is a projection, which integrates nothing.
+/// [`RenderError`] if the scene is a projection, which integrates nothing, or modulates the opacities of steps, which have no integral.
 pub fn split(
     prepared: &Prepared<'_>,
     comparison: &Comparison,
@@ -82,6 +82,7 @@ pub fn split(
     if !prepared.scene.blend.is_composited() {
         return Err(RenderError::Projection);
     }
+    prepared.check_unmodulated()?;
     let exact = model(prepared, ModelPositions::Exact);
     let size = exact.lattice().size;
     let begun = AtomicUsize::new(0);

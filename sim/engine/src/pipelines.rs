@@ -2,6 +2,7 @@
 
 use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
+use slicecast::modulate::{Modulated, Modulation};
 use slicecast::plane::{Composite, Pictured, Project};
 use slicecast::precision::Precision;
 #[doc(hidden)]
@@ -65,15 +66,18 @@ pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
 pub struct Parameters<'a> {
     /// Lights; `None` is unlit.
     pub material: Option<&'a Material>,
+    /// Factors by the magnitude of the gradient, of samples.
+    pub modulation: Option<&'a Modulation>,
     /// What an additive projection makes of a sum.
     pub additive: Sum,
 }
 
 impl<'a> Parameters<'a> {
-    /// Those of a setup.
-    pub const fn of(setup: &'a Setup) -> Self {
+    /// Those of a setup and a modulation.
+    pub const fn of(setup: &'a Setup, modulation: Option<&'a Modulation>) -> Self {
         Self {
             material: setup.material.as_ref(),
+            modulation,
             additive: setup.additive,
         }
     }
@@ -127,6 +131,9 @@ fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     parameters: Parameters<'_>,
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, PhongError> {
+    if let (true, Some(modulation)) = (scene.blend.is_composited(), parameters.modulation) {
+        return modulated(precision, scene, table, (parameters.material, modulation), geometry);
+    }
     Ok(match scene.blend {
         Blend::FrontToBack => return composited(precision, scene, table, parameters, geometry, false),
         Blend::BackToFront => return composited(precision, scene, table, parameters, geometry, true),
@@ -170,6 +177,29 @@ where
             geometry,
             Composite::<_, _, _, BackToFront>::new(precision, classifier, Unlit),
         ),
+    })
+}
+
+/// Composited samples under a modulation: lit or not is a value, so that it is compiled once.
+fn modulated<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
+    precision: P,
+    scene: &Scene,
+    table: Expanded,
+    (material, modulation): (Option<&Material>, &Modulation),
+    geometry: Geometry<'_>,
+) -> Result<Box<dyn Framing>, PhongError> {
+    let phong = material.map(|material| material.phong(precision)).transpose()?;
+    let shader = Modulated::new(precision, phong, modulation.clone());
+    Ok(if scene.blend == Blend::BackToFront {
+        under(
+            geometry,
+            Composite::<_, _, _, BackToFront>::new(precision, table, shader),
+        )
+    } else {
+        under(
+            geometry,
+            early(Composite::new(precision, table, shader), scene.early_termination),
+        )
     })
 }
 

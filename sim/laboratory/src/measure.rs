@@ -112,7 +112,7 @@ impl Runner {
     /// The configuration's rendering of a scene, its image untouched.
     fn begun(&self, prepared: &Prepared<'_>) -> Result<Box<dyn Rendering>, RenderError> {
         let table = (self.table)(prepared, self.lookup);
-        let (parameters, geometry) = (Parameters::of(&prepared.setup), prepared.setup.geometry());
+        let (parameters, geometry) = (Parameters::of(&prepared.setup, None), prepared.setup.geometry());
         let mut rendering: Box<dyn Rendering> = match self.kind {
             Kind::Named(name) => {
                 let rendering = rendering_over(name, prepared.scene, table, parameters, geometry);

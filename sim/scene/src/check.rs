@@ -85,6 +85,7 @@ impl Scene {
         }
         self.clips()?;
         self.cueing()?;
+        self.modulation()?;
         self.colours()?;
         self.classification()?;
         self.surfaces()?;
@@ -107,6 +108,28 @@ impl Scene {
             ));
         }
         Ok(())
+    }
+
+    /// Modulation is of composited samples.
+    fn modulation(&self) -> Result<(), FieldError> {
+        let Some(modulation) = &self.modulation else {
+            return Ok(());
+        };
+        let named =
+            |(name, value, expected): (String, _, _)| FieldError::new(&format!("modulation.{name}"), value, expected);
+        modulation.check().map_err(named)?;
+        let expected = if !self.blend.is_composited() {
+            "render.blend \"front-to-back\" or \"back-to-front\": a projection has neither opacities of steps nor light"
+        } else if self.colours.is_some() {
+            "a scene of values, not of [colours]"
+        } else if self.classification != Classification::Point {
+            "render.classification \"point\", without surfaces: a segment has two gradients"
+        } else if self.lighting.is_none() && modulation.lights() {
+            "[lighting]: without it there is no light to modulate, and opacity alone can be"
+        } else {
+            return Ok(());
+        };
+        Err(FieldError::new("modulation", "given", expected))
     }
 
     fn clips(&self) -> Result<(), FieldError> {

@@ -13,6 +13,7 @@ pub mod crop;
 pub mod cueing;
 pub mod file;
 pub mod import;
+pub mod modulation;
 pub mod transfer;
 
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,8 @@ pub struct Scene {
     pub clips: Vec<clip::Clip>,
     /// Depth cueing, if colours turn with depth.
     pub cueing: Option<cueing::Cueing>,
+    /// Factors by the magnitude of the gradient, if there are any.
+    pub modulation: Option<modulation::Modulation>,
     /// Colour and opacity of data values.
     pub transfer: TransferFunction,
     /// Lights and material; `None` is an unlit scene.

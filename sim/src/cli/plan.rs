@@ -6,6 +6,7 @@ use slicecast::project::Sum;
 use slicecast::view::Axis;
 use slicecast_engine::camera::{Material, clips, plan};
 use slicecast_engine::integrals::Cumulative;
+use slicecast_engine::modulation;
 use slicecast_engine::pipelines::{Parameters, compile, rendering, rendering_of_segments};
 use slicecast_engine::segments;
 use slicecast_engine::tiles::Geometry;
@@ -76,8 +77,10 @@ impl Args {
             plan: &plan,
             clips: clips.as_ref(),
         };
+        let modulation = modulation::of(&scene, &codes, self.spacing);
         let parameters = Parameters {
             material: lights.as_ref(),
+            modulation: modulation.as_ref(),
             additive: Sum::Average,
         };
         let with_volume = scene.classification != Classification::None;
