@@ -94,6 +94,7 @@ pub mod lanes;
 pub mod locate;
 #[cfg(feature = "defmt")]
 mod log;
+pub mod modulate;
 pub mod normalise;
 pub mod plan;
 pub mod plane;

@@ -38,17 +38,22 @@ pub fn normalise(gradient: [i32; 3]) -> Normal {
 
 /// S.
 #[inline(always)]
-fn square_of<V: Lanes>([x, y, z]: [V; 3]) -> V {
+pub(crate) fn square_of<V: Lanes>([x, y, z]: [V; 3]) -> V {
     (x * x).wrapping_add(y * y).wrapping_add(z * z)
 }
 
 /// Brings the largest component of a gradient to 15 bits: to 31 first, which loses nothing, and 16 are rounded off.
 #[inline(always)]
 pub fn block<V: Lanes>(gradient: [V; 3]) -> [V; 3] {
-    let [x, y, z] = gradient;
-    // -2^31 has no room, and counts as 2^31 - 1.
-    let room = ((x.abs() | y.abs() | z.abs()).leading_zeros() - V::splat(1)).at_least(V::splat(0));
+    let ([x, y, z], room) = (gradient, room(gradient));
     [raised(x, room), raised(y, room), raised(z, room)]
+}
+
+/// Bits that the largest component of a gradient has above it.
+#[inline(always)]
+pub(crate) fn room<V: Lanes>([x, y, z]: [V; 3]) -> V {
+    // -2^31 has no room, and counts as 2^31 - 1.
+    ((x.abs() | y.abs() | z.abs()).leading_zeros() - V::splat(1)).at_least(V::splat(0))
 }
 
 /// The upper 15 bits of a component's 31 after a left shift, its magnitude rounded to nearest and saturated at 32767.

@@ -38,6 +38,7 @@ use crate::normalise::Normal;
 use crate::precision::Precision;
 use crate::rows::three;
 
+pub(crate) use arithmetic::weighed;
 use arithmetic::{along, ambient, brighter, for_products, lit, opposite, reflected_lanes, weighted};
 pub use arithmetic::{dot, dot_lanes, formed, formed_nearest, power, power_lanes, reflected};
 
@@ -50,10 +51,55 @@ pub const EXPONENT_LOG2_MAX: u32 = 8;
 pub trait Shader<P: Precision>: Sync {
     /// Whether normals are read. Without them the pipeline holds no gradient rows and two slices instead of four.
     const LIT: bool;
+    /// Whether magnitudes of gradients weigh light and opacities ([`modulate`](crate::modulate)). Without it the pipeline holds no row of
+    /// them.
+    const MODULATES: bool = false;
+
+    /// Whether light falls on normals, and not only their lengths count.
+    #[inline(always)]
+    fn reads_normals(&self) -> bool {
+        Self::LIT
+    }
 
     /// Shades the colours of a row in place, so that its rows hold them. Rows of equal length: components of g, r, and
     /// colours (as the pixel takes them).
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>);
+
+    /// The same with the places of the gradients' magnitudes ([`magnitude`](crate::modulate::magnitude)).
+    #[inline(always)]
+    fn shade_modulated_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], _: &[i32], colours: &mut Colours<'_, i32>) {
+        self.shade_row::<V>(g, r, colours);
+    }
+
+    /// Puts the factors of opacities in the place of magnitudes, if there are any.
+    #[inline(always)]
+    fn factor_row<V: Lanes>(&self, _magnitudes: &mut [i32]) -> bool {
+        false
+    }
+}
+
+/// What weighs the light of each sample of a row.
+pub(crate) trait Weights: Copy {
+    /// The cosine of a light, with the bits that products take.
+    fn diffuse<P: Precision, V: Lanes>(&self, p: P, at: usize, x: V) -> V;
+    /// The power of a highlight, likewise.
+    fn specular<P: Precision, V: Lanes>(&self, p: P, at: usize, y: V) -> V;
+}
+
+/// Nothing does.
+#[derive(Clone, Copy)]
+struct Unweighed;
+
+impl Weights for Unweighed {
+    #[inline(always)]
+    fn diffuse<P: Precision, V: Lanes>(&self, _: P, _: usize, x: V) -> V {
+        x
+    }
+
+    #[inline(always)]
+    fn specular<P: Precision, V: Lanes>(&self, _: P, _: usize, y: V) -> V {
+        y
+    }
 }
 
 /// No lights: the classified colour is the colour.
@@ -371,8 +417,9 @@ impl<P: Precision> Phong<P> {
     /// Shades a row, `B` vectors at a time and each step on all of them: one chain of dependent operations as long as
     /// all steps would leave a processor waiting. `N` channels differ in their coefficients: 1 (grey light) or 3.
     #[inline(always)]
-    fn shade_row_by<V: Lanes, const B: usize, const N: usize>(
+    fn shade_row_by<V: Lanes, W: Weights, const B: usize, const N: usize>(
         &self,
+        weights: W,
         normals: Normals<'_>,
         classified: Option<[u32; 3]>,
         [red, green, blue]: [&mut [i32]; 3],
@@ -404,17 +451,18 @@ impl<P: Precision> Phong<P> {
                     } else {
                         nl.nonzero_then(normals.dot::<P, V>(p, at, light.away_from_half))
                     };
-                    let x = for_products::<P, V>(p, nl.narrow());
+                    let x = weights.diffuse(p, at, for_products::<P, V>(p, nl.narrow()));
                     for ([d, _], k) in sums.iter_mut().zip(light.diffuse) {
                         *d = brighter::<P, V>(p, *d, weighted::<P, V>(p, k, x));
                     }
                 }
-                for (sums, base) in sums.iter_mut().zip(&bases) {
+                for (number, (sums, base)) in sums.iter_mut().zip(&bases).enumerate() {
                     // A power that products would not see is not formed.
                     if !base.any_at_least(self.least_bright) {
                         continue;
                     }
                     let y = for_products::<P, V>(p, power_lanes::<P, V>(p, *base, self.exponent_log2));
+                    let y = weights.specular(p, start + number * V::COUNT, y);
                     for ([_, s], k) in sums.iter_mut().zip(light.specular) {
                         *s = brighter::<P, V>(p, *s, weighted::<P, V>(p, k, y));
                     }
@@ -476,6 +524,20 @@ impl<P: Precision> Shader<P> for Phong<P> {
 
     #[inline(always)]
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>) {
+        self.shade_weighed_row::<V, _>(g, r, colours, Unweighed);
+    }
+}
+
+impl<P: Precision> Phong<P> {
+    /// [`Shader::shade_row`] with weights.
+    #[inline(always)]
+    pub(crate) fn shade_weighed_row<V: Lanes, W: Weights>(
+        &self,
+        g: [&[i32]; 3],
+        r: &[i32],
+        colours: &mut Colours<'_, i32>,
+        weights: W,
+    ) {
         let classified = colours.one.take();
         let ([gx, gy, gz], [red, green, blue], len) = (g, &mut colours.rows, r.len());
         let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
@@ -487,10 +549,10 @@ impl<P: Precision> Shader<P> for Phong<P> {
         };
         let (normals, colour) = (Normals { g: [gx, gy, gz], r }, [red, green, blue]);
         match (V::COUNT > 1, self.grey) {
-            (true, true) => self.shade_row_by::<V, 2, 1>(normals, classified, colour),
-            (true, false) => self.shade_row_by::<V, 2, 3>(normals, classified, colour),
-            (false, true) => self.shade_row_by::<V, 1, 1>(normals, classified, colour),
-            (false, false) => self.shade_row_by::<V, 1, 3>(normals, classified, colour),
+            (true, true) => self.shade_row_by::<V, W, 2, 1>(weights, normals, classified, colour),
+            (true, false) => self.shade_row_by::<V, W, 2, 3>(weights, normals, classified, colour),
+            (false, true) => self.shade_row_by::<V, W, 1, 1>(weights, normals, classified, colour),
+            (false, false) => self.shade_row_by::<V, W, 1, 3>(weights, normals, classified, colour),
         }
     }
 }

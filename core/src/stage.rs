@@ -16,7 +16,7 @@ pub enum Stage {
     Gradient,
     /// [`normalise`](crate::normalise): three block-normalised components and the reciprocal length.
     Normal,
-    /// [`shade`](crate::shade): red, green, blue in the format of the colour.
+    /// [`shade`](crate::shade): red, green, blue in the format of the colour; under [`modulate`](crate::modulate) the opacity besides.
     Shading,
     /// [`composite`](crate::composite): red, green, blue, transparency before the samples of the span.
     Before,

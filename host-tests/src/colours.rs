@@ -14,7 +14,7 @@ use slicecast_pyramid::volume::{RgbaVolume, Voxels};
 use slicecast_scene::{PrecisionName, Scene, file};
 use slicecast_volume::values::Orientation;
 
-use crate::frame::{clips, picture};
+use crate::frame::{ADDITIVE, clips, picture};
 use crate::random::{Filling, Random, volume};
 
 /// Everything that decides a frame's bits.
@@ -97,6 +97,7 @@ impl ColourFrame {
                 picture: picture(&plan),
                 material: None,
                 step_length: 1.0,
+                additive: ADDITIVE,
                 clips: clips(&plan, &self.clips, None),
                 plan,
             },

@@ -9,7 +9,9 @@ use slicecast::crop::Crop;
 use slicecast::cut::Cut;
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::integral::{Colours, Length};
+use slicecast::modulate::Modulation;
 use slicecast::plan::{Plan, Sampling, Spacing};
+use slicecast::project::Sum;
 use slicecast::slice::Slice;
 use slicecast::surface::Surface;
 use slicecast::table::ENTRIES;
@@ -24,6 +26,12 @@ use slicecast_engine::simd::Simd;
 use slicecast_engine::table::Table;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
 use slicecast_volume::Volume;
+
+/// What an additive projection of a frame makes of sums, whatever its view: forty steps show the mean, many more saturate.
+pub const ADDITIVE: Sum = Sum::Additive {
+    step: 0xcccc_cccd,
+    shift: 5,
+};
 
 /// Everything that decides a frame's bits.
 #[derive(Clone, Debug)]
@@ -57,6 +65,8 @@ pub struct Frame {
     pub clips: Vec<Clip>,
     /// Depth cueing.
     pub cue: Option<Cue>,
+    /// Factors by the magnitude of the gradient, of composited samples.
+    pub modulation: Option<Modulation>,
     /// Table coding; `None` takes the precision's own.
     pub code: Option<AlphaCodeName>,
     /// Table look-up; `None` takes the precision's own.
@@ -110,6 +120,7 @@ impl Frame {
             crop: None,
             clips: Vec::new(),
             cue: None,
+            modulation: None,
             code: None,
             lookup: None,
             early_termination: None,
@@ -149,6 +160,7 @@ impl Frame {
             crop: None,
             clips: Vec::new(),
             cueing: None,
+            modulation: None,
             surfaces: Vec::new(),
         }
     }
@@ -205,7 +217,7 @@ impl Frame {
     /// # Panics
     /// If core refuses the surfaces.
     pub fn classified(&self) -> Option<Segments> {
-        let composited = matches!(self.blend, Blend::FrontToBack | Blend::BackToFront);
+        let composited = self.blend.is_composited();
         let stated = self.segments.as_ref().filter(|_| composited)?;
         let integrals = (!stated.alone).then(|| self.integrals(stated.scaled));
         Some(Cut::new(integrals, stated.surfaces.clone().into(), stated.pieces).expect("surfaces that can be drawn"))
@@ -256,11 +268,13 @@ impl Frame {
                 picture: picture(&plan),
                 material: self.material.clone(),
                 step_length: 1.0,
+                additive: ADDITIVE,
                 clips: clips(&plan, &self.clips, self.cue.as_ref()),
                 plan,
             },
             table: self.compiled(),
             segments: self.classified(),
+            modulation: self.modulation.clone(),
             finest: None,
             simd: Simd::widest(),
         };

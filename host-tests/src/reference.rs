@@ -110,7 +110,9 @@ impl Witness for Keeper {
             let [nx, ny, nz] = normal.g.map(|c| c as u32);
             values.push((Stage::Gradient, [x as u32, y as u32, z as u32, 0]));
             values.push((Stage::Normal, [nx, ny, nz, normal.r]));
-            values.push((Stage::Shading, colour_bits(shaded)));
+            let [red, green, blue, _] = colour_bits(shaded);
+            let modulated = seen.modulated.map_or(0, |opacity| opacity.to_bits());
+            values.push((Stage::Shading, [red, green, blue, modulated]));
         }
         let visible = seen.opacity.to_bits() != 0 && (self.back_to_front || seen.before.transparency.bits() != 0);
         if visible {

@@ -22,6 +22,7 @@ use slicecast::borders::Borders;
 use slicecast::clip::{Clip, Cue};
 use slicecast::crop::Crop;
 use slicecast::format::{Coefficient, Distance, Intensity, Position, Vector};
+use slicecast::modulate::{Factors, Modulation};
 use slicecast::shade::{Highlight, Light};
 use slicecast_engine::camera::Material;
 use slicecast_engine::frame::Layer;
@@ -96,6 +97,12 @@ fn two_lights(highlight: Highlight, exponent_log2: u32) -> Option<Material> {
     })
 }
 
+/// Nothing of what is flatter than 32 codes over two voxels, all of what is steeper than 512, linear in half octaves between.
+fn surfaces_only() -> Factors {
+    let bits = |node: usize| (2048 * node.saturating_sub(28)).min(32_768) as u16;
+    Factors::new(&std::array::from_fn(|node| Intensity::from_bits(bits(node)))).expect("factors of at most 1")
+}
+
 /// A segment of one reference length: log2(e), 27 fraction bits.
 const SEGMENT: u32 = 193_635_251;
 
@@ -158,6 +165,67 @@ fn frames() -> Vec<(&'static str, Frame)> {
                 direction: [100, 200, 900],
                 blend: Blend::Minimum,
                 ..head.clone()
+            },
+        ),
+        (
+            "head-modulated",
+            Frame {
+                modulation: Some(Modulation {
+                    opacity: Some(surfaces_only()),
+                    diffuse: Some(surfaces_only()),
+                    specular: Some(surfaces_only()),
+                }),
+                ..lit([500, 866, -174])
+            },
+        ),
+        (
+            "head-modulated-opacity",
+            Frame {
+                modulation: Some(Modulation {
+                    opacity: Some(surfaces_only()),
+                    ..Modulation::default()
+                }),
+                direction: [-500, 866, 174],
+                planes_per_voxel: 2,
+                ..head.clone()
+            },
+        ),
+        (
+            "noise-cropped-modulated",
+            Frame {
+                modulation: Some(Modulation {
+                    specular: Some(surfaces_only()),
+                    ..Modulation::default()
+                }),
+                material: two_lights(Highlight::HalfVector, 4),
+                blend: Blend::BackToFront,
+                direction: [300, -200, 1000],
+                ..cropped(noise.clone(), [[2.0, -9.0, 7.5], [20.625, 20.0, 99.0]])
+            },
+        ),
+        (
+            "head-average",
+            Frame {
+                direction: [-866, 500, 100],
+                blend: Blend::Average,
+                ..head.clone()
+            },
+        ),
+        (
+            "head-additive",
+            Frame {
+                direction: [100, 200, 900],
+                blend: Blend::Additive,
+                ..head.clone()
+            },
+        ),
+        (
+            "head-cropped-additive",
+            Frame {
+                blend: Blend::Additive,
+                rays_per_voxel: 2,
+                direction: [500, 866, -174],
+                ..cropped(head.clone(), [[5.25, 11.0, 3.5], [40.75, 33.0, 60.0]])
             },
         ),
         (

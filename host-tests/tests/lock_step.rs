@@ -400,7 +400,14 @@ fn thin_volumes_from_every_side() {
             [0, 1, -1],
             [3, -2, 1],
         ] {
-            let blends = [Blend::FrontToBack, Blend::BackToFront, Blend::Maximum, Blend::Minimum];
+            let blends = [
+                Blend::FrontToBack,
+                Blend::BackToFront,
+                Blend::Maximum,
+                Blend::Minimum,
+                Blend::Average,
+                Blend::Additive,
+            ];
             let all =
                 blends.map(|blend| [Borders::Whole, Borders::Cells, Borders::Nodes].map(|borders| (blend, borders)));
             for (blend, borders) in all.into_iter().flatten() {
@@ -427,7 +434,7 @@ fn thin_volumes_from_every_side() {
         }
     }
     // Nodes of the only volume that is not thin.
-    assert_eq!(frames, (8 * 2 + 1) * 11 * 4);
+    assert_eq!(frames, (8 * 2 + 1) * 11 * 6);
 }
 
 /// A volume so long that a step's last bits matter, 16 planes per voxel, from both ends.

@@ -98,10 +98,12 @@ fn scene(random: &mut Random) -> Scene {
     scene.sampling.rays_per_voxel = 1 + pick(2);
     let mapping = |point: &mut slicecast_scene::Point| point.value += 1024.0;
     scene.transfer.points.iter_mut().for_each(mapping);
-    match pick(6) {
+    match pick(8) {
         0 => scene.blend = Blend::BackToFront,
         1 => scene.blend = Blend::Maximum,
         2 => scene.blend = Blend::Minimum,
+        5 => scene.blend = Blend::Average,
+        6 => scene.blend = Blend::Additive,
         3 => scene.classification = Classification::Integral,
         4 => {
             scene.classification = Classification::None;

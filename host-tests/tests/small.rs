@@ -9,9 +9,10 @@ use slicecast::classify::Classifier;
 use slicecast::clip::Clips;
 use slicecast::composite::{BackToFront, Channel as _, FrontToBack, Order};
 use slicecast::lanes::Small;
+use slicecast::modulate::Modulated;
 use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, near_slice, plane, planes, scratch_len};
 use slicecast::precision::Precision;
-use slicecast::project::{Maximum, Minimum};
+use slicecast::project::{Maximum, Minimum, Sum};
 use slicecast::shade::{Shader, Unlit};
 use slicecast::slice::{Code12, Slice, Window};
 use slicecast::stream::{Needs, base_pixel, phase_len};
@@ -84,6 +85,8 @@ fn small<P: Precision>(p: P, prepared: &Prepared<'_>, slices: &[Slice<'_>]) -> B
     match (prepared.scene.blend, &prepared.segments) {
         (Blend::Maximum, _) => folded(geometry, slices, &Project::<_, _, Maximum>::new(p, table)),
         (Blend::Minimum, _) => folded(geometry, slices, &Project::<_, _, Minimum>::new(p, table)),
+        (Blend::Average, _) => folded(geometry, slices, &Project::of(p, table, Sum::Average)),
+        (Blend::Additive, _) => folded(geometry, slices, &Project::of(p, table, prepared.setup.additive)),
         (_, Some(segments)) => classified(p, prepared, slices, segments.clone()),
         (_, None) => classified(p, prepared, slices, table),
     }
@@ -96,6 +99,20 @@ fn classified<P: Precision, C: Classifier<P>>(
     classifier: C,
 ) -> Bits {
     let back_to_front = prepared.scene.blend == Blend::BackToFront;
+    if let (Some(modulation), None) = (&prepared.modulation, &prepared.segments) {
+        let table = prepared.table.classifier();
+        let phong = prepared
+            .setup
+            .material
+            .as_ref()
+            .map(|material| material.phong(p).unwrap());
+        let shader = Modulated::new(p, phong, modulation.clone());
+        return if back_to_front {
+            composited::<_, _, _, BackToFront>(p, prepared, slices, (table, shader))
+        } else {
+            composited::<_, _, _, FrontToBack>(p, prepared, slices, (table, shader))
+        };
+    }
     match (back_to_front, &prepared.setup.material) {
         (false, Some(material)) => {
             let phong = material.phong(p).unwrap();

@@ -141,6 +141,7 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics, source: &dyn 
         crop: None,
         clips: Vec::new(),
         cueing: None,
+        modulation: None,
         surfaces: Vec::new(),
     };
     scene.check().map_err(|error| SceneError {

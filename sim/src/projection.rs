@@ -5,6 +5,7 @@
 //! Values become grey in proportion. Smallest ones become grey by their rank where nearly every ray crosses air: its
 //! values lie close together, and in proportion they would all be black.
 
+use slicecast_engine::camera::diagonal;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::source::{AT_A_TIME, Source, each_slice};
 use slicecast_scene::{Blend, Point, TransferFunction};
@@ -30,16 +31,23 @@ const CODES: usize = 4096;
 /// # Errors
 /// [`RenderError::Read`] if a file cannot be read.
 pub fn ramp(volume: &Volume, source: &dyn Source, blend: Blend) -> Result<TransferFunction, RenderError> {
-    let greys = if blend == Blend::Minimum {
-        let counts = kept(volume.dims, source, u16::MAX, u16::min)?;
-        let greys = in_proportion(&counts);
-        if mean(&counts, &greys) < DARK {
-            by_rank(&counts)
-        } else {
-            greys
+    let dims = volume.dims;
+    let greys = match blend {
+        Blend::Minimum => {
+            let counts = kept(dims, source, u16::MAX, u16::min)?;
+            let greys = in_proportion(&counts);
+            if mean(&counts, &greys) < DARK {
+                by_rank(&counts)
+            } else {
+                greys
+            }
         }
-    } else {
-        in_proportion(&kept(volume.dims, source, 0, u16::max)?)
+        Blend::Average => in_proportion(&summed(dims, source, dims.map(|side| 1.0 / side.max(1) as f64))?),
+        Blend::Additive => {
+            let diagonal = diagonal(dims, volume.spacing);
+            in_proportion(&summed(dims, source, volume.spacing.map(|spacing| spacing / diagonal))?)
+        }
+        _ => in_proportion(&kept(dims, source, 0, u16::max)?),
     };
     let point = |&(code, grey): &(usize, f64)| Point {
         value: volume.mapping.value(code as f64),
@@ -159,6 +167,30 @@ fn kept(dims: [usize; 3], source: &dyn Source, none: u16, keep: fn(u16, u16) -> 
     Ok(counts)
 }
 
+/// How often the sums of rays along x, y and z, times what a voxel along them counts, lie next to each code.
+fn summed(dims: [usize; 3], source: &dyn Source, [x, y, z]: [f64; 3]) -> Result<Vec<u64>, RenderError> {
+    let [nx, ny, _] = dims;
+    let mut counts = vec![0; CODES];
+    let mut count = |sums: &[u64], voxel: f64| {
+        for &sum in sums {
+            counts[((sum as f64 * voxel).round() as usize).min(CODES - 1)] += 1;
+        }
+    };
+    let mut along_z = vec![0; nx * ny];
+    each_slice(source, dims, AT_A_TIME, &mut |slice| {
+        let mut along_y = vec![0; nx];
+        for (row, along_z) in slice.chunks_exact(nx).zip(along_z.chunks_exact_mut(nx)) {
+            for ((&code, y), z) in row.iter().zip(&mut along_y).zip(along_z) {
+                (*y, *z) = (*y + u64::from(code), *z + u64::from(code));
+            }
+            count(&[row.iter().copied().map(u64::from).sum()], x);
+        }
+        count(&along_y, y);
+    })?;
+    count(&along_z, z);
+    Ok(counts)
+}
+
 /// The least code that is not below this share of the counts.
 fn rank(counts: &[u64], share: f64) -> usize {
     let total: u64 = counts.iter().sum();
@@ -196,7 +228,7 @@ mod tests {
     }
 
     fn ends(volume: &Volume, blend: Blend) -> Vec<(f64, f64)> {
-        let points = ramp(volume, blend).points;
+        let points = ramp(volume, volume, blend).unwrap().points;
         points.iter().map(|point| (point.value, point.colour[0])).collect()
     }
 
@@ -209,6 +241,22 @@ mod tests {
         );
         // All rays but that along the thread meet the least of the noise.
         assert_eq!(ends(&volume(), Blend::Minimum), [(2.0 * 10.0 - 100.0, 0.5)]);
+    }
+
+    #[test]
+    fn ramps_of_sums_run_over_what_rays_sum_up() {
+        // A slab of 3 of 20 slices across z: rays along z mean 300, those along x and y 0 or 2000.
+        let mut slab = volume();
+        for (index, code) in slab.voxels.iter_mut().enumerate() {
+            *code = if (8..11).contains(&(index / 400)) { 2000 } else { 0 };
+        }
+        assert_eq!(
+            ends(&slab, Blend::Average),
+            [(-100.0, 0.0), (2.0 * 2000.0 - 100.0, 1.0)]
+        );
+        // Over the diagonal: a side of it is 1 / sqrt(3).
+        let most = (2000.0 / 3f64.sqrt()).round();
+        assert_eq!(ends(&slab, Blend::Additive), [(-100.0, 0.0), (2.0 * most - 100.0, 1.0)]);
     }
 
     #[test]

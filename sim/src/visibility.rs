@@ -159,11 +159,12 @@ fn reason(prepared: &Prepared<'_>, base: &BaseImage, known: &Circumstances<'_>) 
             "`--background`, `--light` and `--unlit` change that".into(),
         );
     }
-    if matches!(scene.blend, Blend::Maximum | Blend::Minimum) {
-        let kept = if scene.blend == Blend::Maximum {
-            "largest"
-        } else {
-            "smallest"
+    if !scene.blend.is_composited() {
+        let kept = match scene.blend {
+            Blend::Maximum => "largest",
+            Blend::Minimum => "smallest",
+            Blend::Average => "mean",
+            _ => "summed",
         };
         return (
             format!("the {kept} value of nearly every ray is invisible under this transfer function"),

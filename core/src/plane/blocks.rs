@@ -290,8 +290,21 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_> {
         self.source.gradients_at(&self.places, self.kept, opacities, turns, out);
     }
 
-    fn fold(&mut self, canvas: &mut X, _: Range<usize>, colours: &Colours<'_, i32>, opacities: &[i32]) {
-        canvas.fold_packed(&self.places, self.kept, colours, opacities);
+    /// Opacities are not packed, as factors are.
+    fn weigh(&self, _: &X, _: Range<usize>, _: &mut [i32], _: &[i32]) {}
+
+    fn fold(
+        &mut self,
+        canvas: &mut X,
+        _: Range<usize>,
+        colours: &Colours<'_, i32>,
+        opacities: &[i32],
+        factors: Option<&[i32]>,
+    ) {
+        match factors {
+            None => canvas.fold_packed(&self.places, self.kept, colours, opacities),
+            Some(factors) => canvas.fold_weighed(&self.places, self.kept, colours, opacities, factors),
+        }
     }
 
     fn beam(&self, _: usize, _: u32) -> Option<Beam<'_>> {

@@ -10,7 +10,8 @@ use crate::composite::{
     fold_weighted_row,
 };
 use crate::extinction::Absorption;
-use crate::lanes::{Kernel, Lanes};
+use crate::lanes::{Kernel, Lanes, places};
+use crate::modulate::modulated;
 use crate::rows::part;
 use crate::tap::Bits;
 
@@ -43,6 +44,18 @@ pub(super) trait Canvas<W> {
     ) -> (usize, usize);
     /// Folds packed samples.
     fn fold_packed(&mut self, places: &Places<'_>, count: usize, colours: &Colours<'_, W>, opacities: &[W]);
+
+    /// Multiplies opacities by factors.
+    fn weigh(&self, opacities: &mut [W], factors: &[W]);
+    /// [`Canvas::fold_packed`] of samples whose opacities are multiplied by factors, which are packed as colours are.
+    fn fold_weighed(
+        &mut self,
+        places: &Places<'_>,
+        count: usize,
+        colours: &Colours<'_, W>,
+        opacities: &[W],
+        factors: &[W],
+    );
 }
 
 /// Rows of an image whose channels lie in runs.
@@ -200,6 +213,23 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
     fn fold_packed(&mut self, places: &Places<'_>, count: usize, colours: &Colours<'_, i32>, opacities: &[i32]) {
         V::enter((FoldPacked, self, places, count, colours, opacities));
     }
+
+    #[inline(always)]
+    fn weigh(&self, opacities: &mut [i32], factors: &[i32]) {
+        V::enter((Weigh, PhantomData::<V>, opacities, factors));
+    }
+
+    #[inline(always)]
+    fn fold_weighed(
+        &mut self,
+        places: &Places<'_>,
+        count: usize,
+        colours: &Colours<'_, i32>,
+        opacities: &[i32],
+        factors: &[i32],
+    ) {
+        V::enter((FoldWeighed, self, (places, count), colours, opacities, factors));
+    }
 }
 
 /// [`all_finished`].
@@ -330,8 +360,44 @@ impl<R: Recurrence, O: Order, V: Lanes> Kernel
     #[inline(always)]
     fn run(self) {
         let (_, image, places, count, colours, opacities) = self;
-        let (recurrence, dither, width) = (image.recurrence, image.dither, image.width);
-        let floor = V::splat(image.floor.bits() as i32);
+        image.fold_places(places, count, colours, opacities, None);
+    }
+}
+
+struct FoldWeighed;
+
+impl<R: Recurrence, O: Order, V: Lanes> Kernel
+    for (
+        FoldWeighed,
+        &mut Image<'_, R, O, V>,
+        (&Places<'_>, usize),
+        &Colours<'_, i32>,
+        &[i32],
+        &[i32],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, image, (places, count), colours, opacities, factors) = self;
+        image.fold_places(places, count, colours, opacities, Some(factors));
+    }
+}
+
+impl<R: Recurrence, O: Order, V: Lanes> Image<'_, R, O, V> {
+    /// Folds packed samples, perhaps with factors: known where it is called, so that neither way decides at each sample.
+    #[inline(always)]
+    fn fold_places(
+        &mut self,
+        places: &Places<'_>,
+        count: usize,
+        colours: &Colours<'_, i32>,
+        opacities: &[i32],
+        factors: Option<&[i32]>,
+    ) {
+        let (recurrence, dither, width) = (self.recurrence, self.dither, self.width);
+        let floor = V::splat(self.floor.bits() as i32);
         let [red, green, blue] = colours.rows();
         let mut at = 0;
         for number in 0..count {
@@ -342,9 +408,28 @@ impl<R: Recurrence, O: Order, V: Lanes> Kernel
                 V::load(green, at).spread(opacity),
                 V::load(blue, at).spread(opacity),
             ];
+            // A factor may be 0 where the table's opacity, by which samples are packed, is not.
+            let folded = match factors {
+                Some(factors) => modulated(opacity, V::load(factors, at).spread(opacity)),
+                None => opacity,
+            };
             at += opacity.count();
-            let mut pixels = image.pixels(4 * row * width, places.pixels(column));
-            fold_at::<R, O, V>(recurrence, &mut pixels, 0, (colour, opacity), dither, floor);
+            let mut pixels = self.pixels(4 * row * width, places.pixels(column));
+            fold_at::<R, O, V>(recurrence, &mut pixels, 0, (colour, folded), dither, floor);
+        }
+    }
+}
+
+struct Weigh;
+
+impl<V: Lanes> Kernel for (Weigh, PhantomData<V>, &mut [i32], &[i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, opacities, factors) = self;
+        for at in places::<V>(opacities.len()) {
+            modulated(V::load(opacities, at), V::load(factors, at)).store(opacities, at);
         }
     }
 }

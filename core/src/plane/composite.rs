@@ -252,6 +252,7 @@ where
     const CHANNELS: usize = 4;
     const SLICES: usize = if S::LIT { 4 } else { 2 };
     const SCRATCH: scratch::Rows = match (S::LIT, C::SLABS) {
+        (true, false) if S::MODULATES => scratch::Rows::Modulated,
         (true, false) => scratch::Rows::Lit,
         (false, false) => scratch::Rows::Unlit,
         (true, true) => scratch::Rows::LitSlabs,
@@ -281,6 +282,8 @@ where
         kept: Option<&mut Kept<'_>>,
         mut tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
+        // The gradient of a segment is the sum of two.
+        const { assert!(!(C::SLABS && S::MODULATES), "modulation is of samples") };
         let At {
             plan, plane, window, ..
         } = at;

@@ -62,8 +62,17 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
     fn visible(&mut self, canvas: &mut X, opacities: &mut [W]) -> Option<Range<usize>>;
     /// Their gradients, spaced; with their turns, those of crossings.
     fn gradients(&mut self, visible: Range<usize>, opacities: &[W], turns: Option<&[W]>, out: [&mut [W]; 3]);
-    /// Folds them into their pixels.
-    fn fold(&mut self, canvas: &mut X, visible: Range<usize>, colours: &Colours<'_, W>, opacities: &[W]);
+    /// Multiplies their opacities by factors, if that is done before they are folded.
+    fn weigh(&self, canvas: &X, visible: Range<usize>, opacities: &mut [W], factors: &[W]);
+    /// Folds them into their pixels; factors, if there are any, are those of [`Batches::weigh`].
+    fn fold(
+        &mut self,
+        canvas: &mut X,
+        visible: Range<usize>,
+        colours: &Colours<'_, W>,
+        opacities: &[W],
+        factors: Option<&[W]>,
+    );
     /// Where a sample of the batch lies, for observers of a part.
     fn beam(&self, offset: usize, part: u32) -> Option<Beam<'_>>;
 }
@@ -87,6 +96,7 @@ pub(super) fn fold<B, C, S, X>(
         colours: [red, green, blue],
         g: [gx, gy, gz],
         r,
+        magnitudes,
     } = rows;
     // One colour needs no rows, unless they are looked at.
     let cues = batches.cues();
@@ -122,7 +132,7 @@ pub(super) fn fold<B, C, S, X>(
                     one,
                     rows: [&mut [], &mut [], &mut []],
                 };
-                batches.fold(canvas, 0..len, &colours, opacities);
+                batches.fold(canvas, 0..len, &colours, opacities, None);
                 continue;
             }
             while let Some(visible) = batches.visible(canvas, opacities) {
@@ -147,6 +157,7 @@ pub(super) fn fold<B, C, S, X>(
                 if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
                     see(*tap, Stage::Colour, at, &colours.rows);
                 }
+                let mut factors = None;
                 if shader.lit() {
                     let [gx, gy, gz] = three([&mut *gx, &mut *gy, &mut *gz], |row| part_mut(row, 0..n));
                     let r = part_mut(r, 0..n);
@@ -158,26 +169,39 @@ pub(super) fn fold<B, C, S, X>(
                     } else {
                         batches.gradients(visible.clone(), opacities, None, gradients);
                     }
+                    let magnitudes = part_mut(magnitudes, 0..n);
+                    if shader.modulates() {
+                        shader.measure([&*gx, &*gy, &*gz], &mut *magnitudes);
+                    }
                     if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
                         see(*tap, Stage::Gradient, at, &[&mut *gx, &mut *gy, &mut *gz]);
                         shader.normalise([&mut *gx, &mut *gy, &mut *gz], &mut *r);
                         tap.row(Stage::Normal, at, &[&&*gx, &&*gy, &&*gz, &&*r]);
-                        shader.shade([&*gx, &*gy, &*gz], &*r, &mut colours);
-                        if cues {
-                            batches.turn(visible.clone(), &mut colours);
-                        }
-                        see(*tap, Stage::Shading, at, &colours.rows);
+                        shader.shade(([&*gx, &*gy, &*gz], &*r), &*magnitudes, &mut colours);
                     } else {
-                        shader.normalise_and_shade([gx, gy, gz], r, &mut colours);
-                        if cues {
-                            batches.turn(visible.clone(), &mut colours);
+                        shader.normalise_and_shade(([gx, gy, gz], r), &*magnitudes, &mut colours);
+                    }
+                    if cues {
+                        batches.turn(visible.clone(), &mut colours);
+                    }
+                    if shader.modulates() && shader.factors(&mut *magnitudes) {
+                        batches.weigh(canvas, visible.clone(), opacities, &*magnitudes);
+                        factors = Some(&*magnitudes);
+                    }
+                    if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
+                        if shader.modulates() {
+                            let [red, green, blue] = &colours.rows;
+                            let opacities = self::part(opacities, visible.clone());
+                            tap.row(Stage::Shading, at, &[&&**red, &&**green, &&**blue, &opacities]);
+                        } else {
+                            see(*tap, Stage::Shading, at, &colours.rows);
                         }
                     }
                 }
                 if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
                     canvas.look(at.row, visible.clone(), &mut |rows| tap.row(Stage::Before, at, rows));
                 }
-                batches.fold(canvas, visible.clone(), &colours, opacities);
+                batches.fold(canvas, visible.clone(), &colours, opacities, factors);
                 if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
                     canvas.look(at.row, visible, &mut |rows| tap.row(Stage::After, at, rows));
                 }
@@ -414,7 +438,19 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     }
 
     #[inline(always)]
-    fn fold(&mut self, canvas: &mut X, visible: Range<usize>, colours: &Colours<'_, i32>, opacities: &[i32]) {
+    fn weigh(&self, canvas: &X, visible: Range<usize>, opacities: &mut [i32], factors: &[i32]) {
+        canvas.weigh(part_mut(opacities, visible), factors);
+    }
+
+    #[inline(always)]
+    fn fold(
+        &mut self,
+        canvas: &mut X,
+        visible: Range<usize>,
+        colours: &Colours<'_, i32>,
+        opacities: &[i32],
+        _: Option<&[i32]>,
+    ) {
         canvas.fold(self.row, visible.clone(), colours, part(opacities, visible));
     }
 

@@ -7,7 +7,8 @@ use super::parts::Exact;
 use crate::borders::{Part, WHOLE, fraction_row};
 use crate::classify::{Classifier, Slab};
 use crate::composite::Colours;
-use crate::lanes::{Kernel, Lanes};
+use crate::lanes::{Kernel, Lanes, places};
+use crate::modulate::magnitude;
 use crate::normalise::normalise_row;
 use crate::precision::Precision;
 use crate::shade::Shader;
@@ -30,12 +31,18 @@ pub(super) trait ClassifierRows<W> {
 pub(super) trait ShaderRows<W> {
     /// Whether normals are read.
     fn lit(&self) -> bool;
+    /// Whether magnitudes are.
+    fn modulates(&self) -> bool;
+    /// Finds the places of the magnitudes of gradients.
+    fn measure(&self, g: [&[W]; 3], magnitudes: &mut [W]);
+    /// Puts the factors of opacities in their place, if there are any.
+    fn factors(&self, magnitudes: &mut [W]) -> bool;
     /// Block-normalises gradients and makes their reciprocal lengths.
     fn normalise(&self, g: [&mut [W]; 3], r: &mut [W]);
-    /// Shades colours.
-    fn shade(&self, g: [&[W]; 3], r: &[W], colours: &mut Colours<'_, W>);
+    /// Shades colours. Magnitudes are empty where none are read.
+    fn shade(&self, normals: ([&[W]; 3], &[W]), magnitudes: &[W], colours: &mut Colours<'_, W>);
     /// Both, in one kernel.
-    fn normalise_and_shade(&self, g: [&mut [W]; 3], r: &mut [W], colours: &mut Colours<'_, W>);
+    fn normalise_and_shade(&self, normals: ([&mut [W]; 3], &mut [W]), magnitudes: &[W], colours: &mut Colours<'_, W>);
 }
 
 /// A classifier or shader in a precision, compiled for lanes.
@@ -199,18 +206,80 @@ impl<S: Shader<P>, P: Precision, V: Lanes> ShaderRows<i32> for Kernels<'_, S, P,
     }
 
     #[inline(always)]
+    fn modulates(&self) -> bool {
+        S::MODULATES
+    }
+
+    #[inline(always)]
+    fn measure(&self, g: [&[i32]; 3], magnitudes: &mut [i32]) {
+        if S::MODULATES {
+            let bits = self.1.formats().sample_bits;
+            V::enter((Measure, PhantomData::<V>, g, magnitudes, bits));
+        }
+    }
+
+    #[inline(always)]
+    fn factors(&self, magnitudes: &mut [i32]) -> bool {
+        S::MODULATES && V::enter((FactorRow, self, magnitudes))
+    }
+
+    #[inline(always)]
     fn normalise(&self, g: [&mut [i32]; 3], r: &mut [i32]) {
         V::enter((Normalise, PhantomData::<V>, g, r));
     }
 
     #[inline(always)]
-    fn shade(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>) {
-        V::enter((Shade, self, g, r, colours));
+    fn shade(&self, (g, r): ([&[i32]; 3], &[i32]), magnitudes: &[i32], colours: &mut Colours<'_, i32>) {
+        V::enter((Shade, self, g, r, magnitudes, colours));
     }
 
     #[inline(always)]
-    fn normalise_and_shade(&self, g: [&mut [i32]; 3], r: &mut [i32], colours: &mut Colours<'_, i32>) {
-        V::enter((NormaliseAndShade, self, g, r, colours));
+    fn normalise_and_shade(
+        &self,
+        (g, r): ([&mut [i32]; 3], &mut [i32]),
+        magnitudes: &[i32],
+        colours: &mut Colours<'_, i32>,
+    ) {
+        V::enter((NormaliseAndShade, self, g, r, magnitudes, colours));
+    }
+}
+
+impl<S: Shader<P>, P: Precision, V: Lanes> Kernels<'_, S, P, V> {
+    /// By a constant, so that shaders that do not modulate are compiled without.
+    #[inline(always)]
+    fn shaded(&self, g: [&[i32]; 3], r: &[i32], magnitudes: &[i32], colours: &mut Colours<'_, i32>) {
+        if S::MODULATES {
+            self.0.shade_modulated_row::<V>(g, r, magnitudes, colours);
+        } else {
+            self.0.shade_row::<V>(g, r, colours);
+        }
+    }
+}
+
+struct Measure;
+
+impl<V: Lanes> Kernel for (Measure, PhantomData<V>, [&[i32]; 3], &mut [i32], u32) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, [x, y, z], magnitudes, bits) = self;
+        for at in places::<V>(magnitudes.len()) {
+            let gradient = [V::load(x, at), V::load(y, at), V::load(z, at)];
+            magnitude(gradient, bits).store(magnitudes, at);
+        }
+    }
+}
+
+struct FactorRow;
+
+impl<S: Shader<P>, P: Precision, V: Lanes> Kernel for (FactorRow, &Kernels<'_, S, P, V>, &mut [i32]) {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let (_, kernels, magnitudes) = self;
+        kernels.0.factor_row::<V>(magnitudes)
     }
 }
 
@@ -229,14 +298,21 @@ impl<V: Lanes> Kernel for (Normalise, PhantomData<V>, [&mut [i32]; 3], &mut [i32
 struct Shade;
 
 impl<S: Shader<P>, P: Precision, V: Lanes> Kernel
-    for (Shade, &Kernels<'_, S, P, V>, [&[i32]; 3], &[i32], &mut Colours<'_, i32>)
+    for (
+        Shade,
+        &Kernels<'_, S, P, V>,
+        [&[i32]; 3],
+        &[i32],
+        &[i32],
+        &mut Colours<'_, i32>,
+    )
 {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let (_, kernels, g, r, colours) = self;
-        kernels.0.shade_row::<V>(g, r, colours);
+        let (_, kernels, g, r, magnitudes, colours) = self;
+        kernels.shaded(g, r, magnitudes, colours);
     }
 }
 
@@ -248,6 +324,7 @@ impl<S: Shader<P>, P: Precision, V: Lanes> Kernel
         &Kernels<'_, S, P, V>,
         [&mut [i32]; 3],
         &mut [i32],
+        &[i32],
         &mut Colours<'_, i32>,
     )
 {
@@ -255,8 +332,10 @@ impl<S: Shader<P>, P: Precision, V: Lanes> Kernel
 
     #[inline(always)]
     fn run(self) {
-        let (_, kernels, [x, y, z], r, colours) = self;
-        normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
-        kernels.0.shade_row::<V>([x, y, z], r, colours);
+        let (_, kernels, [x, y, z], r, magnitudes, colours) = self;
+        if kernels.0.reads_normals() {
+            normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
+        }
+        kernels.shaded([x, y, z], r, magnitudes, colours);
     }
 }

@@ -1,4 +1,4 @@
-//! Projection: the largest or smallest sample of each ray, plane by plane.
+//! Projection: one value of the samples of each ray, plane by plane.
 
 use core::marker::PhantomData;
 
@@ -12,37 +12,51 @@ use crate::classify::Classifier;
 use crate::composite::Pixel;
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
-use crate::project::{Extreme, keep_row, resolve};
+use crate::project::{Projection, pixel};
 use crate::rows::{part, part_mut};
 use crate::shade::Unlit;
 use crate::slice::Code12;
 use crate::stage::Stage;
 use crate::tap::{Beam, Tap};
 
-/// Projection of the largest or smallest sample (`project`).
+/// Projection: the largest or smallest sample, or what is made of the sum of all (`project`).
 #[derive(Clone, Debug)]
 pub struct Project<P, C, X> {
     precision: P,
     classifier: C,
-    extreme: PhantomData<X>,
+    projection: X,
 }
 
-impl<P: Precision, C: Classifier<P>, X: Extreme> Project<P, C, X> {
+impl<P: Precision, C: Classifier<P>, X: Projection + Default> Project<P, C, X> {
     /// A pipeline that keeps one sample per ray and classifies it at the end.
     pub fn new(precision: P, classifier: C) -> Self {
+        Self::of(precision, classifier, X::default())
+    }
+}
+
+impl<P: Precision, C: Classifier<P>, X: Projection> Project<P, C, X> {
+    /// A pipeline that makes one value of the samples of a ray and classifies it at the end.
+    pub const fn of(precision: P, classifier: C, projection: X) -> Self {
         Self {
             precision,
             classifier,
-            extreme: PhantomData,
+            projection,
         }
     }
 }
 
-impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
+/// The runs of a row, or of a pixel's words.
+#[inline(always)]
+fn runs(row: &mut [i32], width: usize) -> [&mut [i32]; 3] {
+    let mut runs = row.chunks_mut(width.max(1));
+    [(); 3].map(|()| runs.next().unwrap_or(&mut []))
+}
+
+impl<P: Precision, C: Classifier<P>, X: Projection> Pipeline for Project<P, C, X> {
     type Precision = P;
     type Voxel = Code12;
     type Element = i32;
-    const CHANNELS: usize = 1;
+    const CHANNELS: usize = X::WORDS;
     const SLICES: usize = 2;
     const SCRATCH: scratch::Rows = scratch::Rows::Projection;
     const BACK_TO_FRONT: bool = false;
@@ -71,14 +85,13 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
             tap.plane(plane);
         }
         let base_width = plan.base()[0] as usize;
-        let Some(count) = rows.data.len().checked_div(base_width) else {
+        let Some(count) = rows.data.len().checked_div(X::WORDS * base_width) else {
             return Ok(());
         };
         let rest = Rest::of(at, false, (rows.first, count), false);
         if matches!(rest, Rest::Nothing) {
             return Ok(());
         }
-        // A sample counts as one, however little of its segment lies in the volume.
         let mut parts = Parts::of(plan, plane, Columns::Alone);
         while let Some(mut samples) = parts.samples(&at.window) {
             if tap.is_none() {
@@ -111,17 +124,20 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
                     };
                     tap.row(Stage::Interpolation, beam, &[&samples]);
                 }
-                let start = (row - rows.first) as usize * base_width;
-                let columns = start + extent.columns.start..start + extent.columns.end;
-                let kept = part_mut(&mut *rows.data, columns);
+                let start = X::WORDS * (row - rows.first) as usize * base_width;
+                let row_of_words = part_mut(&mut *rows.data, start..start + X::WORDS * base_width);
+                let words = runs(row_of_words, base_width);
+                let [a, b, c] = words.map(|run| part_mut(run, extent.columns.clone()));
                 if let Some(clipped) = &clipped {
                     clipped.each(row, 0..samples.len(), &mut |columns, left| {
                         if left.weight() > 0 {
-                            keep_row::<X, i32>(part_mut(&mut *kept, columns.clone()), part(samples, columns));
+                            let of = |run| part_mut(run, columns.clone());
+                            let words = [of(&mut *a), of(&mut *b), of(&mut *c)];
+                            X::fold_row::<i32>(words, part(samples, columns.clone()), clipped.fraction(left));
                         }
                     });
                 } else {
-                    V::enter((Keep, PhantomData::<(X, V)>, kept, samples));
+                    V::enter((Fold, PhantomData::<(X, V)>, [a, b, c], samples, extent.part.length()));
                 }
             }
         }
@@ -129,19 +145,25 @@ impl<P: Precision, C: Classifier<P>, X: Extreme> Pipeline for Project<P, C, X> {
     }
 
     fn pixel(&self, row: &[i32], column: usize) -> Pixel<ChannelOf<P>> {
-        let kept = row.get(column).copied().unwrap_or(X::EMPTY);
-        resolve::<P, X>(self.precision, kept, &self.classifier)
+        let width = row.len().checked_div(X::WORDS).unwrap_or(0);
+        let word = |run: usize| {
+            let inside = column < width;
+            let word = row.get(run * width + column).filter(|_| inside);
+            word.copied().unwrap_or(X::EMPTY)
+        };
+        let shown = self.projection.shown(self.precision, [word(0), word(1), word(2)]);
+        pixel(self.precision, shown, &self.classifier)
     }
 }
 
-struct Keep;
+struct Fold;
 
-impl<X: Extreme, V: Lanes> Kernel for (Keep, PhantomData<(X, V)>, &mut [i32], &[i32]) {
+impl<X: Projection, V: Lanes> Kernel for (Fold, PhantomData<(X, V)>, [&mut [i32]; 3], &[i32], u32) {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let (_, _, row, samples) = self;
-        keep_row::<X, V>(row, samples);
+        let (_, _, words, samples, share) = self;
+        X::fold_row::<V>(words, samples, share);
     }
 }

@@ -19,6 +19,8 @@ pub enum Rows {
     Unlit,
     /// Gradients and normals besides.
     Lit,
+    /// As [`Rows::Lit`], with magnitudes of gradients.
+    Modulated,
     /// As [`Rows::Unlit`], of two planes.
     UnlitSlabs,
     /// As [`Rows::Lit`], of two planes.
@@ -33,6 +35,7 @@ impl Rows {
             Self::Colours => 12,
             Self::Unlit => 7,
             Self::Lit => 16,
+            Self::Modulated => 17,
             Self::UnlitSlabs => 10,
             Self::LitSlabs => 27,
         }
@@ -40,7 +43,7 @@ impl Rows {
 
     /// Whether gradients are made.
     const fn lit(self) -> bool {
-        matches!(self, Self::Lit | Self::LitSlabs)
+        matches!(self, Self::Lit | Self::Modulated | Self::LitSlabs)
     }
 
     /// Whether two planes are sampled.
@@ -134,6 +137,7 @@ pub(super) struct BatchRows<'s, W> {
     pub(super) colours: [&'s mut [W]; 3],
     pub(super) g: [&'s mut [W]; 3],
     pub(super) r: &'s mut [W],
+    pub(super) magnitudes: &'s mut [W],
 }
 
 impl<'s, W> Scratch<'s, W> {
@@ -162,6 +166,7 @@ impl<'s, W> Scratch<'s, W> {
                 colours: [row(classified), row(classified), row(classified)],
                 g: [row(lit), row(lit), row(lit)],
                 r: row(lit),
+                magnitudes: row(kind == Rows::Modulated),
             },
         })
     }
@@ -231,6 +236,7 @@ mod tests {
             Rows::Projection,
             Rows::Unlit,
             Rows::Lit,
+            Rows::Modulated,
             Rows::UnlitSlabs,
             Rows::LitSlabs,
         ] {
@@ -256,7 +262,14 @@ mod tests {
                         &batch.g,
                     ];
                     let rows = rows.into_iter().flatten().map(|row| row.len());
-                    let rest = [&source.inner, &front.inner, &batch.opacities, &batch.r].map(|row| row.len());
+                    let rest = [
+                        &source.inner,
+                        &front.inner,
+                        &batch.opacities,
+                        &batch.r,
+                        &batch.magnitudes,
+                    ];
+                    let rest = rest.map(|row| row.len());
                     let mut made = 0;
                     for len in rows.chain(rest).filter(|len| *len > 0) {
                         assert_eq!(len, width as usize + 2);

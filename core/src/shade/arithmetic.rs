@@ -189,6 +189,17 @@ pub(super) fn for_products<P: Precision, V: Lanes>(p: P, x: V) -> V {
     }
 }
 
+/// A cosine, with the bits that products take, times a factor, 1.15 and at most 1: to nearest, in the paper's arithmetic truncated.
+#[inline(always)]
+pub(crate) fn weighed<P: Precision, V: Lanes>(p: P, x: V, factor: V) -> V {
+    match p.formats().shading {
+        Shading::Truncated16 => x.wrapping_mul(factor).shr_unsigned(15),
+        // At most 2^31 + 2^14.
+        Shading::Rounded16 => x.wrapping_mul(factor).wrapping_add(V::splat(1 << 14)).shr_unsigned(15),
+        Shading::Rounded31 => (x.product(factor) + V::Wide::splat(1 << 14)).shr_narrow(15),
+    }
+}
+
 /// A cosine times its coefficient.
 #[inline(always)]
 pub(super) fn weighted<P: Precision, V: Lanes>(p: P, k: u32, x: V) -> V {

@@ -7,6 +7,7 @@ use slicecast::borders::Borders;
 use slicecast::clip::{Clip, Cue};
 use slicecast::crop::Crop;
 use slicecast::format::{Coefficient, Distance, Intensity, Opacity, Position, Vector};
+use slicecast::modulate::{Factors, Modulation, NODES};
 use slicecast::plan::PlanError;
 use slicecast::shade::{Highlight, Light};
 use slicecast::surface::{Face, Surface, VALUE_MAX};
@@ -157,6 +158,8 @@ fn blend() -> impl Strategy<Value = Blend> {
         2 => Just(Blend::BackToFront),
         1 => Just(Blend::Maximum),
         1 => Just(Blend::Minimum),
+        1 => Just(Blend::Average),
+        1 => Just(Blend::Additive),
     ]
 }
 
@@ -253,6 +256,31 @@ fn cue_of(seed: u64) -> Cue {
     }
 }
 
+/// Modulation of some of opacity, diffuse and specular light: by nothing, by all, by a step, or by any factors.
+pub fn modulation_of(seed: u64) -> Modulation {
+    let mut random = Random::new(seed);
+    let mut factors = || {
+        let kind = random.below(6);
+        let at = random.below(NODES as u32);
+        let nodes = std::array::from_fn(|node| {
+            let beyond = 32768 * u16::from(node as u32 >= at);
+            Intensity::from_bits(match kind {
+                0 => 0,
+                1 => 32768,
+                2 => beyond,
+                3 => 32768 - beyond,
+                _ => random.below(32769) as u16,
+            })
+        });
+        (kind < 5).then(|| Factors::new(&nodes).expect("factors of at most 1"))
+    };
+    Modulation {
+        opacity: factors(),
+        diffuse: factors(),
+        specular: factors(),
+    }
+}
+
 /// Any of these boxes.
 pub fn crop() -> impl Strategy<Value = Crop> {
     any::<u64>().prop_map(box_of)
@@ -302,6 +330,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
         let (planes_per_voxel, rays_per_voxel) = rates;
         let (points, material, blend, code, lookup, early_termination, segments) = look;
         let borders = borders_of(borders, dims);
+        let modulated = segments.is_none() && blend.is_composited() && seed % 13 < 5;
         cropped(Frame {
             volume: Arc::new(volume(dims, filling, seed)),
             direction,
@@ -322,6 +351,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
                 Vec::new()
             },
             cue: (seed % 11 < 3).then(|| cue_of(seed.rotate_left(29))),
+            modulation: modulated.then(|| modulation_of(seed.rotate_left(37))),
             code,
             lookup,
             early_termination,

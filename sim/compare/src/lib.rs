@@ -73,15 +73,16 @@ pub struct Split {
 /// how many are done.
 ///
 /// # Errors
-/// [`RenderError`] if the scene is a projection, which integrates nothing.
+/// [`RenderError`] if the scene is a projection, which integrates nothing, or modulates the opacities of steps, which have no integral.
 pub fn split(
     prepared: &Prepared<'_>,
     comparison: &Comparison,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Split, RenderError> {
-    if !matches!(prepared.scene.blend, Blend::FrontToBack | Blend::BackToFront) {
+    if !prepared.scene.blend.is_composited() {
         return Err(RenderError::Projection);
     }
+    prepared.check_unmodulated()?;
     let exact = model(prepared, ModelPositions::Exact);
     let size = exact.lattice().size;
     let begun = AtomicUsize::new(0);
@@ -198,8 +199,8 @@ fn beside(
     }
     let model_image = match prepared.scene.blend {
         Blend::FrontToBack | Blend::BackToFront => pixels.image(),
-        // One sample per ray decides: nothing to keep in step.
-        Blend::Maximum | Blend::Minimum => model.render(),
+        // One value per ray decides: nothing to keep in step.
+        Blend::Maximum | Blend::Minimum | Blend::Average | Blend::Additive => model.render(),
     };
     let frame = Frame {
         base: rendering.base(),

@@ -16,7 +16,7 @@ use slicecast_engine::camera::{Material, Setup};
 use slicecast_engine::tiles::Tile;
 use slicecast_model::gradient::normalise;
 use slicecast_model::shade::{Lights, ResolvedLight};
-use slicecast_model::{Classified, Left, Model, Part, Pixel, between};
+use slicecast_model::{Classified, Left, Model, Part, Pixel, Weights, between};
 use slicecast_scene::{Blend, Borders};
 
 /// What the model knows of a sample of the current plane.
@@ -49,6 +49,8 @@ struct Visible {
     gradient: [f64; 3],
     normal: [f64; 3],
     shaded: [f64; 3],
+    /// As it is composited.
+    opacity: f64,
 }
 
 /// The lights as the pipeline has them, dequantised, for errors of shading alone.
@@ -98,14 +100,23 @@ impl PipelineLights {
     }
 
     /// Squeeze, equation 10, with these lights.
-    fn shade(&self, normal: [f64; 3], colour: [f64; 3]) -> [f64; 3] {
+    fn shade(
+        &self,
+        normal: [f64; 3],
+        colour: [f64; 3],
+        Weights {
+            diffuse: wd,
+            specular: ws,
+            ..
+        }: Weights,
+    ) -> [f64; 3] {
         let mut diffuse = self.ambient;
         let mut specular = [0.0; 3];
         for (light, (kd, ks)) in self.lights.lights.iter().zip(&self.coefficients) {
             let terms = self.lights.terms(light, normal);
             for c in 0..3 {
-                diffuse[c] += kd[c] * terms.diffuse;
-                specular[c] += ks[c] * terms.specular;
+                diffuse[c] += wd * kd[c] * terms.diffuse;
+                specular[c] += ws * ks[c] * terms.specular;
             }
         }
         [0, 1, 2].map(|c| (colour[c] * diffuse[c].min(1.0) + specular[c]).min(1.0))
@@ -291,8 +302,8 @@ impl<'a> Lockstep<'a> {
 
     /// One plane of the model: samples, then pixels.
     fn advance(&mut self, plane: &Plane) {
-        let lit = self.model.lights().is_some();
-        let composited = matches!(self.blend, Blend::FrontToBack | Blend::BackToFront);
+        let lit = self.model.lights().is_some() || self.model.modulates();
+        let composited = self.blend.is_composited();
         for index in 0..self.samples.len() {
             let (column, row) = (index % self.width, index / self.width + self.tile.first as usize);
             let (u, v) = self.full(plane, column, row);
@@ -312,14 +323,18 @@ impl<'a> Lockstep<'a> {
                     } else {
                         ([0.0; 3], [0.0; 3])
                     };
+                    let weights = self.model.weights(gradient);
+                    let shaded = self.model.shade_weighed(normal, colour, weights);
                     Visible {
                         colour,
                         gradient,
                         normal,
-                        shaded: self.model.cued(self.model.shade(normal, colour), place.turned),
+                        shaded: self.model.cued(shaded, place.turned),
+                        opacity: opacity * weights.opacity,
                     }
                 });
                 if let Some(visible) = visible {
+                    let opacity = visible.opacity;
                     pixel = match self.blend {
                         Blend::BackToFront => pixel.back_to_front(visible.shaded, opacity),
                         _ => pixel.front_to_back(visible.shaded, opacity),
@@ -504,7 +519,7 @@ impl Lockstep<'_> {
             let fixed = self.scales.colour(colour);
             self.colours.push(fixed);
             if let Some(exact) = self.part(index - self.row, at.part) {
-                let unlit = self.lights.is_none();
+                let unlit = self.lights.is_none() && !self.model.modulates();
                 let carried = self
                     .visible(at, offset)
                     .map(|v| if unlit { v.shaded } else { v.colour });
@@ -552,10 +567,17 @@ impl Lockstep<'_> {
     }
 
     fn shaded(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
+        if let [_, _, _, opacities] = rows {
+            let first = self.index(at) - self.row;
+            for offset in 0..opacities.len() {
+                self.opacities[first + offset] = self.scales.opacity(opacities.bits(offset) as i32);
+            }
+        }
         for (offset, colour) in values(rows) {
             let fixed = self.scales.colour(colour);
             if let Some(lights) = &self.lights {
-                let exact = lights.shade(self.normals[offset], self.colours[offset]);
+                let weights = self.model.weights(self.gradients[offset]);
+                let exact = lights.shade(self.normals[offset], self.colours[offset], weights);
                 let exact = self.cued(self.index(at) + offset, exact);
                 let carried = self.visible(at, offset).map(|v| v.shaded);
                 self.add3(Stage::Shading, fixed, exact, carried);

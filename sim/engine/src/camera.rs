@@ -8,6 +8,7 @@ use slicecast::crop::Crop;
 use slicecast::format::{Coefficient, Direction, Distance, Intensity, Position, Step, Vector};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
+use slicecast::project::{SHIFT_MAX, Sum};
 pub use slicecast::screen::PICTURE_SIDE_MAX;
 use slicecast::shade::{self, Phong, PhongError};
 use slicecast::view::{View, ViewError};
@@ -173,6 +174,26 @@ pub fn step_length(scene: &Scene, plan: &Plan, spacing: [f64; 3]) -> f64 {
     let [_, _, k] = plan.view().orient(voxels);
     // Along the unit vector `forward` the ray covers k slices in a length of 1.
     1.0 / (k.abs() * f64::from(plan.sampling().planes_per_voxel))
+}
+
+/// The length of the diagonal of a volume's cells, in the unit of the spacing.
+pub fn diagonal(dims: [usize; 3], spacing: [f64; 3]) -> f64 {
+    let sides = [0, 1, 2].map(|a| dims[a] as f64 * spacing[a]);
+    // Sides may be beyond what can be squared.
+    let longest = sides.into_iter().fold(0.0, f64::max);
+    longest * sides.iter().map(|side| (side / longest).powi(2)).sum::<f64>().sqrt()
+}
+
+/// What an additive projection makes of a sum over steps of this length: the mean over the diagonal of the volume, which no ray in
+/// it is longer than.
+fn additive(step: f64, dims: [usize; 3], spacing: [f64; 3]) -> Sum {
+    let share = (step / diagonal(dims, spacing)).min(1.0);
+    let shift = (-share.log2()).floor().clamp(0.0, f64::from(SHIFT_MAX)) as u32;
+    let bits = (share * f64::from(32 + shift).exp2()).round();
+    Sum::Additive {
+        step: bits.clamp(1.0, f64::from(u32::MAX)) as u32,
+        shift,
+    }
 }
 
 /// A vector of the scene in the slice frame (world proportions).
@@ -365,6 +386,8 @@ pub struct Setup {
     pub material: Option<Material>,
     /// Length of a ray's step, in the unit of the spacing.
     pub step_length: f64,
+    /// What an additive projection makes of a sum: the mean over the volume's diagonal.
+    pub additive: Sum,
 }
 
 impl Setup {
@@ -409,6 +432,7 @@ pub fn set_up(scene: &Scene, volume: impl Into<Shape>) -> Result<Setup, CameraEr
             Some(lighting) => Some(Material::new(lighting, &axes, plan.view())?),
             None => None,
         },
+        additive: additive(step_length(scene, &plan, spacing), dims, spacing),
         step_length: step_length(scene, &plan, spacing),
         clips: clips(scene, &plan, spacing)?,
         plan,

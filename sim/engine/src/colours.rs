@@ -162,10 +162,7 @@ impl<'a> Coloured<'a> {
                 precision: PrecisionName::Paper,
                 ..
             } => Some(ColourError::Paper),
-            Scene {
-                blend: Blend::BackToFront | Blend::Maximum | Blend::Minimum,
-                ..
-            } => Some(ColourError::Blend),
+            Scene { blend, .. } if *blend != Blend::FrontToBack => Some(ColourError::Blend),
             Scene { lighting: Some(_), .. } => Some(ColourError::Lit),
             _ => None,
         };

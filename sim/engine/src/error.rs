@@ -50,6 +50,17 @@ pub enum RenderError {
         "this command knows neither clip planes nor depth cueing, and the scene has them ([[clip]], [cueing]); expected a scene without"
     )]
     Clipped,
+    /// Modulation, where it is not known.
+    #[error(
+        "this command knows no modulation by the gradient's magnitude, and the scene has one ([modulation]); expected a scene without"
+    )]
+    Modulated,
+    /// Sums of samples, where single ones are known.
+    #[error(
+        "this command knows projections that keep a sample, and the scene sums samples up (render.blend average or additive); \
+         expected maximum or minimum, or a composited scene"
+    )]
+    Summed,
     /// A volume of colours, and a scene that asks for what there is not.
     #[error("{0}")]
     Colours(#[from] ColourError),

@@ -5,7 +5,7 @@
 //! against the median difference of neighbouring voxels that have some of it, but not only of it, between them, divided by the planes per voxel.
 
 use rayon::prelude::*;
-use slicecast_scene::{Blend, Interpolation, Scene};
+use slicecast_scene::{Interpolation, Scene};
 use slicecast_volume::Volume;
 
 use crate::error::RenderError;
@@ -50,7 +50,7 @@ impl Finest {
 /// # Errors
 /// [`RenderError::Read`] if a file cannot be read.
 pub fn of(scene: &Scene, volume: &Volume, source: &dyn Source) -> Result<Option<Finest>, RenderError> {
-    let composited = matches!(scene.blend, Blend::FrontToBack | Blend::BackToFront);
+    let composited = scene.blend.is_composited();
     if !composited || scene.interpolation == Interpolation::Nearest {
         return Ok(None);
     }
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(finest_of(&with_points(&[(0.0, 0.0), (4000.0, 0.9)])), None);
         assert_eq!(finest_of(&with_points(&[(0.0, 0.5)])), None);
         let mut scene = with_points(&[(400.0, 0.0), (410.0, 0.9), (420.0, 0.0)]);
-        scene.blend = Blend::Maximum;
+        scene.blend = slicecast_scene::Blend::Maximum;
         assert_eq!(finest_of(&scene), None);
     }
 }

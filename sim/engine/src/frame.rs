@@ -1,6 +1,7 @@
 //! A scene on a volume, and the frame that it renders to.
 
 use slicecast::integral::Length;
+use slicecast::modulate::Modulation;
 use slicecast_scene::{Classification, Scene};
 use slicecast_volume::Volume;
 
@@ -8,8 +9,9 @@ use crate::camera::{CameraError, Setup, set_up};
 use crate::error::RenderError;
 use crate::fineness::{self, Finest};
 use crate::image::{BaseImage, Frame};
+use crate::modulation;
 use crate::oriented::{Oriented, Turned};
-use crate::pipelines::{compile, rendering, rendering_of_segments};
+use crate::pipelines::{Parameters, compile, rendering, rendering_of_segments};
 use crate::rendering::Framing;
 use crate::segments::{self, Segments};
 use crate::shard::Shard;
@@ -30,6 +32,8 @@ pub struct Prepared<'a> {
     pub table: Table,
     /// What segments are classified by, where they are.
     pub segments: Option<Segments>,
+    /// Factors by the magnitude of the gradient, if there are any.
+    pub modulation: Option<Modulation>,
     /// The finest peak of the transfer function, where `auto` chose by it.
     pub finest: Option<Finest>,
     /// Which vectors fold tiles.
@@ -77,6 +81,7 @@ impl<'a> Prepared<'a> {
         Ok(Self {
             table: compile(scene, &volume.mapping, setup.step_length),
             segments: segments.then(|| segments::of(scene, volume, Length::of(&setup.plan))),
+            modulation: modulation::of(scene, &volume.mapping, volume.spacing),
             finest,
             scene,
             volume,
@@ -119,13 +124,24 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// For what knows neither clip planes nor depth cueing.
+    /// For what knows neither clip planes nor depth cueing nor modulation.
     ///
     /// # Errors
-    /// [`RenderError::Clipped`] if the scene has one.
+    /// [`RenderError::Clipped`] or [`RenderError::Modulated`] if the scene has one.
     pub fn check_unclipped(&self) -> Result<(), RenderError> {
         match self.setup.clips {
             Some(_) => Err(RenderError::Clipped),
+            None => self.check_unmodulated(),
+        }
+    }
+
+    /// For what knows no modulation.
+    ///
+    /// # Errors
+    /// [`RenderError::Modulated`] if the scene has one.
+    pub fn check_unmodulated(&self) -> Result<(), RenderError> {
+        match self.modulation {
+            Some(_) => Err(RenderError::Modulated),
             None => Ok(()),
         }
     }
@@ -135,10 +151,13 @@ impl<'a> Prepared<'a> {
     /// # Errors
     /// [`RenderError::Camera`] if the setup's material has been changed to one that the pipeline does not take.
     pub fn rendering(&self) -> Result<Box<dyn Framing>, RenderError> {
-        let (material, geometry) = (self.setup.material.as_ref(), self.setup.geometry());
+        let (parameters, geometry) = (
+            Parameters::of(&self.setup, self.modulation.as_ref()),
+            self.setup.geometry(),
+        );
         let rendering = match &self.segments {
-            Some(segments) => rendering_of_segments(self.scene, segments, material, geometry),
-            None => rendering(self.scene, &self.table, material, geometry),
+            Some(segments) => rendering_of_segments(self.scene, segments, parameters, geometry),
+            None => rendering(self.scene, &self.table, parameters, geometry),
         };
         Ok(rendering.map_err(CameraError::from)?)
     }

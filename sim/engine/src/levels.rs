@@ -52,6 +52,11 @@ pub enum LevelsError {
         "several levels have neither clip planes nor depth cueing, and the scene has them ([[clip]], [cueing]); expected a scene without"
     )]
     Clipped,
+    /// Modulation, whose gradients differ between levels.
+    #[error(
+        "two levels have different gradients where they meet, and the scene weighs them ([modulation]); expected a scene without"
+    )]
+    Modulated,
     /// Labels.
     #[error("labels have no mean; expected --interpolation linear, and a volume that is no label map")]
     Nearest,
@@ -111,12 +116,10 @@ impl LevelsError {
     fn check(scene: &Scene) -> Result<(), Self> {
         match scene {
             Scene { borders, .. } if *borders != Borders::Cells => Err(Self::Borders),
-            Scene {
-                blend: Blend::Maximum | Blend::Minimum,
-                ..
-            } => Err(Self::Projection),
+            Scene { blend, .. } if !blend.is_composited() => Err(Self::Projection),
             Scene { surfaces, .. } if !surfaces.is_empty() => Err(Self::Surfaces),
             Scene { clips, cueing, .. } if !clips.is_empty() || cueing.is_some() => Err(Self::Clipped),
+            Scene { modulation, .. } if modulation.is_some() => Err(Self::Modulated),
             Scene {
                 interpolation: Interpolation::Nearest,
                 ..

@@ -13,6 +13,7 @@ pub mod frame;
 pub mod image;
 pub mod integrals;
 pub mod levels;
+pub mod modulation;
 pub mod occupancy;
 pub mod oriented;
 pub mod parts;

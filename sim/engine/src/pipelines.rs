@@ -2,15 +2,16 @@
 
 use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
+use slicecast::modulate::{Modulated, Modulation};
 use slicecast::plane::{Composite, Pictured, Project};
 use slicecast::precision::Precision;
 #[doc(hidden)]
 pub use slicecast::precision::{Compact, Paper, Wide};
-use slicecast::project::{Maximum, Minimum};
+use slicecast::project::{Maximum, Minimum, Sum};
 use slicecast::shade::{PhongError, Shader, Unlit};
 use slicecast::slice::Code12;
 
-use crate::camera::Material;
+use crate::camera::{Material, Setup};
 use crate::expanded::Expanded;
 use crate::rendering::{Framing, Under};
 use crate::segments::Segments;
@@ -46,7 +47,7 @@ macro_rules! with_precision {
 pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
     let correction = match scene.blend {
         Blend::FrontToBack | Blend::BackToFront => Correction::Step(step_length),
-        Blend::Maximum | Blend::Minimum => Correction::None,
+        Blend::Maximum | Blend::Minimum | Blend::Average | Blend::Additive => Correction::None,
     };
     let code = scene.table.unwrap_or_else(|| {
         let fine = scene.precision.table() == AlphaCodeName::Sqrt16 && has_fine_colours(&scene.transfer, mapping);
@@ -60,6 +61,28 @@ pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
     Table::compile(&scene.transfer, mapping, correction, code, lookup)
 }
 
+/// What a pipeline needs to know of a scene on a volume besides geometry and classifier.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters<'a> {
+    /// Lights; `None` is unlit.
+    pub material: Option<&'a Material>,
+    /// Factors by the magnitude of the gradient, of samples.
+    pub modulation: Option<&'a Modulation>,
+    /// What an additive projection makes of a sum.
+    pub additive: Sum,
+}
+
+impl<'a> Parameters<'a> {
+    /// Those of a setup and a modulation.
+    pub const fn of(setup: &'a Setup, modulation: Option<&'a Modulation>) -> Self {
+        Self {
+            material: setup.material.as_ref(),
+            modulation,
+            additive: setup.additive,
+        }
+    }
+}
+
 /// The rendering of a scene.
 ///
 /// # Errors
@@ -67,10 +90,10 @@ pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
 pub fn rendering(
     scene: &Scene,
     table: &Table,
-    material: Option<&Material>,
+    parameters: Parameters<'_>,
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, PhongError> {
-    rendering_over(scene.precision, scene, table.expanded(), material, geometry)
+    rendering_over(scene.precision, scene, table.expanded(), parameters, geometry)
 }
 
 /// The rendering of a scene in a precision, over a table.
@@ -81,10 +104,10 @@ pub fn rendering_over(
     precision: PrecisionName,
     scene: &Scene,
     table: Expanded,
-    material: Option<&Material>,
+    parameters: Parameters<'_>,
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, PhongError> {
-    with_precision!(precision, precision => of_precision(precision, scene, table, material, geometry))
+    with_precision!(precision, precision => of_precision(precision, scene, table, parameters, geometry))
 }
 
 /// The rendering of a composited scene whose segments are classified.
@@ -94,25 +117,30 @@ pub fn rendering_over(
 pub fn rendering_of_segments(
     scene: &Scene,
     segments: &Segments,
-    material: Option<&Material>,
+    parameters: Parameters<'_>,
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, PhongError> {
     let back_to_front = scene.blend == Blend::BackToFront;
-    with_precision!(scene.precision, p => composited(p, scene, segments.clone(), material, geometry, back_to_front))
+    with_precision!(scene.precision, p => composited(p, scene, segments.clone(), parameters, geometry, back_to_front))
 }
 
 fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     precision: P,
     scene: &Scene,
     table: Expanded,
-    material: Option<&Material>,
+    parameters: Parameters<'_>,
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, PhongError> {
+    if let (true, Some(modulation)) = (scene.blend.is_composited(), parameters.modulation) {
+        return modulated(precision, scene, table, (parameters.material, modulation), geometry);
+    }
     Ok(match scene.blend {
-        Blend::FrontToBack => return composited(precision, scene, table, material, geometry, false),
-        Blend::BackToFront => return composited(precision, scene, table, material, geometry, true),
+        Blend::FrontToBack => return composited(precision, scene, table, parameters, geometry, false),
+        Blend::BackToFront => return composited(precision, scene, table, parameters, geometry, true),
         Blend::Maximum => under(geometry, Project::<_, _, Maximum>::new(precision, table)),
         Blend::Minimum => under(geometry, Project::<_, _, Minimum>::new(precision, table)),
+        Blend::Average => under(geometry, Project::of(precision, table, Sum::Average)),
+        Blend::Additive => under(geometry, Project::of(precision, table, parameters.additive)),
     })
 }
 
@@ -120,7 +148,7 @@ fn composited<P, C>(
     precision: P,
     scene: &Scene,
     classifier: C,
-    material: Option<&Material>,
+    parameters: Parameters<'_>,
     geometry: Geometry<'_>,
     back_to_front: bool,
 ) -> Result<Box<dyn Framing>, PhongError>
@@ -128,7 +156,7 @@ where
     P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>,
     C: Classifier<P> + Send + 'static,
 {
-    Ok(match (back_to_front, material) {
+    Ok(match (back_to_front, parameters.material) {
         (false, Some(material)) => {
             let phong = material.phong(precision)?;
             let pipeline = Composite::new(precision, classifier, phong);
@@ -149,6 +177,29 @@ where
             geometry,
             Composite::<_, _, _, BackToFront>::new(precision, classifier, Unlit),
         ),
+    })
+}
+
+/// Composited samples under a modulation: lit or not is a value, so that it is compiled once.
+fn modulated<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
+    precision: P,
+    scene: &Scene,
+    table: Expanded,
+    (material, modulation): (Option<&Material>, &Modulation),
+    geometry: Geometry<'_>,
+) -> Result<Box<dyn Framing>, PhongError> {
+    let phong = material.map(|material| material.phong(precision)).transpose()?;
+    let shader = Modulated::new(precision, phong, modulation.clone());
+    Ok(if scene.blend == Blend::BackToFront {
+        under(
+            geometry,
+            Composite::<_, _, _, BackToFront>::new(precision, table, shader),
+        )
+    } else {
+        under(
+            geometry,
+            early(Composite::new(precision, table, shader), scene.early_termination),
+        )
     })
 }
 

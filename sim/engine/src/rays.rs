@@ -1,7 +1,7 @@
 //! The pipeline's definitions, applied to one ray at a time: what every row kernel, layer and vector has to equal.
 //!
-//! Only core's scalar definitions are used: `position` and `middle`, `Side::part`, `fraction_of`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`,
-//! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`. Which
+//! Only core's scalar definitions are used: `position` and `middle`, `Side::part`, `fraction_of`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`, `Modulated::shade` and `opacity`,
+//! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`, `Sum::add`, `Projection::shown`. Which
 //! voxels they are given follows from the contract and is written here once more: no rows, no ring, no spans, no reuse.
 //! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
 //! finished rays end, as any renderer of rays would have it, and that is what is measured.
@@ -18,11 +18,12 @@ use slicecast::format::{Opacity, Position, Step, Weight};
 use slicecast::gradient::{coarsen, space};
 use slicecast::interpolate::trilinear;
 use slicecast::locate::{Cell, cell, middle, position, settled};
+use slicecast::modulate::Modulated;
 use slicecast::normalise::{Normal, normalise};
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Depth, NO_DEPTH};
 use slicecast::precision::{Formats, Precision};
-use slicecast::project::{Extreme, Maximum, Minimum, resolve};
+use slicecast::project::{Extreme, Maximum, Minimum, Projection, Sum, pixel, resolve};
 use slicecast::shade::{Phong, PhongError};
 
 use self::grid::Grid;
@@ -58,6 +59,8 @@ pub struct Composited<C> {
     pub colour: [u32; 3],
     /// Gradient after the spacing factors, normal and shaded colour; `None` in unlit scenes.
     pub lit: Option<([i32; 3], Normal, [u32; 3])>,
+    /// Its opacity under modulation, if there is any.
+    pub modulated: Option<Opacity>,
     /// The pixel before it.
     pub before: Pixel<C>,
     /// The pixel after it.
@@ -117,7 +120,9 @@ struct Rays<'a, P: Precision> {
     table: AnyTable<'a>,
     segments: Option<&'a Segments>,
     phong: Option<Phong<P>>,
+    modulated: Option<Modulated<P>>,
     blend: Blend,
+    additive: Sum,
     floor: ChannelOf<P>,
 }
 
@@ -173,7 +178,11 @@ impl<'a, P: Precision> Rays<'a, P> {
             _ => 0,
         };
         let material = prepared.setup.material.as_ref();
+        let phong = material.map(|material| material.phong(precision)).transpose()?;
+        // Of samples alone.
+        let modulation = prepared.modulation.clone().filter(|_| prepared.segments.is_none());
         Ok(Self {
+            modulated: modulation.map(|modulation| Modulated::new(precision, phong.clone(), modulation)),
             precision,
             grid: Grid::of(prepared.volume, plan),
             plan,
@@ -181,8 +190,9 @@ impl<'a, P: Precision> Rays<'a, P> {
             cue: prepared.setup.clips.as_ref().and_then(Clips::cue),
             table: prepared.table.classifier(),
             segments: prepared.segments.as_ref(),
-            phong: material.map(|material| material.phong(precision)).transpose()?,
+            phong,
             blend,
+            additive: prepared.setup.additive,
             floor: Channel::from_bits(pixel.floor().bits().max(asked)),
         })
     }
@@ -247,6 +257,8 @@ impl<'a, P: Precision> Rays<'a, P> {
             Blend::BackToFront => self.composited::<W, true>(ray, witness),
             Blend::Maximum => self.projected::<Maximum, W>(ray, witness),
             Blend::Minimum => self.projected::<Minimum, W>(ray, witness),
+            Blend::Average => self.summed(ray, Sum::Average, witness),
+            Blend::Additive => self.summed(ray, self.additive, witness),
         }
     }
 
@@ -520,11 +532,13 @@ impl<'a, P: Precision> Rays<'a, P> {
                     None => self.table.colour(p, sample),
                 };
                 // What is not lit turns as it is classified.
-                let colour = match self.phong {
-                    Some(_) => colour,
-                    None => self.turned(ray, self.index(step), colour),
+                let shades = self.phong.is_some() || self.modulated.is_some();
+                let colour = if shades {
+                    colour
+                } else {
+                    self.turned(ray, self.index(step), colour)
                 };
-                let lit = self.phong.as_ref().map(|phong| {
+                let lit = shades.then(|| {
                     let mut gradient = if inner {
                         self.gradient::<true>(cells)
                     } else {
@@ -539,21 +553,31 @@ impl<'a, P: Precision> Rays<'a, P> {
                         });
                     }
                     let normal = normalise(gradient);
-                    let shaded = phong.shade(normal, colour);
+                    let shaded = match (&self.modulated, &self.phong) {
+                        (Some(modulated), _) => modulated.shade(gradient, normal, colour),
+                        (None, Some(phong)) => phong.shade(normal, colour),
+                        (None, None) => colour,
+                    };
                     (gradient, normal, self.turned(ray, self.index(step), shaded))
                 });
                 let shaded = lit.map_or(colour, |(_, _, shaded)| shaded);
+                let modulated = match (&self.modulated, lit) {
+                    (Some(modulated), Some((gradient, ..))) => Some(modulated.opacity(gradient, opacity)),
+                    _ => None,
+                };
+                let folded = modulated.unwrap_or(opacity);
                 let dither = Dither::of_part(self.index(step), part);
                 if BACK_TO_FRONT {
-                    pixel = recurrence.under(pixel, shaded, opacity, dither);
+                    pixel = recurrence.under(pixel, shaded, folded, dither);
                 } else {
-                    pixel = recurrence.over(pixel, shaded, opacity, dither);
+                    pixel = recurrence.over(pixel, shaded, folded, dither);
                     pixel.transparency = settle(pixel.transparency, self.floor);
                 }
                 let seen = Composited {
                     opacity,
                     colour,
                     lit,
+                    modulated,
                     before,
                     after: pixel,
                 };
@@ -582,6 +606,21 @@ impl<'a, P: Precision> Rays<'a, P> {
             }
         }
         resolve::<_, X>(self.precision, kept, &self.table)
+    }
+
+    /// One ray, what is made of the sum of its samples.
+    fn summed<W: Witness>(&self, ray: &Ray, sum: Sum, witness: &mut W) -> Pixel<ChannelOf<P>> {
+        let mut words = [Sum::EMPTY; 3];
+        for step in 0..self.plan.planes() {
+            if let Some(located) = self.locate(ray, step, witness) {
+                let sample = self.sample::<false>(located.cells);
+                if let Some(left) = located.left {
+                    words = Sum::add(words, sample, share(located.fraction, left.weight()));
+                }
+                witness.sample(located.visit, sample, None);
+            }
+        }
+        pixel(self.precision, sum.shown(self.precision, words), &self.table)
     }
 
     /// Gradient of a sample, spaced. `INNER`: all voxels that are looked at exist.

@@ -93,6 +93,7 @@ fn framed(precision: PrecisionName, background: [f64; 3], check: impl Fn(&Frame,
         crop: None,
         clips: Vec::new(),
         cueing: None,
+        modulation: None,
         surfaces: Vec::new(),
     };
     let prepared = Prepared::new(&scene, &volume).unwrap();

@@ -5,6 +5,7 @@ use slicecast::crop::Crop;
 use slicecast::format::{Intensity, Position};
 use slicecast::plan::Plan;
 use slicecast::precision::Precision;
+use slicecast::project::Sum;
 use slicecast::shade::{Highlight, KeptLight, keep, keep_vector};
 use slicecast::stream::Needs;
 use slicecast::view::Axis;
@@ -27,6 +28,8 @@ pub struct Numbers<'a> {
     pub precision: PrecisionName,
     /// How samples combine.
     pub blend: Blend,
+    /// Step and shift of an additive projection.
+    pub additive: Option<[u32; 2]>,
     /// Transparency below this becomes 0, in the pixel's own format; of compositing.
     pub floor: u32,
     /// Rays end below 2^-n, besides.
@@ -92,9 +95,13 @@ impl<'a> Numbers<'a> {
         let (scene, setup) = (prepared.scene, &prepared.setup);
         let early_termination = match scene.blend {
             Blend::FrontToBack => scene.early_termination,
-            Blend::BackToFront | Blend::Maximum | Blend::Minimum => None,
+            _ => None,
         };
-        let composited = matches!(scene.blend, Blend::FrontToBack | Blend::BackToFront);
+        let additive = match setup.additive {
+            Sum::Additive { step, shift } if scene.blend == Blend::Additive => Some([step, shift]),
+            _ => None,
+        };
+        let composited = scene.blend.is_composited();
         let material = setup.material.as_ref().filter(|_| composited);
         let (floor, shading) = with_precision!(scene.precision, p => {
             let (one, own) = (p.pixel().one().bits(), p.pixel().floor().bits());
@@ -106,6 +113,7 @@ impl<'a> Numbers<'a> {
             plan: setup.plan,
             precision: scene.precision,
             blend: scene.blend,
+            additive,
             floor,
             early_termination,
             shading,
@@ -126,7 +134,7 @@ impl<'a> Numbers<'a> {
 
     /// Whether samples are composited, not projected.
     pub fn is_composited(&self) -> bool {
-        matches!(self.blend, Blend::FrontToBack | Blend::BackToFront)
+        self.blend.is_composited()
     }
 
     /// How samples combine, in words.
@@ -136,6 +144,8 @@ impl<'a> Numbers<'a> {
             Blend::BackToFront => "back-to-front",
             Blend::Maximum => "maximum",
             Blend::Minimum => "minimum",
+            Blend::Average => "average",
+            Blend::Additive => "additive",
         }
     }
 

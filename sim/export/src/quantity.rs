@@ -95,6 +95,8 @@ pub fn of_scene(numbers: &Numbers<'_>) -> Vec<Quantity> {
         Blend::BackToFront => 1,
         Blend::Maximum => 2,
         Blend::Minimum => 3,
+        Blend::Average => 4,
+        Blend::Additive => 5,
     };
     let channel = match numbers.precision {
         PrecisionName::Paper => ("1.15", 16),
@@ -202,12 +204,17 @@ pub fn of_scene(numbers: &Numbers<'_>) -> Vec<Quantity> {
         quantity("phases", COUNT, "phases", "", [plan.phases()]),
         quantity(
             "order",
-            ("2.0", 2),
-            "0 front to back, 1 back to front, 2 maximum, 3 minimum",
+            ("3.0", 3),
+            "0 front to back, 1 back to front, 2 maximum, 3 minimum, 4 average, 5 additive",
             "",
             [order],
         ),
     ];
+    if let Some([step, shift]) = numbers.additive {
+        let unit = "shares of the additive length per step, over 2^(32 + shift)";
+        list.push(quantity("additive_step", COUNT, unit, "", [step]));
+        list.push(quantity("additive_shift", COUNT, "bits", "", [shift]));
+    }
     if numbers.is_composited() {
         list.push(quantity(
             "floor",

@@ -92,7 +92,7 @@ fn uses(out: &mut String, numbers: &Numbers<'_>, types: &Types) {
     match numbers.blend {
         Blend::FrontToBack => composite.push("FrontToBack"),
         Blend::BackToFront => composite.push("BackToFront"),
-        Blend::Maximum | Blend::Minimum => {}
+        Blend::Maximum | Blend::Minimum | Blend::Average | Blend::Additive => {}
     }
     composite.sort_unstable();
     let mut lines = vec!["slicecast::Error".to_owned(), list("classify", &classify)];
@@ -113,6 +113,7 @@ fn uses(out: &mut String, numbers: &Numbers<'_>, types: &Types) {
     match (numbers.blend, &numbers.shading) {
         (Blend::Maximum, _) => lines.push(list("project", &["Maximum"])),
         (Blend::Minimum, _) => lines.push(list("project", &["Minimum"])),
+        (Blend::Average | Blend::Additive, _) => lines.push(list("project", &["Sum"])),
         (_, Some(_)) => lines.push(list("shade", &["Highlight", "KeptLight", "Phong"])),
         (_, None) => lines.push(list("shade", &["Unlit"])),
     }
@@ -148,6 +149,7 @@ fn pipeline_type(out: &mut String, numbers: &Numbers<'_>, types: &Types) {
         Blend::BackToFront => format!("Composite<{precision}, Table, {shader}, BackToFront>"),
         Blend::Maximum => format!("Project<{precision}, Table, Maximum>"),
         Blend::Minimum => format!("Project<{precision}, Table, Minimum>"),
+        Blend::Average | Blend::Additive => format!("Project<{precision}, Table, Sum>"),
     };
     let _ = write!(
         out,
@@ -311,7 +313,13 @@ fn calls(out: &mut String, numbers: &Numbers<'_>, types: &Types) {
             format!("Composite::new({precision}, table, phong)")
         }
         (None, true) => format!("Composite::new({precision}, table, Unlit)"),
-        (None, false) => format!("Project::new({precision}, table)"),
+        (None, false) => match (numbers.blend, numbers.additive) {
+            (_, Some([step, shift])) => {
+                format!("Project::of({precision}, table, Sum::Additive {{ step: {step}, shift: {shift} }})")
+            }
+            (Blend::Average, _) => format!("Project::of({precision}, table, Sum::Average)"),
+            _ => format!("Project::new({precision}, table)"),
+        },
     };
     let early = numbers
         .early_termination

@@ -10,7 +10,7 @@ use slicecast::format::{Direction, Intensity, Position, Step};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::plane::{ChannelOf, Composite, Pictured, Project};
 use slicecast::precision::{Compact, Paper, Precision, Wide};
-use slicecast::project::Maximum;
+use slicecast::project::{Maximum, Sum};
 use slicecast::shade::{Highlight, KeptLight, Phong, Unlit};
 use slicecast::slice::RowRange;
 use slicecast::slice::Voxel as _;
@@ -396,6 +396,49 @@ fn a_projection_has_no_lights_and_no_step() {
     let table = PointTable::<Sqrt16, Linear>::new(&entries, &low);
     let (_, picture) = streamed(&read, &voxels, Project::<_, _, Maximum>::new(Compact, table));
     assert!(picture == expected(&prepared).1);
+    assert!(!read.has("additive_step"));
+}
+
+#[test]
+fn sums_take_what_the_file_says() {
+    let volume = ball();
+    for (blend, order) in [(Blend::Average, 4), (Blend::Additive, 5)] {
+        let mut scene = scene();
+        scene.blend = blend;
+        let prepared = Prepared::new(&scene, &volume).unwrap();
+        let files = files(&prepared, Format::Json, "ball", true).unwrap();
+        let read = Read::of(&files, "ball.json");
+        assert_eq!(read.one("order"), order);
+        assert_eq!(read.has("additive_step"), blend == Blend::Additive);
+        let voxels = Read::of(&files, "ball_voxels.json").list("voxels");
+        let (entries, low): (Box<_>, Box<_>) = (
+            Box::new(read.array("table_entries")),
+            Box::new(read.array("table_low_roots")),
+        );
+        let table = PointTable::<Sqrt16, Linear>::new(&entries, &low);
+        let sum = if blend == Blend::Average {
+            Sum::Average
+        } else {
+            Sum::Additive {
+                step: read.one("additive_step") as u32,
+                shift: read.one("additive_shift") as u32,
+            }
+        };
+        let (base, picture) = streamed(&read, &voxels, Project::of(Compact, table, sum));
+        assert!(base.iter().any(|bits| *bits != base[0]), "{blend:?} shows nothing");
+        assert!(picture == expected(&prepared).1, "{blend:?}");
+        let [module, ..] = &slicecast_export::files(&prepared, Format::Rust, "ball", false).unwrap()[..] else {
+            panic!("no module");
+        };
+        let made = match sum {
+            Sum::Average => "Project::of(Compact, table, Sum::Average)".to_owned(),
+            Sum::Additive { step, shift } => {
+                format!("Project::of(Compact, table, Sum::Additive {{ step: {step}, shift: {shift} }})")
+            }
+        };
+        let text = format!("{module:?}");
+        assert!(text.contains(&made), "{text}");
+    }
 }
 
 /// A word a line, as wide as the manifest says, and the numbers of the JSON.

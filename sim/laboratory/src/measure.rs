@@ -19,7 +19,7 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::BaseImage;
-use slicecast_engine::pipelines::{early, rendering_over};
+use slicecast_engine::pipelines::{Parameters, early, rendering_over};
 use slicecast_engine::rendering::{Rendering, Under, in_memory_order, tapped};
 use slicecast_engine::table::{Correction, Filled, fill};
 use slicecast_engine::tiles::TILE_ROWS;
@@ -112,10 +112,10 @@ impl Runner {
     /// The configuration's rendering of a scene, its image untouched.
     fn begun(&self, prepared: &Prepared<'_>) -> Result<Box<dyn Rendering>, RenderError> {
         let table = (self.table)(prepared, self.lookup);
-        let (material, geometry) = (prepared.setup.material.as_ref(), prepared.setup.geometry());
+        let (parameters, geometry) = (Parameters::of(&prepared.setup, None), prepared.setup.geometry());
         let mut rendering: Box<dyn Rendering> = match self.kind {
             Kind::Named(name) => {
-                let rendering = rendering_over(name, prepared.scene, table, material, geometry);
+                let rendering = rendering_over(name, prepared.scene, table, parameters, geometry);
                 rendering.map_err(CameraError::from)?
             }
             Kind::Study(study) => under(study, prepared, table)?,

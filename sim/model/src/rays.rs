@@ -168,6 +168,12 @@ impl Geometry {
         ((si * pi).powi(2) + (sj * pj).powi(2) + pk * pk).sqrt() / self.planes_per_voxel as f64
     }
 
+    /// World length of the diagonal of the volume's cells: no ray in it is longer.
+    pub fn diagonal(&self) -> f64 {
+        let side = |a: usize| (self.dims[a] as f64 * self.spacing[a]).powi(2);
+        (side(0) + side(1) + side(2)).sqrt()
+    }
+
     /// A world vector (x, y, z) in the frame: permuted, its major component negated if k is flipped.
     pub fn to_frame(&self, world: [f64; 3]) -> [f64; 3] {
         let [i, j, k] = self.order.map(|a| world[a]);

@@ -6,11 +6,13 @@ use super::composite::Pixel;
 use super::gradient::{difference_at, normalise, spacing_factors};
 use super::grid::Grid;
 use super::interpolate::value_at;
+use super::modulation::Weights;
 use super::parts::{Crossing, Isosurface, Part, crossings, cut, pieces, surfaces};
 use super::rays::{Geometry, Lattice};
 use super::segment::Bins;
 use super::shade::Lights;
 use super::warp::ModelImage;
+use slicecast_scene::modulation::Modulation;
 use slicecast_scene::{Blend, Borders, Classification, Interpolation, Scene};
 use slicecast_volume::Volume;
 
@@ -48,6 +50,9 @@ pub struct Model<'a> {
     pieces: u32,
     clips: Vec<ClipPlane>,
     cue: Option<CuePlane>,
+    modulation: Option<&'a Modulation>,
+    /// A gradient's unit, codes over two voxels of the finest axis, in values per unit of length.
+    steepness: f64,
 }
 
 /// What the model classifies, and how.
@@ -128,6 +133,8 @@ impl<'a> Model<'a> {
             pieces: if has_one_colour(scene) { 1 } else { scene.pieces },
             clips: scene.clips.iter().map(|clip| ClipPlane::of(clip, &geometry)).collect(),
             cue: (scene.cueing.as_ref()).map(|cue| CuePlane::of(cue, camera.forward, &geometry)),
+            modulation: scene.modulation.as_ref(),
+            steepness: volume.mapping.scale.abs() / (2.0 * volume.spacing.into_iter().fold(f64::INFINITY, f64::min)),
             geometry,
         }
     }
@@ -441,6 +448,26 @@ impl<'a> Model<'a> {
             .map_or(colour, |lights| lights.shade(normal, colour))
     }
 
+    /// The same with weights of diffuse and specular light.
+    pub fn shade_weighed(&self, normal: [f64; 3], colour: [f64; 3], weights: Weights) -> [f64; 3] {
+        self.lights
+            .as_ref()
+            .map_or(colour, |lights| lights.shade_weighed(normal, colour, weights))
+    }
+
+    /// Whether gradients weigh opacities or light.
+    pub const fn modulates(&self) -> bool {
+        self.modulation.is_some()
+    }
+
+    /// The factors of a sample with this gradient ([`Model::gradient_at`]).
+    pub fn weights(&self, gradient: [f64; 3]) -> Weights {
+        self.modulation.map_or(Weights::ONE, |modulation| {
+            let length = gradient.iter().map(|c| c * c).sum::<f64>().sqrt();
+            Weights::of(modulation, length * self.steepness)
+        })
+    }
+
     /// Every stage of one sample, visible or not; `None` outside the volume. Of samples, even where segments are classified.
     pub fn sample(&self, plane: usize, u: usize, v: usize) -> Option<ModelSample> {
         let position = self.position(plane, u, v)?;
@@ -455,16 +482,16 @@ impl<'a> Model<'a> {
         let fraction = self.geometry.fraction(middle) * left.weight();
         let Classified { colour, opacity } = self.classify(value).of_fraction(fraction);
         let gradient = self.gradient_at(position);
-        let normal = normalise(gradient);
+        let (normal, weights) = (normalise(gradient), self.weights(gradient));
         Some(ModelSample {
             position,
             value,
             gradient,
             normal,
             colour,
-            opacity,
+            opacity: opacity * weights.opacity,
             shaded: self.cued(
-                self.shade(normal, colour),
+                self.shade_weighed(normal, colour, weights),
                 self.turned_behind(self.geometry.front(middle)),
             ),
         })
@@ -477,6 +504,11 @@ impl<'a> Model<'a> {
             Blend::BackToFront => self.back_to_front(u, v),
             Blend::Maximum => self.extreme(u, v, f64::max),
             Blend::Minimum => self.extreme(u, v, f64::min),
+            Blend::Average => self.summed(u, v, |sum, length| sum / length),
+            Blend::Additive => {
+                let steps = self.geometry.diagonal() / self.geometry.step_length();
+                self.summed(u, v, |sum, _| (sum / steps).min(4095.0))
+            }
         }
     }
 
@@ -502,11 +534,13 @@ impl<'a> Model<'a> {
             .filter(|part| part.classified.opacity > 0.0)
             .map(|part| {
                 let Classified { colour, opacity } = part.classified;
-                let shaded = match &self.lights {
-                    None => colour,
-                    Some(lights) => lights.shade(normalise(self.gradient_of(place, part.crossing)), colour),
-                };
-                (self.cued(shaded, place.turned), opacity)
+                if self.lights.is_none() && self.modulation.is_none() {
+                    return (self.cued(colour, place.turned), opacity);
+                }
+                let gradient = self.gradient_of(place, part.crossing);
+                let weights = self.weights(gradient);
+                let shaded = self.shade_weighed(normalise(gradient), colour, weights);
+                (self.cued(shaded, place.turned), opacity * weights.opacity)
             })
             .collect()
     }
@@ -544,6 +578,26 @@ impl<'a> Model<'a> {
                 let Classified { colour, opacity } = self.classify_as_written(value);
                 Pixel::of_sample(colour, opacity)
             })
+    }
+}
+
+impl Model<'_> {
+    /// What is made of the sum of the ray's values and of its length in steps, of which each counts by what of it is in the box and is
+    /// left; classified once.
+    fn summed(&self, u: usize, v: usize, value: impl Fn(f64, f64) -> f64) -> Pixel {
+        let (mut sum, mut length) = (0.0, 0.0);
+        for plane in 0..self.geometry.planes() {
+            if let Some(place) = self.place(plane, u, v) {
+                let share = place.fraction * place.left.weight();
+                sum += share * self.value_at(place.position);
+                length += share;
+            }
+        }
+        if length == 0.0 {
+            return Pixel::TRANSPARENT;
+        }
+        let Classified { colour, opacity } = self.classify_as_written(value(sum, length));
+        Pixel::of_sample(colour, opacity)
     }
 }
 

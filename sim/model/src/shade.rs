@@ -15,6 +15,7 @@
 //! All vectors are unit vectors in world directions along i, j, k; the frame may be left-handed, which scalar
 //! products do not see. Intensities, coefficients and colours are 0 to 1.
 
+use super::modulation::Weights;
 use super::rays::Geometry;
 use super::vector::{add, dot, scale, unit};
 use slicecast_scene::{CameraAxes, Frame, Highlight, Lighting};
@@ -108,13 +109,18 @@ impl Lights {
 
     /// The light that a surface of normal N and colour O sends to the viewer: the equation at the head of this file.
     pub fn shade(&self, normal: [f64; 3], colour: [f64; 3]) -> [f64; 3] {
+        self.shade_weighed(normal, colour, Weights::ONE)
+    }
+
+    /// The same with weights of diffuse and specular light.
+    pub fn shade_weighed(&self, normal: [f64; 3], colour: [f64; 3], weights: Weights) -> [f64; 3] {
         let mut coloured = [self.ambient; 3];
         let mut highlight = [0.0; 3];
         for light in &self.lights {
             let terms = self.terms(light, normal);
             for c in 0..3 {
-                coloured[c] += self.diffuse * light.colour[c] * terms.diffuse;
-                highlight[c] += self.specular * light.colour[c] * terms.specular;
+                coloured[c] += weights.diffuse * self.diffuse * light.colour[c] * terms.diffuse;
+                highlight[c] += weights.specular * self.specular * light.colour[c] * terms.specular;
             }
         }
         [0, 1, 2].map(|c| (colour[c] * coloured[c].min(1.0) + highlight[c]).min(1.0))

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use thiserror::Error;
 
 use super::{
-    Blend, Borders, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, Sampling, Scene,
+    Borders, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, Sampling, Scene,
     TransferFunction, View,
 };
 
@@ -85,6 +85,7 @@ impl Scene {
         }
         self.clips()?;
         self.cueing()?;
+        self.modulation()?;
         self.colours()?;
         self.classification()?;
         self.surfaces()?;
@@ -95,7 +96,7 @@ impl Scene {
         let Some(cueing) = self.cueing else { return Ok(()) };
         let named = |(name, value, expected)| FieldError::new(&format!("cueing.{name}"), value, expected);
         cueing.check().map_err(named)?;
-        if matches!(self.blend, Blend::Maximum | Blend::Minimum) {
+        if !self.blend.is_composited() {
             let expected = "render.blend \"front_to_back\" or \"back_to_front\": a projection has no depth";
             return Err(FieldError::new("cueing", "given", expected));
         }
@@ -107,6 +108,28 @@ impl Scene {
             ));
         }
         Ok(())
+    }
+
+    /// Modulation is of composited samples.
+    fn modulation(&self) -> Result<(), FieldError> {
+        let Some(modulation) = &self.modulation else {
+            return Ok(());
+        };
+        let named =
+            |(name, value, expected): (String, _, _)| FieldError::new(&format!("modulation.{name}"), value, expected);
+        modulation.check().map_err(named)?;
+        let expected = if !self.blend.is_composited() {
+            "render.blend \"front-to-back\" or \"back-to-front\": a projection has neither opacities of steps nor light"
+        } else if self.colours.is_some() {
+            "a scene of values, not of [colours]"
+        } else if self.classification != Classification::Point {
+            "render.classification \"point\", without surfaces: a segment has two gradients"
+        } else if self.lighting.is_none() && modulation.lights() {
+            "[lighting]: without it there is no light to modulate, and opacity alone can be"
+        } else {
+            return Ok(());
+        };
+        Err(FieldError::new("modulation", "given", expected))
     }
 
     fn clips(&self) -> Result<(), FieldError> {
@@ -179,7 +202,7 @@ impl Scene {
                 format!("{needs} {why}"),
             ))
         };
-        if !matches!(self.blend, Blend::FrontToBack | Blend::BackToFront) {
+        if !self.blend.is_composited() {
             return refused("under a projection, which keeps single samples");
         }
         if self.interpolation == Interpolation::Nearest {

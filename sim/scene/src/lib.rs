@@ -13,6 +13,7 @@ pub mod crop;
 pub mod cueing;
 pub mod file;
 pub mod import;
+pub mod modulation;
 pub mod transfer;
 
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,8 @@ pub struct Scene {
     pub clips: Vec<clip::Clip>,
     /// Depth cueing, if colours turn with depth.
     pub cueing: Option<cueing::Cueing>,
+    /// Factors by the magnitude of the gradient, if there are any.
+    pub modulation: Option<modulation::Modulation>,
     /// Colour and opacity of data values.
     pub transfer: TransferFunction,
     /// Lights and material; `None` is an unlit scene.
@@ -402,6 +405,18 @@ pub enum Blend {
     Maximum,
     /// The smallest sample of the ray, then classified.
     Minimum,
+    /// The mean of the ray's samples, then classified.
+    Average,
+    /// The mean of the ray's samples over the length of the volume's diagonal, outside of the volume the value of code 0: what a ray
+    /// sums up. Then classified.
+    Additive,
+}
+
+impl Blend {
+    /// Whether samples are composited, not projected.
+    pub const fn is_composited(self) -> bool {
+        matches!(self, Self::FrontToBack | Self::BackToFront)
+    }
 }
 
 /// The named precisions.

@@ -2,13 +2,15 @@
 
 use serde::Serialize;
 use slicecast::integral::Length;
+use slicecast::project::Sum;
 use slicecast::view::Axis;
 use slicecast_engine::camera::{Material, clips, plan};
 use slicecast_engine::integrals::Cumulative;
-use slicecast_engine::pipelines::{compile, rendering, rendering_of_segments};
+use slicecast_engine::modulation;
+use slicecast_engine::pipelines::{Parameters, compile, rendering, rendering_of_segments};
 use slicecast_engine::segments;
 use slicecast_engine::tiles::Geometry;
-use slicecast_scene::{Blend, Classification};
+use slicecast_scene::Classification;
 use slicecast_volume::Mapping;
 
 use super::Failure;
@@ -75,15 +77,21 @@ impl Args {
             plan: &plan,
             clips: clips.as_ref(),
         };
+        let modulation = modulation::of(&scene, &codes, self.spacing);
+        let parameters = Parameters {
+            material: lights.as_ref(),
+            modulation: modulation.as_ref(),
+            additive: Sum::Average,
+        };
         let with_volume = scene.classification != Classification::None;
         let rendering = if with_volume && scene.classification != Classification::Integral {
-            rendering(&scene, &table, lights.as_ref(), geometry)
+            rendering(&scene, &table, parameters, geometry)
         } else {
             let integrals = with_volume.then(|| Cumulative::compile(&scene.transfer, &codes, 1.0, 0));
             table_bytes = integrals.as_ref().map_or(0, Cumulative::bytes);
             let integrals = integrals.map(|integrals| integrals.classifier(Length::of(&plan)));
             let segments = segments::cut(integrals, &scene, &codes);
-            rendering_of_segments(&scene, &segments, lights.as_ref(), geometry)
+            rendering_of_segments(&scene, &segments, parameters, geometry)
         };
         let rendering = rendering.map_err(Failure::input)?;
         let needs = rendering.needs();
@@ -92,10 +100,10 @@ impl Args {
         let view = plan.view();
         let facts = Facts {
             precision: scene.precision.name(),
-            shading: match (scene.blend, &lights) {
-                (Blend::Maximum | Blend::Minimum, _) => "projection",
-                (_, Some(_)) => "lit",
-                (_, None) => "unlit",
+            shading: match (scene.blend.is_composited(), &lights) {
+                (false, _) => "projection",
+                (true, Some(_)) => "lit",
+                (true, None) => "unlit",
             },
             axis: match view.major() {
                 Axis::X => "x",

@@ -135,6 +135,7 @@ impl Args {
             .map(|view| {
                 let view = view?;
                 view.check_points()?;
+                view.check_unmodulated()?;
                 Ok(view.with_simd(self.threads.simd()))
             })
             .collect::<Result<_, RenderError>>()?;

@@ -153,11 +153,14 @@ fn cells(plan: &Plan, plane: &Plane, [column, row]: [u32; 2]) -> [Cell; 3] {
 /// Renders a part of a frame under a tap.
 ///
 /// # Errors
-/// [`RenderError`] as for any frame, and if segments are classified or the volume is cropped: the sets have one sample an
-/// opacity, of a whole volume.
+/// [`RenderError`] as for any frame, and if segments are classified, samples are summed up or the volume is cropped: the sets have
+/// one sample an opacity, of a whole volume.
 pub fn sets(prepared: &Prepared<'_>, part: &Part) -> Result<FrameSets, RenderError> {
     prepared.check_points()?;
     prepared.check_uncropped()?;
+    if matches!(prepared.scene.blend, Blend::Average | Blend::Additive) {
+        return Err(RenderError::Summed);
+    }
     let plan = &prepared.setup.plan;
     let mut turned = Turned::new(prepared.volume, plan);
     let slices = turned.slices()?;
@@ -599,6 +602,8 @@ fn constants<P: Precision>(p: P, prepared: &Prepared<'_>) -> Vec<(Field, i64)> {
         Blend::BackToFront => 1,
         Blend::Maximum => 2,
         Blend::Minimum => 3,
+        // Refused before.
+        Blend::Average | Blend::Additive => unreachable!("sums have no vectors"),
     };
     all.push((
         u("blend", 2, "0 front to back, 1 back to front, 2 maximum, 3 minimum"),

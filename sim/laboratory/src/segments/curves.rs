@@ -130,6 +130,7 @@ fn scene(transfer: TransferFunction) -> Scene {
         crop: None,
         clips: Vec::new(),
         cueing: None,
+        modulation: None,
         surfaces: Vec::new(),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::testing::{SAMPLING_ONCE, close, scene_along, view_along, volume_of};
 use crate::{Model, Pixel, Positions};
-use slicecast_scene::{Blend, Frame, Highlight, Light, Lighting, Sampling, Scene};
+use slicecast_scene::{Blend, Borders, Frame, Highlight, Light, Lighting, Sampling, Scene};
 use slicecast_volume::Volume;
 
 /// Every existing sample of a model's lattice, with its coordinates.
@@ -263,7 +263,51 @@ fn extremes_are_classified_once_as_written() {
     scene.sampling = SAMPLING_ONCE;
     let mut lattice = Model::geometry_of(&scene, &volume).natural_lattice();
     lattice.origin[0] -= 1;
-    let model = Model::new(&scene, &volume, lattice, Positions::Exact);
-    assert_eq!(model.ray(0, 0), Pixel::TRANSPARENT);
-    assert_ne!(model.ray(2, 0), Pixel::TRANSPARENT);
+    for blend in [Blend::Minimum, Blend::Average, Blend::Additive] {
+        scene.blend = blend;
+        let model = Model::new(&scene, &volume, lattice, Positions::Exact);
+        assert_eq!(model.ray(0, 0), Pixel::TRANSPARENT);
+        assert_ne!(model.ray(2, 0), Pixel::TRANSPARENT);
+    }
+}
+
+/// A volume of one value: its mean is that value on every ray, its sum grows with the ray's length, which is the length of the ray in
+/// the box of cells.
+#[test]
+fn sums_of_a_constant_are_lengths() {
+    let volume = volume_of([5, 5, 7], |_, _, _| 60);
+    let mut scene = scene_along([0.0, 0.0, 1.0], &[(0.0, 0.0), (100.0, 1.0)]);
+    for (direction, borders) in [
+        ([0.0, 0.0, 1.0], Borders::Cells),
+        ([0.4, -0.2, 1.0], Borders::Cells),
+        ([0.4, -0.2, 1.0], Borders::Whole),
+    ] {
+        scene.view = view_along(direction);
+        scene.borders = borders;
+        scene.sampling = TWICE;
+        let of = |blend| Scene { blend, ..scene.clone() };
+        let scenes = [of(Blend::Average), of(Blend::Additive)];
+        let [mean, sum] = scenes.each_ref().map(|scene| Model::natural(scene, &volume));
+        let [width, height] = mean.lattice().size;
+        let mut longest: f64 = 0.0;
+        for (u, v) in (0..width).flat_map(|u| (0..height).map(move |v| (u, v))) {
+            let met = |plane| sum.place(plane, u, v).map_or(0.0, |place| place.fraction);
+            let steps: f64 = (0..sum.planes()).map(met).sum();
+            let (mean, sum) = (mean.ray(u, v).transparency, sum.ray(u, v).transparency);
+            if steps == 0.0 {
+                assert_eq!([mean, sum], [1.0; 2]);
+                continue;
+            }
+            assert!((mean - 0.4).abs() < 1e-12);
+            let step = (direction.map(|c| c * c).iter().sum::<f64>()).sqrt() / 2.0;
+            let diagonal = (25.0f64 + 25.0 + 49.0).sqrt();
+            assert!((1.0 - sum - 0.6 * steps * step / diagonal).abs() < 1e-12);
+            longest = longest.max(steps * step);
+        }
+        // The middle ray goes from face to face.
+        let way = direction.map(|c| c * c).iter().sum::<f64>().sqrt();
+        if borders == Borders::Cells {
+            assert!((longest - 7.0 * way).abs() < 1e-9, "{longest}");
+        }
+    }
 }

@@ -11,6 +11,7 @@ use crate::clip::{Clip, ClipUnit};
 use crate::colour::Colour;
 use crate::crop::{Crop, CropUnit, parse_range};
 use crate::cueing::Cueing;
+use crate::modulation::Modulation;
 use crate::{
     AlphaCodeName, Blend, Borders, Classification, ColourOpacity, Colours, Face, Frame, Highlight, Image,
     Interpolation, Light, Lighting, LookupName, Point, PrecisionName, Sampling, Scene, Surface, TransferFunction, View,
@@ -30,6 +31,7 @@ pub(super) struct SceneFile {
     #[serde(default)]
     clip: Vec<ClipPart>,
     cueing: Option<CueingPart>,
+    modulation: Option<ModulationPart>,
     transfer: Option<TransferPart>,
     colours: Option<ColoursPart>,
     #[serde(default)]
@@ -94,6 +96,17 @@ struct CueingPart {
     to: Option<f64>,
     strength: Option<f64>,
     colour: Option<Colour>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModulationPart {
+    #[serde(default)]
+    opacity: Vec<[f64; 2]>,
+    #[serde(default)]
+    diffuse: Vec<[f64; 2]>,
+    #[serde(default)]
+    specular: Vec<[f64; 2]>,
 }
 
 /// Which side of a clip plane's faces is drawn.
@@ -218,6 +231,7 @@ impl SceneFile {
             crop: self.crop.map(CropPart::into_crop).transpose()?,
             clips: self.clip.into_iter().map(ClipPart::into_clip).collect(),
             cueing: self.cueing.map(CueingPart::into_cueing).transpose()?,
+            modulation: self.modulation.map(ModulationPart::into_modulation),
             sampling: self.sampling.into_sampling()?,
             transfer,
             lighting: self.lighting.map(LightingPart::into_lighting).transpose()?,
@@ -341,6 +355,16 @@ impl CueingPart {
             strength: self.strength.unwrap_or(default.strength),
             colour: colour_or("cueing.colour", self.colour, default.colour)?,
         })
+    }
+}
+
+impl ModulationPart {
+    fn into_modulation(self) -> Modulation {
+        Modulation {
+            opacity: self.opacity,
+            diffuse: self.diffuse,
+            specular: self.specular,
+        }
     }
 }
 

@@ -101,6 +101,7 @@ fn the_reference_states_every_field() {
         "table",
         "lookup",
         "early_termination",
+        "opacity",
     ] {
         assert!(text.contains(&format!("{field} = ")), "{field}");
     }
@@ -471,6 +472,40 @@ proptest! {
 }
 
 /// What is left out follows from what is stated: both faces alike, the volume classified by segments, or surfaces alone.
+#[test]
+fn modulation_arrives_and_is_refused_where_there_is_none() {
+    let modulation = "[modulation]\nopacity = [[0, 0.25], [120.5, 1]]\n";
+    let read = with(modulation).unwrap().modulation.unwrap();
+    assert_eq!(read.opacity, [[0.0, 0.25], [120.5, 1.0]]);
+    assert!(read.diffuse.is_empty() && read.specular.is_empty());
+    for (lines, expected) in [
+        (
+            "[modulation]\nopacity = [[0, 1.5]]",
+            "`modulation.opacity[0]` is 1.5, expected a factor from 0 to 1",
+        ),
+        (
+            "[modulation]\nopacity = [[2, 1], [2, 0]]",
+            "`modulation.opacity[1]` is 2, expected a magnitude above",
+        ),
+        (
+            "[modulation]\ndiffuse = [[0, 1]]",
+            "`modulation` is given, expected [lighting]",
+        ),
+        ("[modulation]\nambient = [[0, 1]]", "unknown field"),
+        (
+            "[modulation]\nopacity = [[0, 1]]\n[render]\nblend = \"average\"",
+            "`modulation` is given, expected render.blend",
+        ),
+        (
+            "[modulation]\nopacity = [[0, 1]]\n[render]\nclassification = \"integral\"",
+            "`modulation` is given, expected render.classification \"point\"",
+        ),
+    ] {
+        let error = with(lines).unwrap_err().to_string();
+        assert!(error.contains(expected), "{lines}: {error}");
+    }
+}
+
 #[test]
 fn surfaces_are_read_with_their_defaults() {
     let two =

@@ -9,6 +9,7 @@ use slicecast_scene::colour::hexadecimal;
 use slicecast_scene::crop::Crop;
 use slicecast_scene::cueing::Cueing;
 use slicecast_scene::import::Shading;
+use slicecast_scene::modulation::Modulated;
 use slicecast_scene::{
     AlphaCodeName, Blend, Borders, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
 };
@@ -93,6 +94,8 @@ enum BlendArg {
     BackToFront,
     Maximum,
     Minimum,
+    Average,
+    Additive,
 }
 
 /// The scene of a volume of colours where none is named: the view of the other scenes.
@@ -154,8 +157,12 @@ pub struct SceneArgs {
     /// the volume, 0,1 if they are left out; without it, the scene's.
     #[arg(long, value_name = "STRENGTH[,FROM,TO]", value_parser = Cueing::parse)]
     depth_cueing: Option<Cueing>,
-    /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum) of a named scene gets a grey
-    /// ramp over the values that rays keep.
+    /// Factors of opacity, of diffuse or of specular light by the magnitude of the gradient, as points of magnitude (a difference of
+    /// values per unit of length) and factor, 0 to 1: opacity=0:0,200:1, up to once for each; without it, the scene's.
+    #[arg(long, value_name = "WHAT=M:F,M:F,...", value_parser = Modulated::parse)]
+    modulation: Vec<Modulated>,
+    /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum, average, additive) of a named scene
+    /// gets a grey ramp over the values that rays keep or sum up.
     #[arg(long)]
     blend: Option<BlendArg>,
     /// Sample planes per voxel, 1 to 16; without it, the scene's.
@@ -249,7 +256,7 @@ impl SceneArgs {
         }
         let stock = self.stock(default);
         let mut scene = self.finish(self.read(default, Some((loaded, &statistics, source)))?)?;
-        let projection = matches!(scene.blend, Blend::Maximum | Blend::Minimum);
+        let projection = !scene.blend.is_composited();
         // Labels are names: they keep their colours.
         if projection && stock.as_ref().is_some_and(|name| name != "labels") && self.transfer.is_none() {
             scene.transfer = projection::ramp(&loaded.volume, source, scene.blend)?;
@@ -400,12 +407,17 @@ impl SceneArgs {
         if self.depth_cueing.is_some() {
             scene.cueing = self.depth_cueing;
         }
+        for modulated in &self.modulation {
+            scene.modulation.get_or_insert_default().set(modulated.clone());
+        }
         if let Some(blend) = self.blend {
             scene.blend = match blend {
                 BlendArg::FrontToBack => Blend::FrontToBack,
                 BlendArg::BackToFront => Blend::BackToFront,
                 BlendArg::Maximum => Blend::Maximum,
                 BlendArg::Minimum => Blend::Minimum,
+                BlendArg::Average => Blend::Average,
+                BlendArg::Additive => Blend::Additive,
             };
         }
         if let Some(planes) = self.planes {
