@@ -439,6 +439,8 @@ pub(crate) trait Clipping: core::fmt::Debug + Sync {
     fn cues(&self) -> bool;
     /// Turns the colours, of so many bits, of a row of segments, from a column of pixels on.
     fn turn(&self, distances: &Distances, at: (u32, usize), colours: [&mut [i32]; 3], bits: u32);
+    /// Turns colours times extinction alike.
+    fn turn_weighted(&self, distances: &Distances, at: (u32, usize), extinction: &[i32], colours: [&mut [i32]; 3]);
 }
 
 impl Clipping for Clips {
@@ -499,21 +501,41 @@ impl Clipping for Clips {
         self.cue.is_some()
     }
 
-    fn turn(&self, distances: &Distances, (row, column): (u32, usize), colours: [&mut [i32]; 3], bits: u32) {
-        let (Some(cue), [.., ends]) = (&self.cue, distances) else {
-            return;
-        };
-        let [along_i, along_j, _] = cue.slope;
-        let mut ends = ends.map(|end| end + along_j * i64::from(row) + along_i * column as i64);
+    fn turn(&self, distances: &Distances, at: (u32, usize), colours: [&mut [i32]; 3], bits: u32) {
+        let Some(cue) = &self.cue else { return };
         let [red, green, blue] = colours;
-        for ((r, g), b) in red.iter_mut().zip(green).zip(blue) {
-            let turned = cue.turned([*r as u32, *g as u32, *b as u32], bits, cue.share(ends));
+        let colours = red.iter_mut().zip(green).zip(blue);
+        for (((r, g), b), share) in colours.zip(shares(cue, distances, at)) {
+            let turned = cue.turned([*r as u32, *g as u32, *b as u32], bits, share);
             [*r, *g, *b] = turned.map(|c| c as i32);
-            for end in &mut ends {
-                *end += along_i;
-            }
         }
     }
+
+    fn turn_weighted(&self, distances: &Distances, at: (u32, usize), extinction: &[i32], colours: [&mut [i32]; 3]) {
+        let Some(cue) = &self.cue else { return };
+        let [red, green, blue] = colours;
+        let colours = red.iter_mut().zip(green).zip(blue);
+        for ((((r, g), b), t), share) in colours.zip(extinction).zip(shares(cue, distances, at)) {
+            let turned = cue.turned_weighted([*r as u32, *g as u32, *b as u32], *t as u32, share);
+            [*r, *g, *b] = turned.map(|c| c as i32);
+        }
+    }
+}
+
+/// How far colours have turned about the segments of a row, from a column of pixels on.
+fn shares<'c>(
+    cue: &'c CuePlane,
+    distances: &Distances,
+    (row, column): (u32, usize),
+) -> impl Iterator<Item = u32> + use<'c> {
+    let [along_i, along_j, _] = cue.slope;
+    let [.., ends] = distances;
+    let mut ends = ends.map(|end| end + along_j * i64::from(row) + along_i * column as i64);
+    core::iter::from_fn(move || {
+        let share = cue.share(ends);
+        ends = ends.map(|end| end + along_i);
+        Some(share)
+    })
 }
 
 /// Where a segment begins, in half steps from the first slice: that about the samples of a plane with this number, or that which

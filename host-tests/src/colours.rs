@@ -1,13 +1,13 @@
 //! A frame of colour and extinction stated in integers, and its way through the pipeline.
 
 use slicecast::borders::Borders;
-use slicecast::clip::Clip;
+use slicecast::clip::{Clip, Cue};
 use slicecast::crop::Crop;
 use slicecast::extinction::Medium;
 use slicecast::format::Direction;
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::view::View;
-use slicecast_engine::camera::Setup;
+use slicecast_engine::camera::{Material, Setup};
 use slicecast_engine::colours::Coloured;
 use slicecast_engine::simd::Simd;
 use slicecast_pyramid::volume::{RgbaVolume, Voxels};
@@ -36,6 +36,10 @@ pub struct ColourFrame {
     pub crop: Option<Crop>,
     /// Clip planes.
     pub clips: Vec<Clip>,
+    /// Depth cueing.
+    pub cue: Option<Cue>,
+    /// Lights in the slice frame; `None` is unlit.
+    pub material: Option<Material>,
     /// M and N of the scale of extinctions.
     pub medium: [u32; 2],
     /// Threshold of early termination.
@@ -54,6 +58,8 @@ impl ColourFrame {
             borders: Borders::Whole,
             crop: None,
             clips: Vec::new(),
+            cue: None,
+            material: None,
             // 4 · 2^28 / 32767 · 2^15.
             medium: [1_073_774_593, 15],
             early_termination: None,
@@ -95,9 +101,9 @@ impl ColourFrame {
             volume: &self.volume,
             setup: Setup {
                 picture: picture(&plan),
-                material: None,
+                material: self.material.clone(),
                 step_length: 1.0,
-                clips: clips(&plan, &self.clips, None),
+                clips: clips(&plan, &self.clips, self.cue.as_ref()),
                 plan,
             },
             medium: Medium::new(mantissa, exponent).expect("a scale"),

@@ -1,6 +1,6 @@
 //! Volumes of colour and extinction: one answer whichever way the slices go, exact answers, and errors against f64.
 
-use super::frames::{clips_of, crop};
+use super::frames::{clips_of, crop, cue_of, material};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use slicecast::borders::Borders;
@@ -54,7 +54,7 @@ prop_compose! {
         borders in prop_oneof![Just(Borders::Whole), Just(Borders::Cells), Just(Borders::Nodes)],
         crop in prop::option::weighted(0.4, crop()),
         medium in prop_oneof![(1u32 << 30..1 << 31, 15u32..=30).prop_map(|(m, n)| [m, n]), Just([2_013_327_358, 14])],
-        early_termination in prop::option::of(1u32..=12),
+        early_termination in prop::option::of(1u32..=12), material in material(),
     ) -> ColourFrame {
         let mut dims = dims;
         dims.rotate_right(turn);
@@ -66,8 +66,10 @@ prop_compose! {
             borders,
             crop,
             clips: if seed % 3 == 0 { clips_of(seed.rotate_left(9), dims) } else { Vec::new() },
+            cue: (seed % 4 == 1).then(|| cue_of(seed.rotate_left(17))),
             medium,
             early_termination,
+            material,
             ..ColourFrame::new(colour_volume(dims, filling, seed, colours))
         };
         match frame.plan() {
@@ -202,22 +204,60 @@ fn figures(volume: &RgbaVolume, precision: PrecisionName, scene: &str) -> ImageF
     comparison.image
 }
 
+/// A soft ball of four waves of colour.
+fn soft_ball(tau_max: f64) -> RgbaVolume {
+    let soft = colour_volume([40, 36, 44], Filling::Ball, 3, None);
+    let wave = |at: usize, period: usize| 128 + (at * 997 / period % 254).abs_diff(127) as u16;
+    of_codes(soft.dims, tau_max, |[i, j, k]| {
+        let tau = u32::from(soft.voxels.codes(i + 40 * (j + 36 * k))[3]);
+        let colour = |byte: u16| (tau * u32::from(byte.min(255)) / 255) as u16;
+        [
+            colour(wave(i, 90)),
+            colour(wave(j, 70)),
+            colour(wave(k + i, 120)),
+            tau as u16,
+        ]
+    })
+}
+
+/// Lights and depth cueing of a scene of colours.
+const LIT: &str = "[lighting]\nambient = 0.2\ndiffuse = 0.6\nspecular = 0.3\nexponent = 16\n";
+const LIT_BLINN: &str = "[lighting]\nhighlight = \"half_vector\"\nexponent = 64\n[[lighting.lights]]\ndirection = [0.3, 0.5, 1.0]\n\
+    colour = \"#ffd0a0\"\n[[lighting.lights]]\ndirection = [-1.0, 0.2, 0.4]\n[cueing]\nstrength = 0.6\n";
+
+/// The same ball under light, and under coloured lights and depth cueing: the same bars.
+#[test]
+fn soft_volumes_are_as_near_under_light() {
+    for tau_max in [0.25, 1.0, 4.0, 8.0] {
+        let soft = soft_ball(tau_max);
+        for (planes, borders, light) in [
+            (1, "whole", LIT),
+            (2, "cells", LIT),
+            (1, "cells", LIT_BLINN),
+            (3, "nodes", LIT_BLINN),
+        ] {
+            let scene = format!(
+                "[view]\nazimuth = 33.0\nelevation = 17.0\n[sampling]\nplanes_per_voxel = {planes}\nborders = \"{borders}\"\n{light}[colours]\n"
+            );
+            for (precision, equal, largest) in
+                [(PrecisionName::Compact, 98.0, 0.12), (PrecisionName::Wide, 99.9, 0.012)]
+            {
+                let found = figures(&soft, precision, &scene);
+                assert!(
+                    found.equal_percent >= equal && found.max_lsb8 <= largest,
+                    "tau_max {tau_max}, {planes} planes, {borders}, {}: {found:?}",
+                    precision.name()
+                );
+            }
+        }
+    }
+}
+
 /// Soft volumes of four colours under oblique views: the issue's bars, at every step and scale of extinction.
 #[test]
 fn soft_volumes_are_as_near_as_stated() {
     for tau_max in [0.25, 1.0, 4.0, 8.0] {
-        let soft = colour_volume([40, 36, 44], Filling::Ball, 3, None);
-        let wave = |at: usize, period: usize| 128 + (at * 997 / period % 254).abs_diff(127) as u16;
-        let soft = of_codes(soft.dims, tau_max, |[i, j, k]| {
-            let tau = u32::from(soft.voxels.codes(i + 40 * (j + 36 * k))[3]);
-            let colour = |byte: u16| (tau * u32::from(byte.min(255)) / 255) as u16;
-            [
-                colour(wave(i, 90)),
-                colour(wave(j, 70)),
-                colour(wave(k + i, 120)),
-                tau as u16,
-            ]
-        });
+        let soft = soft_ball(tau_max);
         for planes in [1, 2, 4] {
             for borders in ["whole", "cells"] {
                 let scene = format!(
@@ -283,7 +323,6 @@ fn what_there_is_not_is_refused() {
         ),
         ("[colours]\n[render]\nblend = \"back-to-front\"", "from front to back"),
         ("[colours]\n[render]\nblend = \"maximum\"", "from front to back"),
-        ("[colours]\n[lighting]", "--unlit"),
     ] {
         let found = refused(text, &volume).unwrap();
         assert!(found.contains(word), "{text}: {found}");

@@ -1,40 +1,51 @@
-//! Volumes of colour and extinction: samples of four channels, folded by one factor.
+//! Volumes of colour and extinction: samples of four channels, perhaps shaded, folded by one factor.
 
 use core::marker::PhantomData;
+use core::ops::Range;
 
 use super::canvas::{AllFinished, Canvas as _, Image};
 use super::clipped::Clipped;
 use super::extent::around;
 use super::kept::{Kept, KeptRows};
 use super::parts::{Columns, Parts, Samples};
-use super::scratch::{self, Scratch, ScratchError, SourceRows};
+use super::scratch::{self, ColourScratch, ScratchError};
 use super::source::{Sheared, Source as _};
 use super::{At, ChannelOf, Pipeline, Rows, composite};
 use crate::composite::{FrontToBack, Pixel, Recurrence as _, Weighted};
-use crate::extinction::{Medium, Rgba15};
-use crate::lanes::Lanes;
+use crate::extinction::{Eighths, Medium, Rgba15, Slopes};
+use crate::lanes::{Kernel, Lanes};
+use crate::normalise::normalise_row;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::part;
-use crate::shade::Unlit;
+use crate::rows::{part, part_mut, three};
+use crate::shade::{Shader, Unlit};
 use crate::slice::Window;
 use crate::stage::Stage;
 use crate::tap::{Beam, Tap};
 
-/// Compositing, front to back, of samples of colour and extinction (`extinction`), unlit.
+/// Compositing, front to back, of samples of colour and extinction (`extinction`), unlit or shaded by the gradient of extinction.
 #[derive(Clone, Debug)]
-pub struct Rgba<P: Precision> {
+pub struct Rgba<P: Precision, S = Unlit> {
     precision: P,
     medium: Medium,
+    shader: S,
     floor: ChannelOf<P>,
 }
 
 impl<P: Precision> Rgba<P> {
-    /// A pipeline whose rays go on to the precision's own floor of transparency.
+    /// An unlit pipeline whose rays go on to the precision's own floor of transparency.
     pub fn new(precision: P, medium: Medium) -> Self {
+        Self::shaded(precision, medium, Unlit)
+    }
+}
+
+impl<P: Precision, S: Shader<P>> Rgba<P, S> {
+    /// The same with a shader.
+    pub fn shaded(precision: P, medium: Medium, shader: S) -> Self {
         Self {
             precision,
             medium,
+            shader,
             floor: precision.pixel().floor(),
         }
     }
@@ -47,7 +58,15 @@ impl<P: Precision> Rgba<P> {
     }
 }
 
-impl<P: Precision<Pixel: Weighted>> Rgba<P> {
+/// The rows of a plane's parts: four channels, and the source of gradients.
+struct Sources<'s, 'w, P, V> {
+    channels: [Sheared<'s, 'w, P, V, Unlit>; 4],
+    slopes: Sheared<'s, 'w, Eighths<P>, V, Slopes>,
+    g: [&'s mut [i32]; 3],
+    r: &'s mut [i32],
+}
+
+impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
     #[inline(always)]
     fn fold_plane<V: Lanes>(
         &self,
@@ -73,7 +92,7 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
             let [Some(t), Some(r), Some(g), Some(b)] = found else {
                 return Ok(());
             };
-            let memory = Scratch::cut_runs(&mut *scratch, width, V::COUNT > 1)?;
+            let memory = ColourScratch::cut(&mut *scratch, Self::SCRATCH, width, V::COUNT > 1)?;
             let tap: Option<&mut dyn Tap> = match &mut tap {
                 Some(tap) => Some(*tap),
                 None => None,
@@ -88,7 +107,7 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         at: &At<'_, Rgba15>,
         runs: [Samples<'_>; 4],
         rows: &mut Rows<'_, ChannelOf<P>>,
-        memory: [SourceRows<'_, i32>; 4],
+        memory: ColourScratch<'_, i32>,
         mut tap: Option<&mut dyn Tap>,
     ) {
         let (plan, plane, precision) = (at.plan, &at.plane, self.precision);
@@ -112,11 +131,26 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
             plane.index,
             (precision.pixel(), self.floor),
         );
-        let [t, r, g, b] = memory;
+        let spacing = plan.spacing();
         let [wt, wr, wg, wb] = runs.each_ref().map(|run| &run.window);
-        let mut channels = [(wt, t), (wr, r), (wg, g), (wb, b)].map(|(window, memory)| {
-            Sheared::<P, V, Unlit>::new(precision, extent, window, plan.spacing(), memory, KeptRows::default())
-        });
+        let [t, r, g, b] = memory.runs;
+        let mut sources = Sources {
+            channels: [(wt, t), (wr, r), (wg, g), (wb, b)].map(|(window, memory)| {
+                Sheared::<P, V, Unlit>::new(precision, extent, window, spacing, memory, KeptRows::default())
+            }),
+            slopes: Sheared::new(
+                Eighths(precision),
+                extent,
+                wt,
+                spacing,
+                memory.slopes,
+                KeptRows::default(),
+            ),
+            g: memory.g,
+            r: memory.r,
+        };
+        let cues = clipped.as_ref().is_some_and(Clipped::cues);
+        let all = 0..extent.columns.len();
         for row in extent.met(rows.first, count) {
             let voxel_row = extent.voxel_row(row);
             if around(wt, extent.voxel_rows(voxel_row)).high == 0
@@ -128,10 +162,9 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
             if let Some(reading) = reading {
                 reading.row(voxel_row);
             }
-            for channel in &mut channels {
+            for channel in &mut sources.channels {
                 channel.make(voxel_row);
             }
-            let samples = channels.each_ref().map(|channel| channel.slab(voxel_row).back);
             let beam = Beam {
                 plane,
                 row,
@@ -139,12 +172,38 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
                 part: 0,
             };
             if let Some(tap) = &mut tap {
-                let [t, r, g, b] = &samples;
-                tap.row(Stage::Interpolation, beam, &[t, r, g, b]);
-                image.look(row, 0..t.len(), &mut |rows| tap.row(Stage::Before, beam, rows));
+                let [t, r, g, b] = sources.channels.each_ref().map(|channel| channel.slab(voxel_row).back);
+                tap.row(Stage::Interpolation, beam, &[&t, &r, &g, &b]);
+                image.look(row, all.clone(), &mut |rows| tap.row(Stage::Before, beam, rows));
             }
+            if S::LIT {
+                sources.slopes.make(voxel_row);
+                let mut from = 0;
+                while let Some(span) = image.visible(row, sources.extinction(voxel_row), from) {
+                    from = span.end;
+                    let tap: Option<&mut dyn Tap> = match &mut tap {
+                        Some(tap) => Some(*tap),
+                        None => None,
+                    };
+                    self.shade_span(&mut sources, (voxel_row, span), beam, tap);
+                }
+            }
+            let [t, colours @ ..] = &mut sources.channels;
+            let t = t.slab(voxel_row).back;
+            if cues && let Some(clipped) = &clipped {
+                let colours = three(colours.each_mut(), |channel| channel.samples_mut(voxel_row));
+                clipped.turn_weighted(row, 0, t, colours);
+            }
+            if let Some(tap) = &mut tap
+                && (S::LIT || cues)
+            {
+                let [r, g, b] = colours.each_ref().map(|channel| channel.slab(voxel_row).back);
+                tap.row(Stage::Shading, beam, &[&r, &g, &b]);
+            }
+            let [r, g, b] = colours.each_ref().map(|channel| channel.slab(voxel_row).back);
+            let samples = [t, r, g, b];
             if let Some(clipped) = &clipped {
-                clipped.each(row, 0..extent.columns.len(), &mut |columns, left| {
+                clipped.each(row, all.clone(), &mut |columns, left| {
                     if left.weight() > 0 {
                         let absorption = self.medium.absorption(bits, clipped.fraction(left));
                         let samples = samples.map(|run| part(run, columns.clone()));
@@ -152,23 +211,92 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
                     }
                 });
             } else {
-                image.absorb(row, 0..extent.columns.len(), samples, absorption);
+                image.absorb(row, all.clone(), samples, absorption);
             }
             if let Some(tap) = &mut tap {
-                let all = 0..extent.columns.len();
-                image.look(row, all, &mut |rows| tap.row(Stage::After, beam, rows));
+                image.look(row, all.clone(), &mut |rows| tap.row(Stage::After, beam, rows));
             }
+        }
+    }
+
+    /// Shades the samples of a span of the row that was made last, in place.
+    #[inline(always)]
+    fn shade_span<V: Lanes>(
+        &self,
+        sources: &mut Sources<'_, '_, P, V>,
+        (row, span): (i32, Range<usize>),
+        beam: Beam<'_>,
+        mut tap: Option<&mut dyn Tap>,
+    ) {
+        let n = span.len();
+        let beam = Beam {
+            column: beam.column + span.start as u32,
+            ..beam
+        };
+        let [gx, gy, gz] = three(sources.g.each_mut(), |row| part_mut(row, 0..n));
+        let r = part_mut(sources.r, 0..n);
+        let gradient = [&mut *gx, &mut *gy, &mut *gz];
+        sources.slopes.gradients(row, span.clone(), None, gradient);
+        if let Some(tap) = &mut tap {
+            tap.row(Stage::Gradient, beam, &[&&*gx, &&*gy, &&*gz]);
+        }
+        let [t, colours @ ..] = &mut sources.channels;
+        let t = part(t.slab(row).back, span.clone());
+        let colours = three(colours.each_mut(), |channel| {
+            part_mut(channel.samples_mut(row), span.clone())
+        });
+        let g = [&mut *gx, &mut *gy, &mut *gz];
+        V::enter((Shade, &self.shader, PhantomData::<(P, V)>, g, &mut *r, t, colours));
+        if let Some(tap) = &mut tap {
+            tap.row(Stage::Normal, beam, &[&&*gx, &&*gy, &&*gz, &&*r]);
         }
     }
 }
 
-impl<P: Precision<Pixel: Weighted>> Pipeline for Rgba<P> {
+impl<P: Precision, V: Lanes> Sources<'_, '_, P, V> {
+    /// The extinctions of the row that was made last.
+    #[inline(always)]
+    fn extinction(&self, row: i32) -> &[i32] {
+        let [t, ..] = &self.channels;
+        t.slab(row).back
+    }
+}
+
+/// Normalises gradients and shades colours times extinction.
+struct Shade;
+
+impl<P: Precision, S: Shader<P>, V: Lanes> Kernel
+    for (
+        Shade,
+        &S,
+        PhantomData<(P, V)>,
+        [&mut [i32]; 3],
+        &mut [i32],
+        &[i32],
+        [&mut [i32]; 3],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, shader, _, [x, y, z], r, extinction, colours) = self;
+        normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
+        shader.shade_weighted_row::<V>([x, y, z], r, extinction, colours);
+    }
+}
+
+impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Pipeline for Rgba<P, S> {
     type Precision = P;
     type Voxel = Rgba15;
     type Element = ChannelOf<P>;
     const CHANNELS: usize = 4;
-    const SLICES: usize = 2;
-    const SCRATCH: scratch::Rows = scratch::Rows::Colours;
+    const SLICES: usize = if S::LIT { 4 } else { 2 };
+    const SCRATCH: scratch::Rows = if S::LIT {
+        scratch::Rows::LitColours
+    } else {
+        scratch::Rows::Colours
+    };
     const BACK_TO_FRONT: bool = false;
 
     fn precision(&self) -> P {

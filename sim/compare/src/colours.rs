@@ -48,9 +48,16 @@ pub fn model<'a>(prepared: &Coloured<'a>, positions: ModelPositions) -> Absorbin
     };
     let [nx, ny, _] = volume.dims;
     let voxel = move |[x, y, z]: [usize; 3]| volume.voxels.codes(x + nx * (y + ny * z)).map(|code| volume.tau(code));
-    Absorbing::new(geometry, lattice, positions, voxel)
+    let mut model = Absorbing::new(geometry, lattice, positions, voxel)
         .with_nearest(scene.interpolation == Interpolation::Nearest)
-        .with_clips(&scene.clips)
+        .with_clips(&scene.clips);
+    if let Some(lighting) = &scene.lighting {
+        model = model.with_lighting(lighting, &scene.view.axes());
+    }
+    if let Some(cueing) = &scene.cueing {
+        model = model.with_cueing(cueing, forward);
+    }
+    model
 }
 
 /// Compares a scene's pipeline with the model.

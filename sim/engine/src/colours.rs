@@ -8,12 +8,13 @@ use slicecast::extinction::{Medium, Rgba15};
 use slicecast::plan::Plan;
 use slicecast::plane::Rgba;
 use slicecast::precision::{Compact, Precision, Wide};
+use slicecast::shade::Shader;
 use slicecast::slice::{RowRange, Slice, SliceError};
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::check::shown;
 use slicecast_scene::{Blend, PrecisionName, Scene};
 
-use crate::camera::{Setup, Shape, set_up};
+use crate::camera::{CameraError, Setup, Shape, set_up};
 use crate::error::RenderError;
 use crate::frame::Layer;
 use crate::image::{Frame, base_image, new_image};
@@ -42,9 +43,6 @@ pub enum ColourError {
     /// Another order, or no compositing.
     #[error("volumes of colours are composited from front to back, expected no other --blend")]
     Blend,
-    /// Light.
-    #[error("volumes of colours are rendered without light, and the scene is lit; --unlit leaves it out")]
-    Lit,
     /// A step that is opaque, so that its depth has no number.
     #[error(
         "a step of {} through the largest extinction, {} per unit of length, has the optical depth {}, expected at most 15; \
@@ -166,7 +164,6 @@ impl<'a> Coloured<'a> {
                 blend: Blend::BackToFront | Blend::Maximum | Blend::Minimum,
                 ..
             } => Some(ColourError::Blend),
-            Scene { lighting: Some(_), .. } => Some(ColourError::Lit),
             _ => None,
         };
         if let Some(refused) = refused {
@@ -224,8 +221,27 @@ impl<'a> Coloured<'a> {
     where
         P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
     {
+        match &self.setup.material {
+            None => self.fold(Rgba::new(p, self.medium), slices, layer, progress),
+            Some(material) => {
+                let pipeline = Rgba::shaded(p, self.medium, material.phong(p).map_err(CameraError::from)?);
+                self.fold(pipeline, slices, layer, progress)
+            }
+        }
+    }
+
+    fn fold<P, S>(
+        &self,
+        mut pipeline: Rgba<P, S>,
+        slices: &[Slice<'_, Rgba15>],
+        layer: Layer,
+        progress: Progress<'_>,
+    ) -> Result<Frame, RenderError>
+    where
+        P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
+        S: Shader<P>,
+    {
         let plan: &Plan = &self.setup.plan;
-        let mut pipeline = Rgba::new(p, self.medium);
         if let Some(bits) = self.scene.early_termination {
             pipeline = pipeline.with_early_termination(bits);
         }

@@ -99,13 +99,6 @@ impl Scene {
             let expected = "render.blend \"front_to_back\" or \"back_to_front\": a projection has no depth";
             return Err(FieldError::new("cueing", "given", expected));
         }
-        if self.colours.is_some() {
-            return Err(FieldError::new(
-                "cueing",
-                "given",
-                "a scene of values, not of [colours]",
-            ));
-        }
         Ok(())
     }
 
