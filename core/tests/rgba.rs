@@ -16,8 +16,11 @@ use slicecast::interpolate::trilinear;
 use slicecast::lanes::{Lanes, Small};
 use slicecast::locate::plane;
 use slicecast::plan::{Plan, Sampling, Spacing};
-use slicecast::plane::{At, ChannelOf, Pipeline, Rgba, Rows, ScratchError, clear, near_slice, scratch_len};
+use slicecast::plane::{
+    At, ChannelOf, Filter, Pipeline, Rgba, Rows, ScratchError, Triquadratic, clear, near_slice, scratch_len,
+};
 use slicecast::precision::{Compact, Precision, Wide};
+use slicecast::quadratic::{is_behind, triquadratic};
 use slicecast::shade::Shader;
 use slicecast::slice::{RowRange, Slice, Window};
 use slicecast::stream::{Memory, Needs, Stream, base_pixel, phase_len};
@@ -56,6 +59,7 @@ struct Frame {
     early: Option<u32>,
     material: Option<Material>,
     cue: Option<Cue>,
+    smooth: bool,
 }
 
 impl Frame {
@@ -103,7 +107,16 @@ fn samples<P: Precision>(
             let at = [0, 1, 2].map(|a| ((held[a] >> 16) as usize + d[a]).min(volume.dims[a] - 1));
             volume.codes(at)[channel] as i16
         };
+        let about = |channel: usize, d: [usize; 3]| {
+            let place = |a: usize| (held[a] >> 16) + i32::from(is_behind(weights[a])) + d[a] as i32 - 1;
+            let at = [0, 1, 2].map(|a| place(a).clamp(0, volume.dims[a] as i32 - 1) as usize);
+            volume.codes(at)[channel]
+        };
         let sample = [0, 1, 2, 3].map(|channel| {
+            if view.smooth {
+                let voxels = [0, 1, 2].map(|z| [0, 1, 2].map(|y| [0, 1, 2].map(|x| about(channel, [x, y, z]))));
+                return i64::from(triquadratic(p, voxels, weights));
+            }
             let corners = [0, 1].map(|z| [0, 1].map(|y| [0, 1].map(|x| corner(channel, [x, y, z]))));
             i64::from(trilinear(p, corners, weights))
         });
@@ -185,9 +198,9 @@ fn defined<P: Precision>(p: P, view: &Frame, volume: &Volume) -> Vec<[u32; 4]> {
 }
 
 /// The pixels of an image in the same order.
-fn pixels<P: Precision<Pixel: Weighted>, S: Shader<P>>(
+fn pixels<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter>(
     plan: &Plan,
-    pipeline: &Rgba<P, S>,
+    pipeline: &Rgba<P, S, F>,
     image: &[ChannelOf<P>],
 ) -> Vec<[u32; 4]> {
     let [width, height] = plan.base();
@@ -208,9 +221,9 @@ fn pixels<P: Precision<Pixel: Weighted>, S: Shader<P>>(
 }
 
 /// By the plane layer, in tiles of some rows.
-fn by_planes<P: Precision<Pixel: Weighted>, S: Shader<P>, V: Lanes>(
+fn by_planes<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter, V: Lanes>(
     (plan, clips): (&Plan, Option<&Clips>),
-    pipeline: &Rgba<P, S>,
+    pipeline: &Rgba<P, S, F>,
     volume: &Volume,
     tile: usize,
 ) -> Vec<[u32; 4]> {
@@ -220,18 +233,18 @@ fn by_planes<P: Precision<Pixel: Weighted>, S: Shader<P>, V: Lanes>(
     let slices: Vec<Slice<'_, Rgba15>> = (words.iter().zip(ranges.chunks_mut(h)))
         .map(|(words, ranges)| Slice::of_codes(words, w, h, ranges).unwrap())
         .collect();
-    let mut image = vec![Default::default(); Needs::of::<Rgba<P, S>>(plan).image];
+    let mut image = vec![Default::default(); Needs::of::<Rgba<P, S, F>>(plan).image];
     clear(pipeline, plan, &mut image);
-    let mut scratch = vec![0x5555_5555; scratch_len::<Rgba<P, S>>(w as u32)];
+    let mut scratch = vec![0x5555_5555; scratch_len::<Rgba<P, S, F>>(w as u32)];
     let row_len = 4 * plan.base()[0] as usize;
-    for (number, data) in image.chunks_mut(phase_len::<Rgba<P, S>>(plan)).enumerate() {
+    for (number, data) in image.chunks_mut(phase_len::<Rgba<P, S, F>>(plan)).enumerate() {
         for (tile_number, data) in data.chunks_mut(row_len * tile).enumerate() {
             for index in 0..plan.planes() {
                 let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
                 let at = At {
                     plan,
                     plane: plane(plan, plan.phase(number as u32), index),
-                    window: Window::at(near_slice::<Rgba<P, S>>(plan, index), slice).unwrap(),
+                    window: Window::at(near_slice::<Rgba<P, S, F>>(plan, index), slice).unwrap(),
                     seen: None,
                     clips: clips.map(Clips::clipper),
                     reading: None,
@@ -274,13 +287,13 @@ fn by_planes<P: Precision<Pixel: Weighted>, S: Shader<P>, V: Lanes>(
 }
 
 /// By the stream, which is given slices as `given` says.
-fn by_stream<P: Precision<Pixel: Weighted>, S: Shader<P>>(
+fn by_stream<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter>(
     (plan, clips): (&Plan, Option<&Clips>),
-    pipeline: &Rgba<P, S>,
+    pipeline: &Rgba<P, S, F>,
     volume: &Volume,
     given: usize,
 ) -> Vec<[u32; 4]> {
-    let needs = Needs::of::<Rgba<P, S>>(plan);
+    let needs = Needs::of::<Rgba<P, S, F>>(plan);
     let (mut slices, mut ranges) = (vec![0xffff; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
     let (mut scratch, mut image) = (vec![-1; needs.scratch], vec![Default::default(); needs.image]);
     let memory = Memory {
@@ -319,14 +332,22 @@ fn held<P: Precision<Pixel: Weighted>>(p: P, view: &Frame, volume: &Volume, tile
     let [mantissa, exponent] = view.medium;
     let medium = Medium::new(mantissa, exponent).unwrap();
     match &view.material {
+        None if view.smooth => held_by(p, Rgba::new(p, medium).with_filter(Triquadratic), view, volume, tile),
         None => held_by(p, Rgba::new(p, medium), view, volume, tile),
-        Some(material) => held_by(p, Rgba::shaded(p, medium, material.phong(p)), view, volume, tile),
+        Some(material) => {
+            let pipeline = Rgba::shaded(p, medium, material.phong(p));
+            if view.smooth {
+                held_by(p, pipeline.with_filter(Triquadratic), view, volume, tile)
+            } else {
+                held_by(p, pipeline, view, volume, tile)
+            }
+        }
     }
 }
 
-fn held_by<P: Precision<Pixel: Weighted>, S: Shader<P>>(
+fn held_by<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter>(
     p: P,
-    mut pipeline: Rgba<P, S>,
+    mut pipeline: Rgba<P, S, F>,
     view: &Frame,
     volume: &Volume,
     tile: usize,
@@ -337,8 +358,8 @@ fn held_by<P: Precision<Pixel: Weighted>, S: Shader<P>>(
     let clips = view.clips();
     let at = (&view.plan, clips.as_ref());
     let expected = defined(p, view, volume);
-    prop_assert_eq!(&by_planes::<P, S, i32>(at, &pipeline, volume, tile), &expected);
-    prop_assert_eq!(&by_planes::<P, S, Small>(at, &pipeline, volume, 100), &expected);
+    prop_assert_eq!(&by_planes::<P, S, F, i32>(at, &pipeline, volume, tile), &expected);
+    prop_assert_eq!(&by_planes::<P, S, F, Small>(at, &pipeline, volume, 100), &expected);
     let doubled = volume
         .entries
         .iter()
@@ -389,6 +410,7 @@ fn views(dims: [usize; 3]) -> impl Strategy<Value = Option<Frame>> {
         spacing,
         prop::option::weighted(0.6, materials()),
         prop::option::weighted(0.4, cues()),
+        any::<bool>(),
     );
     (
         shear(),
@@ -401,7 +423,7 @@ fn views(dims: [usize; 3]) -> impl Strategy<Value = Option<Frame>> {
         turned,
     )
         .prop_map(
-            move |(i, j, rate, rays, borders, medium, early, (spacing, material, cue))| {
+            move |(i, j, rate, rays, borders, medium, early, (spacing, material, cue, smooth))| {
                 let view = View::new([i, j, 1 << 58].map(Direction::from_bits)).unwrap();
                 let sampling = Sampling {
                     planes_per_voxel: rate,
@@ -415,6 +437,7 @@ fn views(dims: [usize; 3]) -> impl Strategy<Value = Option<Frame>> {
                     early,
                     material,
                     cue,
+                    smooth,
                 })
             },
         )
@@ -451,15 +474,15 @@ proptest! {
         let plan = Plan::whole(view, [5, 4, 30], Spacing::CUBIC, sampling).unwrap();
         let medium = Medium::new(mantissa, exponent).unwrap();
         let (at, white) = ((&plan, None), Material::white());
-        let compact = by_planes::<_, _, i32>(at, &Rgba::new(Compact, medium), &volume, 9);
+        let compact = by_planes::<_, _, _, i32>(at, &Rgba::new(Compact, medium), &volume, 9);
         for [r, g, b, t] in &compact {
             prop_assert_eq!([r + t, g + t, b + t], [65535; 3]);
         }
         let lit = Rgba::shaded(Compact, medium, white.phong(Compact));
-        prop_assert!(by_planes::<_, _, i32>(at, &lit, &volume, 9) == compact);
-        let wide = by_planes::<_, _, i32>(at, &Rgba::new(Wide, medium), &volume, 9);
+        prop_assert!(by_planes::<_, _, _, i32>(at, &lit, &volume, 9) == compact);
+        let wide = by_planes::<_, _, _, i32>(at, &Rgba::new(Wide, medium), &volume, 9);
         let lit = Rgba::shaded(Wide, medium, white.phong(Wide));
-        prop_assert!(by_planes::<_, _, i32>(at, &lit, &volume, 9) == wide);
+        prop_assert!(by_planes::<_, _, _, i32>(at, &lit, &volume, 9) == wide);
         for [r, g, b, t] in wide {
             prop_assert_eq!([r, r], [g, b]);
             // What the floor takes is less than 2^11.

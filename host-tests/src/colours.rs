@@ -11,7 +11,7 @@ use slicecast_engine::camera::{Material, Setup};
 use slicecast_engine::colours::Coloured;
 use slicecast_engine::simd::Simd;
 use slicecast_pyramid::volume::{RgbaVolume, Voxels};
-use slicecast_scene::{PrecisionName, Scene, file};
+use slicecast_scene::{Interpolation, PrecisionName, Scene, file};
 use slicecast_volume::values::Orientation;
 
 use crate::frame::{clips, picture};
@@ -40,6 +40,8 @@ pub struct ColourFrame {
     pub cue: Option<Cue>,
     /// Lights in the slice frame; `None` is unlit.
     pub material: Option<Material>,
+    /// Whether samples are made by splines.
+    pub quadratic: bool,
     /// M and N of the scale of extinctions.
     pub medium: [u32; 2],
     /// Threshold of early termination.
@@ -60,6 +62,7 @@ impl ColourFrame {
             clips: Vec::new(),
             cue: None,
             material: None,
+            quadratic: false,
             // 4 · 2^28 / 32767 · 2^15.
             medium: [1_073_774_593, 15],
             early_termination: None,
@@ -93,6 +96,11 @@ impl ColourFrame {
         let scene = Scene {
             precision: self.precision,
             early_termination: self.early_termination,
+            interpolation: if self.quadratic {
+                Interpolation::Quadratic
+            } else {
+                Interpolation::Linear
+            },
             ..file::parse("[colours]", "colours").expect("a scene")
         };
         let [mantissa, exponent] = self.medium;

@@ -68,6 +68,7 @@ prop_compose! {
             clips: if seed % 3 == 0 { clips_of(seed.rotate_left(9), dims) } else { Vec::new() },
             cue: (seed % 4 == 1).then(|| cue_of(seed.rotate_left(17))),
             medium,
+            quadratic: seed % 5 < 2,
             early_termination,
             material,
             ..ColourFrame::new(colour_volume(dims, filling, seed, colours))
@@ -249,6 +250,29 @@ fn soft_volumes_are_as_near_under_light() {
                     precision.name()
                 );
             }
+        }
+    }
+}
+
+/// By splines, unlit and lit: the same bars.
+#[test]
+fn soft_volumes_are_as_near_by_splines() {
+    for (tau_max, planes, borders, light) in [
+        (0.25, 1, "whole", ""),
+        (4.0, 2, "cells", LIT),
+        (8.0, 1, "nodes", LIT_BLINN),
+    ] {
+        let scene = format!(
+            "[view]\nazimuth = 33.0\nelevation = 17.0\n[sampling]\nplanes_per_voxel = {planes}\nborders = \"{borders}\"\n\
+             interpolation = \"quadratic\"\n{light}[colours]\n"
+        );
+        for (precision, equal, largest) in [(PrecisionName::Compact, 98.0, 0.12), (PrecisionName::Wide, 99.9, 0.012)] {
+            let found = figures(&soft_ball(tau_max), precision, &scene);
+            assert!(
+                found.equal_percent >= equal && found.max_lsb8 <= largest,
+                "tau_max {tau_max}, {planes} planes, {borders}, {}: {found:?}",
+                precision.name()
+            );
         }
     }
 }

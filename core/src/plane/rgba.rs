@@ -1,14 +1,16 @@
 //! Volumes of colour and extinction: samples of four channels, perhaps shaded, folded by one factor.
 
+use core::fmt::Debug;
 use core::marker::PhantomData;
 use core::ops::Range;
 
 use super::canvas::{AllFinished, Canvas as _, Image};
 use super::clipped::Clipped;
-use super::extent::around;
+use super::extent::{Extent, around};
 use super::kept::{Kept, KeptRows};
 use super::parts::{Columns, Parts, Samples};
-use super::scratch::{self, ColourScratch, ScratchError};
+use super::scratch::{self, ColourScratch, RunRows, ScratchError};
+use super::smooth::{self, Smooth};
 use super::source::{Sheared, Source as _};
 use super::{At, ChannelOf, Pipeline, Rows, composite};
 use crate::composite::{FrontToBack, Pixel, Recurrence as _, Weighted};
@@ -23,13 +25,36 @@ use crate::slice::Window;
 use crate::stage::Stage;
 use crate::tap::{Beam, Tap};
 
+/// How samples of colour and extinction lie between voxels.
+pub trait Filter: Copy + Debug + Sync + 'static {
+    /// Whether by splines of second degree, which read three slices.
+    const SMOOTH: bool;
+}
+
+/// Linearly, between eight voxels ([`interpolate`](crate::interpolate)).
+#[derive(Clone, Copy, Debug)]
+pub struct Trilinear;
+
+/// By a spline about the nearest of 27 ([`quadratic`](crate::quadratic)); gradients are linear between voxels all the same.
+#[derive(Clone, Copy, Debug)]
+pub struct Triquadratic;
+
+impl Filter for Trilinear {
+    const SMOOTH: bool = false;
+}
+
+impl Filter for Triquadratic {
+    const SMOOTH: bool = true;
+}
+
 /// Compositing, front to back, of samples of colour and extinction (`extinction`), unlit or shaded by the gradient of extinction.
 #[derive(Clone, Debug)]
-pub struct Rgba<P: Precision, S = Unlit> {
+pub struct Rgba<P: Precision, S = Unlit, F = Trilinear> {
     precision: P,
     medium: Medium,
     shader: S,
     floor: ChannelOf<P>,
+    filter: PhantomData<F>,
 }
 
 impl<P: Precision> Rgba<P> {
@@ -47,6 +72,21 @@ impl<P: Precision, S: Shader<P>> Rgba<P, S> {
             medium,
             shader,
             floor: precision.pixel().floor(),
+            filter: PhantomData,
+        }
+    }
+}
+
+impl<P: Precision, S, F> Rgba<P, S, F> {
+    /// The same with samples that lie between voxels otherwise.
+    #[must_use]
+    pub fn with_filter<G: Filter>(self, _: G) -> Rgba<P, S, G> {
+        Rgba {
+            precision: self.precision,
+            medium: self.medium,
+            shader: self.shader,
+            floor: self.floor,
+            filter: PhantomData,
         }
     }
 
@@ -58,15 +98,67 @@ impl<P: Precision, S: Shader<P>> Rgba<P, S> {
     }
 }
 
+/// The source of a channel's samples. The filter decides which it is, so that a pipeline has no code of the other.
+enum Run<'s, 'w, P, V, F> {
+    Linear(Sheared<'s, 'w, P, V, Unlit>),
+    Smooth(Smooth<'s, 'w, P, V>, PhantomData<F>),
+}
+
+impl<'s, 'w, P: Precision, V: Lanes, F: Filter> Run<'s, 'w, P, V, F> {
+    #[inline(always)]
+    fn new(precision: P, extent: &'s Extent, window: &'s Window<'w>, plan: &Plan, rows: RunRows<'s, i32>) -> Self {
+        match rows {
+            RunRows::Linear(rows) => Self::Linear(Sheared::new(
+                precision,
+                extent,
+                window,
+                plan.spacing(),
+                rows,
+                KeptRows::default(),
+            )),
+            RunRows::Smooth(rows) => Self::Smooth(Smooth::new(precision, extent, window, rows), PhantomData),
+        }
+    }
+
+    #[inline(always)]
+    fn make(&mut self, row: i32) {
+        match self {
+            Self::Linear(source) if !F::SMOOTH => source.make(row),
+            Self::Smooth(source, _) if F::SMOOTH => source.make(row),
+            _ => {}
+        }
+    }
+
+    /// The samples of the row that was made last.
+    #[inline(always)]
+    fn samples(&self, row: i32) -> &[i32] {
+        match self {
+            Self::Linear(source) if !F::SMOOTH => source.slab(row).back,
+            Self::Smooth(source, _) if F::SMOOTH => source.samples(),
+            _ => &[],
+        }
+    }
+
+    /// The same, to be changed.
+    #[inline(always)]
+    fn samples_mut(&mut self, row: i32) -> &mut [i32] {
+        match self {
+            Self::Linear(source) if !F::SMOOTH => source.samples_mut(row),
+            Self::Smooth(source, _) if F::SMOOTH => source.samples_mut(),
+            _ => &mut [],
+        }
+    }
+}
+
 /// The rows of a plane's parts: four channels, and the source of gradients.
-struct Sources<'s, 'w, P, V> {
-    channels: [Sheared<'s, 'w, P, V, Unlit>; 4],
+struct Sources<'s, 'w, P, V, F> {
+    channels: [Run<'s, 'w, P, V, F>; 4],
     slopes: Sheared<'s, 'w, Eighths<P>, V, Slopes>,
     g: [&'s mut [i32]; 3],
     r: &'s mut [i32],
 }
 
-impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
+impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
     #[inline(always)]
     fn fold_plane<V: Lanes>(
         &self,
@@ -131,18 +223,16 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
             plane.index,
             (precision.pixel(), self.floor),
         );
-        let spacing = plan.spacing();
         let [wt, wr, wg, wb] = runs.each_ref().map(|run| &run.window);
         let [t, r, g, b] = memory.runs;
-        let mut sources = Sources {
-            channels: [(wt, t), (wr, r), (wg, g), (wb, b)].map(|(window, memory)| {
-                Sheared::<P, V, Unlit>::new(precision, extent, window, spacing, memory, KeptRows::default())
-            }),
+        let mut sources = Sources::<P, V, F> {
+            channels: [(wt, t), (wr, r), (wg, g), (wb, b)]
+                .map(|(window, memory)| Run::new(precision, extent, window, plan, memory)),
             slopes: Sheared::new(
                 Eighths(precision),
                 extent,
                 wt,
-                spacing,
+                plan.spacing(),
                 memory.slopes,
                 KeptRows::default(),
             ),
@@ -153,10 +243,12 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
         let all = 0..extent.columns.len();
         for row in extent.met(rows.first, count) {
             let voxel_row = extent.voxel_row(row);
-            if around(wt, extent.voxel_rows(voxel_row)).high == 0
-                || image.finished(row)
-                || clipped.as_ref().is_some_and(|clipped| clipped.is_empty(row))
-            {
+            let range = if F::SMOOTH {
+                smooth::around(wt, extent, voxel_row)
+            } else {
+                around(wt, extent.voxel_rows(voxel_row))
+            };
+            if range.high == 0 || image.finished(row) || clipped.as_ref().is_some_and(|clipped| clipped.is_empty(row)) {
                 continue;
             }
             if let Some(reading) = reading {
@@ -172,7 +264,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
                 part: 0,
             };
             if let Some(tap) = &mut tap {
-                let [t, r, g, b] = sources.channels.each_ref().map(|channel| channel.slab(voxel_row).back);
+                let [t, r, g, b] = sources.channels.each_ref().map(|channel| channel.samples(voxel_row));
                 tap.row(Stage::Interpolation, beam, &[&t, &r, &g, &b]);
                 image.look(row, all.clone(), &mut |rows| tap.row(Stage::Before, beam, rows));
             }
@@ -189,7 +281,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
                 }
             }
             let [t, colours @ ..] = &mut sources.channels;
-            let t = t.slab(voxel_row).back;
+            let t = t.samples(voxel_row);
             if cues && let Some(clipped) = &clipped {
                 let colours = three(colours.each_mut(), |channel| channel.samples_mut(voxel_row));
                 clipped.turn_weighted(row, 0, t, colours);
@@ -197,10 +289,10 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
             if let Some(tap) = &mut tap
                 && (S::LIT || cues)
             {
-                let [r, g, b] = colours.each_ref().map(|channel| channel.slab(voxel_row).back);
+                let [r, g, b] = colours.each_ref().map(|channel| channel.samples(voxel_row));
                 tap.row(Stage::Shading, beam, &[&r, &g, &b]);
             }
-            let [r, g, b] = colours.each_ref().map(|channel| channel.slab(voxel_row).back);
+            let [r, g, b] = colours.each_ref().map(|channel| channel.samples(voxel_row));
             let samples = [t, r, g, b];
             if let Some(clipped) = &clipped {
                 clipped.each(row, all.clone(), &mut |columns, left| {
@@ -223,7 +315,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
     #[inline(always)]
     fn shade_span<V: Lanes>(
         &self,
-        sources: &mut Sources<'_, '_, P, V>,
+        sources: &mut Sources<'_, '_, P, V, F>,
         (row, span): (i32, Range<usize>),
         beam: Beam<'_>,
         mut tap: Option<&mut dyn Tap>,
@@ -241,7 +333,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
             tap.row(Stage::Gradient, beam, &[&&*gx, &&*gy, &&*gz]);
         }
         let [t, colours @ ..] = &mut sources.channels;
-        let t = part(t.slab(row).back, span.clone());
+        let t = part(t.samples(row), span.clone());
         let colours = three(colours.each_mut(), |channel| {
             part_mut(channel.samples_mut(row), span.clone())
         });
@@ -253,12 +345,12 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Rgba<P, S> {
     }
 }
 
-impl<P: Precision, V: Lanes> Sources<'_, '_, P, V> {
+impl<P: Precision, V: Lanes, F: Filter> Sources<'_, '_, P, V, F> {
     /// The extinctions of the row that was made last.
     #[inline(always)]
     fn extinction(&self, row: i32) -> &[i32] {
         let [t, ..] = &self.channels;
-        t.slab(row).back
+        t.samples(row)
     }
 }
 
@@ -286,16 +378,17 @@ impl<P: Precision, S: Shader<P>, V: Lanes> Kernel
     }
 }
 
-impl<P: Precision<Pixel: Weighted>, S: Shader<P>> Pipeline for Rgba<P, S> {
+impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Pipeline for Rgba<P, S, F> {
     type Precision = P;
     type Voxel = Rgba15;
     type Element = ChannelOf<P>;
     const CHANNELS: usize = 4;
-    const SLICES: usize = if S::LIT { 4 } else { 2 };
-    const SCRATCH: scratch::Rows = if S::LIT {
-        scratch::Rows::LitColours
-    } else {
-        scratch::Rows::Colours
+    const SLICES: usize = if S::LIT || F::SMOOTH { 4 } else { 2 };
+    const SCRATCH: scratch::Rows = match (S::LIT, F::SMOOTH) {
+        (false, false) => scratch::Rows::Colours,
+        (true, false) => scratch::Rows::LitColours,
+        (false, true) => scratch::Rows::SmoothColours,
+        (true, true) => scratch::Rows::LitSmoothColours,
     };
     const BACK_TO_FRONT: bool = false;
 

@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use slicecast::composite::{ChannelFormat, Recurrence, Weighted};
 use slicecast::extinction::{Medium, Rgba15};
 use slicecast::plan::Plan;
-use slicecast::plane::Rgba;
+use slicecast::plane::{Filter, Rgba, Triquadratic};
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::shade::Shader;
 use slicecast::slice::{RowRange, Slice, SliceError};
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::check::shown;
-use slicecast_scene::{Blend, PrecisionName, Scene};
+use slicecast_scene::{Blend, Interpolation, PrecisionName, Scene};
 
 use crate::camera::{CameraError, Setup, Shape, set_up};
 use crate::error::RenderError;
@@ -222,17 +222,17 @@ impl<'a> Coloured<'a> {
         P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
     {
         match &self.setup.material {
-            None => self.fold(Rgba::new(p, self.medium), slices, layer, progress),
+            None => self.filtered(Rgba::new(p, self.medium), slices, layer, progress),
             Some(material) => {
-                let pipeline = Rgba::shaded(p, self.medium, material.phong(p).map_err(CameraError::from)?);
-                self.fold(pipeline, slices, layer, progress)
+                let phong = material.phong(p).map_err(CameraError::from)?;
+                self.filtered(Rgba::shaded(p, self.medium, phong), slices, layer, progress)
             }
         }
     }
 
-    fn fold<P, S>(
+    fn filtered<P, S>(
         &self,
-        mut pipeline: Rgba<P, S>,
+        pipeline: Rgba<P, S>,
         slices: &[Slice<'_, Rgba15>],
         layer: Layer,
         progress: Progress<'_>,
@@ -240,6 +240,24 @@ impl<'a> Coloured<'a> {
     where
         P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
         S: Shader<P>,
+    {
+        match self.scene.interpolation {
+            Interpolation::Quadratic => self.fold(pipeline.with_filter(Triquadratic), slices, layer, progress),
+            Interpolation::Linear | Interpolation::Nearest => self.fold(pipeline, slices, layer, progress),
+        }
+    }
+
+    fn fold<P, S, F>(
+        &self,
+        mut pipeline: Rgba<P, S, F>,
+        slices: &[Slice<'_, Rgba15>],
+        layer: Layer,
+        progress: Progress<'_>,
+    ) -> Result<Frame, RenderError>
+    where
+        P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
+        S: Shader<P>,
+        F: Filter,
     {
         let plan: &Plan = &self.setup.plan;
         if let Some(bits) = self.scene.early_termination {

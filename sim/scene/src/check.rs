@@ -115,9 +115,13 @@ impl Scene {
         Ok(())
     }
 
-    /// What classifies values has no place beside colours.
+    /// What classifies values has no place beside colours, nor what samples colours beside values.
     fn colours(&self) -> Result<(), FieldError> {
         let Some(colours) = self.colours else {
+            if self.interpolation == Interpolation::Quadratic {
+                let expected = "\"linear\" or \"nearest\": splines are of volumes of [colours]";
+                return Err(FieldError::new("sampling.interpolation", "\"quadratic\"", expected));
+            }
             return Ok(());
         };
         let Colours {

@@ -484,6 +484,8 @@ pub enum Interpolation {
     Linear,
     /// That of the nearest voxel: for labels, which are names.
     Nearest,
+    /// A spline of second degree about the nearest of 27 voxels, which smooths: for volumes of colours.
+    Quadratic,
 }
 
 /// Where the volume ends, and what a sample at its borders counts.

@@ -76,6 +76,7 @@ enum ClassificationArg {
 enum InterpolationArg {
     Linear,
     Nearest,
+    Quadratic,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -385,6 +386,7 @@ impl SceneArgs {
             scene.interpolation = match interpolation {
                 InterpolationArg::Linear => Interpolation::Linear,
                 InterpolationArg::Nearest => Interpolation::Nearest,
+                InterpolationArg::Quadratic => Interpolation::Quadratic,
             };
         }
         if let Some(borders) = self.borders {
