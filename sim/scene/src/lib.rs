@@ -13,6 +13,7 @@ pub mod crop;
 pub mod cueing;
 pub mod file;
 pub mod import;
+pub mod materials;
 pub mod transfer;
 
 use serde::{Deserialize, Serialize};
