@@ -223,7 +223,7 @@ fn soft_ball(tau_max: f64) -> RgbaVolume {
 
 /// Lights and depth cueing of a scene of colours.
 const LIT: &str = "[lighting]\nambient = 0.2\ndiffuse = 0.6\nspecular = 0.3\nexponent = 16\n";
-const LIT_BLINN: &str = "[lighting]\nhighlight = \"half_vector\"\nexponent = 64\n[[lighting.lights]]\ndirection = [0.3, 0.5, 1.0]\n\
+const LIT_BLINN: &str = "[lighting]\nhighlight = \"half-vector\"\nexponent = 64\n[[lighting.lights]]\ndirection = [0.3, 0.5, 1.0]\n\
     colour = \"#ffd0a0\"\n[[lighting.lights]]\ndirection = [-1.0, 0.2, 0.4]\n[cueing]\nstrength = 0.6\n";
 
 /// The same ball under light, and under coloured lights and depth cueing: the same bars.
