@@ -55,8 +55,8 @@ fn files() -> Place {
         format!("voxel = \"{voxel}\"\n{}{}", material(one, "3"), material(other, "1.5"))
     };
     place.write("two.toml", of_two("shares", [""; 2]));
-    place.write("labels.toml", of_two("label_share", ["label = 4\n", "label = 8\n"]));
-    place.write("fewer.toml", of_two("label_share", ["label = 4\n", "label = 7\n"]));
+    place.write("labels.toml", of_two("label-share", ["label = 4\n", "label = 8\n"]));
+    place.write("fewer.toml", of_two("label-share", ["label = 4\n", "label = 7\n"]));
     place.write("one.toml", format!("voxel = \"shares\"\n{}", material("", "3")));
     place.write("bad.toml", format!("voxel = \"shares\"\n{}", material("", "-1")));
     place.block("scalar.nrrd");

@@ -1,13 +1,13 @@
 //! Tables of materials: what the shares of a volume's voxels are shares of. TOML in, a checked [`MaterialTable`] out.
 //!
 //! ```toml
-//! voxel = "shares"         # a share of each material; or "label_share": one material's label, and its share
+//! voxel = "shares"         # a share of each material; or "label-share": one material's label, and its share
 //!
 //! [[material]]
 //! name = "bone"            # for people
 //! colour = "#e8d8c0"
 //! extinction = 2.5         # 0 to 1e6, per unit of the volume's spacing
-//! label = 3                # 1 to 255, of "label_share" alone
+//! label = 3                # 1 to 255, of "label-share" alone
 //! ```
 
 use std::ops::RangeInclusive;
@@ -27,7 +27,7 @@ const EXTINCTIONS: RangeInclusive<f64> = 0.0..=1e6;
 
 /// What the values of a voxel are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "kebab-case")]
 pub enum VoxelOfMaterials {
     /// A share of each material, in their order.
     Shares,
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn tables_are_read() {
         let table = parse(
-            "voxel = \"label_share\"\n[[material]]\nname = \"bone\"\nlabel = 3\ncolour = \"#ff0080\"\nextinction = 2.5\n\
+            "voxel = \"label-share\"\n[[material]]\nname = \"bone\"\nlabel = 3\ncolour = \"#ff0080\"\nextinction = 2.5\n\
              [[material]]\nlabel = 255\ncolour = [0, 0.5, 1]\nextinction = 0",
             "t",
         );
@@ -216,22 +216,22 @@ mod tests {
                 "t: `material[0].label` is 4, expected none: shares stand in the materials' order",
             ),
             (
-                "label_share",
+                "label-share",
                 one.to_owned(),
                 "t: `material[0].label` is missing, expected 1 to 255",
             ),
             (
-                "label_share",
+                "label-share",
                 labelled.replace("4", "0"),
                 "t: `material[0].label` is 0, expected 1 to 255",
             ),
             (
-                "label_share",
+                "label-share",
                 labelled.replace("4", "256"),
                 "t: `material[0].label` is 256, expected 1 to 255",
             ),
             (
-                "label_share",
+                "label-share",
                 labelled.repeat(2),
                 "t: `material[1].label` is 4, expected another label than those before",
             ),
