@@ -528,6 +528,8 @@ pub(crate) trait Clipping: core::fmt::Debug + Sync {
     fn cues(&self) -> bool;
     /// Turns the colours, of so many bits, of a row of segments, from a column of pixels on.
     fn turn(&self, distances: &Distances, at: (u32, usize), colours: [&mut [i32]; 3], bits: u32);
+    /// Turns colours times extinction alike.
+    fn turn_weighted(&self, distances: &Distances, at: (u32, usize), extinction: &[i32], colours: [&mut [i32]; 3]);
 }
 
 impl Clipping for Clips {
@@ -609,20 +611,15 @@ impl Clipping for Clips {
         self.cue.is_some()
     }
 
-    fn turn(&self, distances: &Distances, (row, column): (u32, usize), colours: [&mut [i32]; 3], bits: u32) {
-        let (Some(cue), [.., ends]) = (&self.cue, distances) else {
-            return;
-        };
-        let [along_i, along_j, _] = cue.slope;
-        let mut ends = ends.map(|end| end + along_j * i64::from(row) + along_i * column as i64);
+    fn turn(&self, distances: &Distances, at: (u32, usize), colours: [&mut [i32]; 3], bits: u32) {
+        let Some(cue) = &self.cue else { return };
         let [red, green, blue] = colours;
-        let mut shares = [0; BATCH];
+        let (mut shares_of, mut shares) = (shares(cue, distances, at), [0; BATCH]);
         for first in (0..red.len()).step_by(BATCH) {
             let columns = first..(first + BATCH).min(red.len());
             let shares = part_mut(&mut shares, 0..columns.len());
-            for share in &mut *shares {
-                *share = cue.share(ends) as i32;
-                ends = ends.map(|end| end + along_i);
+            for (share, own) in shares.iter_mut().zip(&mut shares_of) {
+                *share = own as i32;
             }
             let channels = [&mut *red, &mut *green, &mut *blue];
             for (channel, other) in channels.into_iter().zip(cue.target(bits)) {
@@ -630,6 +627,32 @@ impl Clipping for Clips {
             }
         }
     }
+
+    fn turn_weighted(&self, distances: &Distances, at: (u32, usize), extinction: &[i32], colours: [&mut [i32]; 3]) {
+        let Some(cue) = &self.cue else { return };
+        let [red, green, blue] = colours;
+        let colours = red.iter_mut().zip(green).zip(blue);
+        for ((((r, g), b), t), share) in colours.zip(extinction).zip(shares(cue, distances, at)) {
+            let turned = cue.turned_weighted([*r as u32, *g as u32, *b as u32], *t as u32, share);
+            [*r, *g, *b] = turned.map(|c| c as i32);
+        }
+    }
+}
+
+/// How far colours have turned about the segments of a row, from a column of pixels on.
+fn shares<'c>(
+    cue: &'c CuePlane,
+    distances: &Distances,
+    (row, column): (u32, usize),
+) -> impl Iterator<Item = u32> + use<'c> {
+    let [along_i, along_j, _] = cue.slope;
+    let [.., ends] = distances;
+    let mut ends = ends.map(|end| end + along_j * i64::from(row) + along_i * column as i64);
+    core::iter::from_fn(move || {
+        let share = cue.share(ends);
+        ends = ends.map(|end| end + along_i);
+        Some(share)
+    })
 }
 
 /// Where a segment begins, in half steps from the first slice: that about the samples of a plane with this number, or that which

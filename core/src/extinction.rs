@@ -14,10 +14,13 @@
 //! 32767 + 2^15 < 2^31. vk <= vt, and vk = vt where O is 255, by exhaustion. State: none.
 
 mod factor;
+mod slopes;
 
 use core::iter::zip;
 
 pub use self::factor::{Absorption, DEPTH_MAX, Medium, MediumError, PHI, phi};
+pub use self::slopes::Eighths;
+pub(crate) use self::slopes::Slopes;
 use crate::rows::take;
 use crate::slice::{Region, RowRange, Slice, SliceError, Voxel};
 

@@ -72,15 +72,32 @@ pub(crate) fn lerp_x<P: Precision, V: Lanes>(p: P, a: V, b: V, w: V) -> V {
     (a + (b - a).scale16(w, 0) + V::splat(lerp_rounding.bias(cut) as i32)) >> cut
 }
 
+/// z interpolation between two voxels' words, s15.16 of voxels: exact, or to nearest where words have a fraction.
+#[inline(always)]
+fn between<P: Precision, V: Lanes>(a: V, b: V, w: V) -> V {
+    let fraction = P::VOXEL_FRACTION;
+    if fraction == 0 {
+        return a.between16(b, w);
+    }
+    // In two parts, because the whole product has 33 bits.
+    let (d, low) = (b - a, V::splat((1 << fraction) - 1));
+    let rest = ((d & low) * w + V::splat(1 << fraction >> 1)) >> fraction;
+    (a << (16 - fraction)) + (d >> fraction) * w + rest
+}
+
 /// The value at a sample: `voxels[z][y][x]` are the corners of its cell (each -4095 to 8190), `weights` those of x, y
 /// and z. This function is the definition; the row kernels apply its three parts.
 pub fn trilinear<P: Precision>(p: P, voxels: [[[i16; 2]; 2]; 2], weights: [Weight; 3]) -> i32 {
+    trilinear_words(p, voxels.map(|slice| slice.map(|row| row.map(i32::from))), weights)
+}
+
+/// [`trilinear`] of words with [`Precision::VOXEL_FRACTION`], as many times larger.
+pub fn trilinear_words<P: Precision>(p: P, voxels: [[[i32; 2]; 2]; 2], weights: [Weight; 3]) -> i32 {
     let [wx, wy, wz] = weights.map(|weight| cut(p, weight));
-    let [near, far] = voxels;
-    let [[n00, n01], [n10, n11]] = near.map(|row| row.map(i32::from));
-    let [[f00, f01], [f10, f11]] = far.map(|row| row.map(i32::from));
-    let left = lerp_y::<P, i32, false>(p, n00.between16(f00, wz), n10.between16(f10, wz), wy);
-    let right = lerp_y::<P, i32, false>(p, n01.between16(f01, wz), n11.between16(f11, wz), wy);
+    let [[[n00, n01], [n10, n11]], [[f00, f01], [f10, f11]]] = voxels;
+    let z = |near: i32, far: i32| between::<P, i32>(near, far, wz);
+    let left = lerp_y::<P, i32, false>(p, z(n00, f00), z(n10, f10), wy);
+    let right = lerp_y::<P, i32, false>(p, z(n01, f01), z(n11, f11), wy);
     lerp_x(p, left, right, wx)
 }
 
@@ -94,15 +111,13 @@ pub fn z_row<P: Precision, V: Lanes>(p: P, near: &[u16], far: &[u16], weight: We
     if weight == Weight::ZERO {
         // A plane that lies in a slice: all of them at one plane per voxel.
         for at in places::<V>(len) {
-            (V::load_voxels(near, at) << 16).store(out, at);
+            (V::load_voxels(near, at) << (16 - P::VOXEL_FRACTION)).store(out, at);
         }
         return;
     }
     let w = V::splat(cut(p, weight));
     for at in places::<V>(len) {
-        V::load_voxels(near, at)
-            .between16(V::load_voxels(far, at), w)
-            .store(out, at);
+        between::<P, V>(V::load_voxels(near, at), V::load_voxels(far, at), w).store(out, at);
     }
 }
 
@@ -207,7 +222,7 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
         return;
     };
     if weight == Weight::ZERO {
-        let scale = V::splat(near.scale << 16);
+        let scale = V::splat(near.scale << (16 - P::VOXEL_FRACTION));
         for at in places::<V>(len) {
             (near.lanes::<V>(at) * scale).store(out, at);
         }
@@ -222,7 +237,7 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
             a = a * V::splat(near.scale);
             b = b * V::splat(far.scale);
         }
-        a.between16(b, w).store(out, at);
+        between::<P, V>(a, b, w).store(out, at);
     }
 }
 
@@ -232,8 +247,8 @@ pub fn z_difference_row<P: Precision, V: Lanes>(
 /// last voxel lies outside the volume).
 #[inline(always)]
 pub fn yx_row<P: Precision, V: Lanes>(p: P, a: &[i32], b: &[i32], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
-    // On small machines both take as many instructions.
-    if whole && !V::SMALL {
+    // On small machines both take as many instructions; words with a fraction are no whole numbers.
+    if whole && !V::SMALL && P::VOXEL_FRACTION == 0 {
         yx_row_of::<P, V, _, true>(p, TwoRows(a, b), weights, out);
     } else {
         yx_row_of::<P, V, _, false>(p, TwoRows(a, b), weights, out);

@@ -100,6 +100,7 @@ pub mod plan;
 pub mod plane;
 pub mod precision;
 pub mod project;
+pub mod quadratic;
 pub mod reciprocal;
 pub mod root;
 mod rows;

@@ -236,6 +236,14 @@ impl<P: Precision> Shader<P> for Modulated<P> {
         }
     }
 
+    /// Of volumes of colours, which do not take this shader.
+    #[inline(always)]
+    fn shade_weighted_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], extinction: &[i32], colours: [&mut [i32]; 3]) {
+        if let Some(phong) = &self.phong {
+            phong.shade_weighted_row::<V>(g, r, extinction, colours);
+        }
+    }
+
     #[inline(always)]
     fn factor_row<V: Lanes>(&self, magnitudes: &mut [i32]) -> bool {
         let Some(factors) = &self.modulation.opacity else {

@@ -15,6 +15,7 @@
 //! | `clipped` | what clip planes leave of them |
 //! | `source`, `probe` | samples and gradients between the voxels, by rows and by vectors |
 //! | `slabs` | the same of two planes, for segments |
+//! | `smooth` | samples by splines, of volumes of colours |
 //! | `kernels` | row kernels of a classifier and a shader |
 //! | `canvas` | pixels |
 //! | `fold`, `blocks` | the driver, and the two ways through a plane |
@@ -35,6 +36,7 @@ mod project;
 mod rgba;
 mod scratch;
 mod slabs;
+mod smooth;
 mod source;
 
 use core::fmt::Debug;
@@ -44,7 +46,7 @@ pub use self::composite::Composite;
 pub use self::depth::{Depth, NO_DEPTH};
 pub use self::kept::Kept;
 pub use self::project::Project;
-pub use self::rgba::Rgba;
+pub use self::rgba::{Filter, Rgba, Trilinear, Triquadratic};
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;
 use crate::clip::Clipper;

@@ -25,6 +25,8 @@ pub trait Precision: Copy + Debug + Send + Sync + 'static {
     type Pixel: Recurrence;
     /// The name that reports use.
     const NAME: &'static str;
+    /// Fraction bits of a voxel's word, which has 12 bits before them: none, or 3 of an extinction whose gradient is taken.
+    const VOXEL_FRACTION: u32 = 0;
 
     /// Widths and roundings up to the shaded colour.
     fn formats(self) -> Formats;

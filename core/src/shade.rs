@@ -39,7 +39,7 @@ use crate::precision::Precision;
 use crate::rows::three;
 
 pub(crate) use arithmetic::weighed;
-use arithmetic::{along, ambient, brighter, for_products, lit, opposite, reflected_lanes, weighted};
+use arithmetic::{along, ambient, brighter, for_products, lit, lit_weighted, opposite, reflected_lanes, weighted};
 pub use arithmetic::{dot, dot_lanes, formed, formed_nearest, power, power_lanes, reflected};
 
 /// The largest number of lights.
@@ -76,6 +76,9 @@ pub trait Shader<P: Precision>: Sync {
     fn factor_row<V: Lanes>(&self, _magnitudes: &mut [i32]) -> bool {
         false
     }
+
+    /// Shades colours times extinction in place, 15.S, none above its extinction. Rows of equal length.
+    fn shade_weighted_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], extinction: &[i32], colours: [&mut [i32]; 3]);
 }
 
 /// What weighs the light of each sample of a row.
@@ -111,6 +114,9 @@ impl<P: Precision> Shader<P> for Unlit {
 
     #[inline(always)]
     fn shade_row<V: Lanes>(&self, _: [&[i32]; 3], _: &[i32], _: &mut Colours<'_, i32>) {}
+
+    #[inline(always)]
+    fn shade_weighted_row<V: Lanes>(&self, _: [&[i32]; 3], _: &[i32], _: &[i32], _: [&mut [i32]; 3]) {}
 }
 
 /// Which dot product the highlight is a power of.
@@ -414,14 +420,50 @@ impl<P: Precision> Phong<P> {
         [red, green, blue].map(|[c]| c as u32)
     }
 
+    /// Red, green and blue times extinction of a sample with this normal. This function is the definition: a row of one.
+    #[inline]
+    pub fn shade_weighted(&self, normal: Normal, extinction: i32, colour: [i32; 3]) -> [i32; 3] {
+        let [x, y, z] = normal.g.map(|c| [c]);
+        let [mut red, mut green, mut blue] = colour.map(|c| [c]);
+        let (rows, r) = ([&mut red[..], &mut green, &mut blue], [normal.r as i32]);
+        Shader::<P>::shade_weighted_row::<i32>(self, [&x, &y, &z], &r, &[extinction], rows);
+        [red, green, blue].map(|[c]| c)
+    }
+
+    /// Shades a row whose colours lie in these rows, in place.
+    #[inline(always)]
+    fn shade_matter<V: Lanes, W: Weights, M: Matter>(
+        &self,
+        weights: W,
+        ([gx, gy, gz], r): ([&[i32]; 3], &[i32]),
+        matter: M,
+        [red, green, blue]: [&mut [i32]; 3],
+    ) {
+        let len = r.len();
+        let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
+            return;
+        };
+        let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len))
+        else {
+            return;
+        };
+        let (normals, colour) = (Normals { g: [gx, gy, gz], r }, [red, green, blue]);
+        match (V::COUNT > 1, self.grey) {
+            (true, true) => self.shade_row_by::<V, W, M, 2, 1>(weights, normals, matter, colour),
+            (true, false) => self.shade_row_by::<V, W, M, 2, 3>(weights, normals, matter, colour),
+            (false, true) => self.shade_row_by::<V, W, M, 1, 1>(weights, normals, matter, colour),
+            (false, false) => self.shade_row_by::<V, W, M, 1, 3>(weights, normals, matter, colour),
+        }
+    }
+
     /// Shades a row, `B` vectors at a time and each step on all of them: one chain of dependent operations as long as
     /// all steps would leave a processor waiting. `N` channels differ in their coefficients: 1 (grey light) or 3.
     #[inline(always)]
-    fn shade_row_by<V: Lanes, W: Weights, const B: usize, const N: usize>(
+    fn shade_row_by<V: Lanes, W: Weights, M: Matter, const B: usize, const N: usize>(
         &self,
         weights: W,
         normals: Normals<'_>,
-        classified: Option<[u32; 3]>,
+        matter: M,
         [red, green, blue]: [&mut [i32]; 3],
     ) {
         let (p, len) = (self.precision, normals.r.len());
@@ -469,17 +511,57 @@ impl<P: Precision> Phong<P> {
                 }
             }
             for (sums, at) in sums.iter().zip(places) {
-                let [r, g, b] = match classified {
-                    Some([r, g, b]) => [V::splat(r as i32), V::splat(g as i32), V::splat(b as i32)],
-                    None => [V::load(red, at), V::load(green, at), V::load(blue, at)],
-                };
+                let [r, g, b] = matter.colour([red, green, blue], at);
                 let unlit = &[zero; 2];
                 let [first, middle, last] = three([0, N >> 1, N - 1], |n| sums.get(n).unwrap_or(unlit));
-                lit::<P, V>(p, r, *first).store(red, at);
-                lit::<P, V>(p, g, *middle).store(green, at);
-                lit::<P, V>(p, b, *last).store(blue, at);
+                matter.lit::<P, V>(p, at, r, *first).store(red, at);
+                matter.lit::<P, V>(p, at, g, *middle).store(green, at);
+                matter.lit::<P, V>(p, at, b, *last).store(blue, at);
             }
         }
+    }
+}
+
+/// What light falls on.
+trait Matter: Copy {
+    /// The colour at a place, given its rows.
+    fn colour<V: Lanes>(self, rows: [&[i32]; 3], at: usize) -> [V; 3];
+    /// A colour at a place under these sums of light.
+    fn lit<P: Precision, V: Lanes>(self, p: P, at: usize, colour: V, sums: [V; 2]) -> V;
+}
+
+/// Classified samples, with the colour of all of them if they have one.
+#[derive(Clone, Copy)]
+struct Classified(Option<[u32; 3]>);
+
+impl Matter for Classified {
+    #[inline(always)]
+    fn colour<V: Lanes>(self, [red, green, blue]: [&[i32]; 3], at: usize) -> [V; 3] {
+        match self.0 {
+            Some([r, g, b]) => [V::splat(r as i32), V::splat(g as i32), V::splat(b as i32)],
+            None => [V::load(red, at), V::load(green, at), V::load(blue, at)],
+        }
+    }
+
+    #[inline(always)]
+    fn lit<P: Precision, V: Lanes>(self, p: P, _: usize, colour: V, sums: [V; 2]) -> V {
+        lit::<P, V>(p, colour, sums)
+    }
+}
+
+/// Colours times extinction, with their extinctions.
+#[derive(Clone, Copy)]
+struct Coloured<'a>(&'a [i32]);
+
+impl Matter for Coloured<'_> {
+    #[inline(always)]
+    fn colour<V: Lanes>(self, rows: [&[i32]; 3], at: usize) -> [V; 3] {
+        three(rows, |row| V::load(row, at))
+    }
+
+    #[inline(always)]
+    fn lit<P: Precision, V: Lanes>(self, p: P, at: usize, colour: V, sums: [V; 2]) -> V {
+        lit_weighted::<P, V>(p, V::load(self.0, at), colour, sums)
     }
 }
 
@@ -526,6 +608,13 @@ impl<P: Precision> Shader<P> for Phong<P> {
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>) {
         self.shade_weighed_row::<V, _>(g, r, colours, Unweighed);
     }
+
+    #[inline(always)]
+    fn shade_weighted_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], extinction: &[i32], colours: [&mut [i32]; 3]) {
+        if let Some(extinction) = extinction.get(..r.len()) {
+            self.shade_matter::<V, _, _>(Unweighed, (g, r), Coloured(extinction), colours);
+        }
+    }
 }
 
 impl<P: Precision> Phong<P> {
@@ -538,21 +627,8 @@ impl<P: Precision> Phong<P> {
         colours: &mut Colours<'_, i32>,
         weights: W,
     ) {
-        let classified = colours.one.take();
-        let ([gx, gy, gz], [red, green, blue], len) = (g, &mut colours.rows, r.len());
-        let (Some(gx), Some(gy), Some(gz)) = (gx.get(..len), gy.get(..len), gz.get(..len)) else {
-            return;
-        };
-        let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len))
-        else {
-            return;
-        };
-        let (normals, colour) = (Normals { g: [gx, gy, gz], r }, [red, green, blue]);
-        match (V::COUNT > 1, self.grey) {
-            (true, true) => self.shade_row_by::<V, W, 2, 1>(weights, normals, classified, colour),
-            (true, false) => self.shade_row_by::<V, W, 2, 3>(weights, normals, classified, colour),
-            (false, true) => self.shade_row_by::<V, W, 1, 1>(weights, normals, classified, colour),
-            (false, false) => self.shade_row_by::<V, W, 1, 3>(weights, normals, classified, colour),
-        }
+        let classified = Classified(colours.one.take());
+        let [red, green, blue] = &mut colours.rows;
+        self.shade_matter::<V, _, _>(weights, (g, r), classified, [red, green, blue]);
     }
 }

@@ -1,18 +1,27 @@
 //! Frames of colour and extinction: the plane layer in tiles of any height, by both single lanes, and the stream, from codes and
 //! from entries of both kinds, against the formulas of `docs/contract/extinction.md` ray by ray, in 128 bits.
 
+#[path = "rgba/light.rs"]
+mod light;
+
+use self::light::{Material, cued, cues, materials, normal};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use slicecast::borders::{Borders, Side, WHOLE};
+use slicecast::clip::{Clips, Cue};
 use slicecast::composite::{Channel, Dither, Weighted};
 use slicecast::extinction::{Given, Medium, PHI, Rgba15, decode};
-use slicecast::format::{Direction, Weight};
+use slicecast::format::{Direction, Intensity, Weight};
 use slicecast::interpolate::trilinear;
 use slicecast::lanes::{Lanes, Small};
 use slicecast::locate::plane;
 use slicecast::plan::{Plan, Sampling, Spacing};
-use slicecast::plane::{At, ChannelOf, Pipeline, Rgba, Rows, ScratchError, clear, near_slice, scratch_len};
+use slicecast::plane::{
+    At, ChannelOf, Filter, Pipeline, Rgba, Rows, ScratchError, Triquadratic, clear, near_slice, scratch_len,
+};
 use slicecast::precision::{Compact, Precision, Wide};
+use slicecast::quadratic::{is_behind, triquadratic};
+use slicecast::shade::Shader;
 use slicecast::slice::{RowRange, Slice, Window};
 use slicecast::stream::{Memory, Needs, Stream, base_pixel, phase_len};
 use slicecast::view::View;
@@ -43,21 +52,33 @@ impl Volume {
 }
 
 /// A frame: where it looks from, and how.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Frame {
     plan: Plan,
     medium: [u32; 2],
     early: Option<u32>,
+    material: Option<Material>,
+    cue: Option<Cue>,
+    smooth: bool,
+}
+
+impl Frame {
+    fn clips(&self) -> Option<Clips> {
+        let cue = self.cue?;
+        Some(Clips::new(&self.plan, &[]).unwrap().with_cue(&self.plan, &cue).unwrap())
+    }
 }
 
 /// The samples of a ray, in its order: number of the plane, fraction of its step, extinction and colours times extinction.
 fn samples<P: Precision>(
     p: P,
-    plan: &Plan,
+    view: &Frame,
+    clips: Option<&Clips>,
     volume: &Volume,
     phase: u32,
     [u, v]: [u32; 2],
 ) -> Vec<(u32, u32, [i64; 4])> {
+    let plan = &view.plan;
     let phase = plan.phase(phase);
     let [start_i, start_j] = plan.start(phase);
     let mut found = Vec::new();
@@ -86,9 +107,30 @@ fn samples<P: Precision>(
             let at = [0, 1, 2].map(|a| ((held[a] >> 16) as usize + d[a]).min(volume.dims[a] - 1));
             volume.codes(at)[channel] as i16
         };
+        let about = |channel: usize, d: [usize; 3]| {
+            let place = |a: usize| (held[a] >> 16) + i32::from(is_behind(weights[a])) + d[a] as i32 - 1;
+            let at = [0, 1, 2].map(|a| place(a).clamp(0, volume.dims[a] as i32 - 1) as usize);
+            volume.codes(at)[channel]
+        };
         let sample = [0, 1, 2, 3].map(|channel| {
+            if view.smooth {
+                let voxels = [0, 1, 2].map(|z| [0, 1, 2].map(|y| [0, 1, 2].map(|x| about(channel, [x, y, z]))));
+                return i64::from(triquadratic(p, voxels, weights));
+            }
             let corners = [0, 1].map(|z| [0, 1].map(|y| [0, 1].map(|x| corner(channel, [x, y, z]))));
             i64::from(trilinear(p, corners, weights))
+        });
+        let [tau, ..] = sample;
+        assert!(sample.iter().all(|channel| (0..=tau).contains(channel)), "{sample:?}");
+        let sample = view.material.as_ref().map_or(sample, |material| {
+            material.lit(p, normal(p, plan, volume, held.map(|bits| bits >> 16), weights), sample)
+        });
+        let sample = clips.map_or(sample, |clips| {
+            let start = [
+                start_i.to_bits() + (i64::from(u) << 32),
+                start_j.to_bits() + (i64::from(v) << 32),
+            ];
+            cued(clips, view.cue.unwrap().colour, plan, start, index, sample)
         });
         found.push((index, fraction, sample));
     }
@@ -101,7 +143,9 @@ fn defined<P: Precision>(p: P, view: &Frame, volume: &Volume) -> Vec<[u32; 4]> {
         plan,
         medium: [mantissa, exponent],
         early,
+        ..
     } = view;
+    let clips = view.clips();
     let bits = p.formats().sample_bits;
     let (n, wide) = (exponent + bits, bits == 15);
     let one: i128 = if wide { 1 << 31 } else { 65535 };
@@ -113,7 +157,7 @@ fn defined<P: Precision>(p: P, view: &Frame, volume: &Volume) -> Vec<[u32; 4]> {
         (0..plan.phases()).flat_map(|p| (0..height).flat_map(move |v| (0..width).map(move |u| (p, v, u))))
     {
         let (mut t, mut c) = (one, [0i128; 3]);
-        for (index, fraction, [tau, colours @ ..]) in samples(p, plan, volume, phase, [u, v]) {
+        for (index, fraction, [tau, colours @ ..]) in samples(p, view, clips.as_ref(), volume, phase, [u, v]) {
             assert!(
                 colours.iter().all(|colour| (0..=tau).contains(colour)),
                 "{tau} {colours:?}"
@@ -154,7 +198,11 @@ fn defined<P: Precision>(p: P, view: &Frame, volume: &Volume) -> Vec<[u32; 4]> {
 }
 
 /// The pixels of an image in the same order.
-fn pixels<P: Precision<Pixel: Weighted>>(plan: &Plan, pipeline: &Rgba<P>, image: &[ChannelOf<P>]) -> Vec<[u32; 4]> {
+fn pixels<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter>(
+    plan: &Plan,
+    pipeline: &Rgba<P, S, F>,
+    image: &[ChannelOf<P>],
+) -> Vec<[u32; 4]> {
     let [width, height] = plan.base();
     let n = plan.sampling().rays_per_voxel;
     let places = (0..n * n).flat_map(|p| (0..height).flat_map(move |v| (0..width).map(move |u| (p, v, u))));
@@ -173,9 +221,9 @@ fn pixels<P: Precision<Pixel: Weighted>>(plan: &Plan, pipeline: &Rgba<P>, image:
 }
 
 /// By the plane layer, in tiles of some rows.
-fn by_planes<P: Precision<Pixel: Weighted>, V: Lanes>(
-    plan: &Plan,
-    pipeline: &Rgba<P>,
+fn by_planes<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter, V: Lanes>(
+    (plan, clips): (&Plan, Option<&Clips>),
+    pipeline: &Rgba<P, S, F>,
     volume: &Volume,
     tile: usize,
 ) -> Vec<[u32; 4]> {
@@ -185,20 +233,20 @@ fn by_planes<P: Precision<Pixel: Weighted>, V: Lanes>(
     let slices: Vec<Slice<'_, Rgba15>> = (words.iter().zip(ranges.chunks_mut(h)))
         .map(|(words, ranges)| Slice::of_codes(words, w, h, ranges).unwrap())
         .collect();
-    let mut image = vec![Default::default(); Needs::of::<Rgba<P>>(plan).image];
+    let mut image = vec![Default::default(); Needs::of::<Rgba<P, S, F>>(plan).image];
     clear(pipeline, plan, &mut image);
-    let mut scratch = vec![0x5555_5555; scratch_len::<Rgba<P>>(w as u32)];
+    let mut scratch = vec![0x5555_5555; scratch_len::<Rgba<P, S, F>>(w as u32)];
     let row_len = 4 * plan.base()[0] as usize;
-    for (number, data) in image.chunks_mut(phase_len::<Rgba<P>>(plan)).enumerate() {
+    for (number, data) in image.chunks_mut(phase_len::<Rgba<P, S, F>>(plan)).enumerate() {
         for (tile_number, data) in data.chunks_mut(row_len * tile).enumerate() {
             for index in 0..plan.planes() {
                 let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
                 let at = At {
                     plan,
                     plane: plane(plan, plan.phase(number as u32), index),
-                    window: Window::at(near_slice::<Rgba<P>>(plan, index), slice).unwrap(),
+                    window: Window::at(near_slice::<Rgba<P, S, F>>(plan, index), slice).unwrap(),
                     seen: None,
-                    clips: None,
+                    clips: clips.map(Clips::clipper),
                     reading: None,
                 };
                 let rows = || (tile_number * tile) as u32;
@@ -239,13 +287,13 @@ fn by_planes<P: Precision<Pixel: Weighted>, V: Lanes>(
 }
 
 /// By the stream, which is given slices as `given` says.
-fn by_stream<P: Precision<Pixel: Weighted>>(
-    plan: &Plan,
-    pipeline: &Rgba<P>,
+fn by_stream<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter>(
+    (plan, clips): (&Plan, Option<&Clips>),
+    pipeline: &Rgba<P, S, F>,
     volume: &Volume,
     given: usize,
 ) -> Vec<[u32; 4]> {
-    let needs = Needs::of::<Rgba<P>>(plan);
+    let needs = Needs::of::<Rgba<P, S, F>>(plan);
     let (mut slices, mut ranges) = (vec![0xffff; needs.slices], vec![RowRange::EMPTY; needs.ranges]);
     let (mut scratch, mut image) = (vec![-1; needs.scratch], vec![Default::default(); needs.image]);
     let memory = Memory {
@@ -256,6 +304,9 @@ fn by_stream<P: Precision<Pixel: Weighted>>(
     };
     let len = volume.dims[0] * volume.dims[1];
     let mut stream = Stream::new(*plan, pipeline, memory).unwrap();
+    if let Some(clips) = clips {
+        stream.clip(clips.clipper()).unwrap();
+    }
     while let Some(wanted) = stream.wanted() {
         let part = wanted as usize * len..(wanted as usize + 1) * len;
         let (entries, low, words) = (
@@ -279,25 +330,43 @@ fn by_stream<P: Precision<Pixel: Weighted>>(
 
 fn held<P: Precision<Pixel: Weighted>>(p: P, view: &Frame, volume: &Volume, tile: usize) -> Result<(), TestCaseError> {
     let [mantissa, exponent] = view.medium;
-    let mut pipeline = Rgba::new(p, Medium::new(mantissa, exponent).unwrap());
+    let medium = Medium::new(mantissa, exponent).unwrap();
+    match &view.material {
+        None if view.smooth => held_by(p, Rgba::new(p, medium).with_filter(Triquadratic), view, volume, tile),
+        None => held_by(p, Rgba::new(p, medium), view, volume, tile),
+        Some(material) => {
+            let pipeline = Rgba::shaded(p, medium, material.phong(p));
+            if view.smooth {
+                held_by(p, pipeline.with_filter(Triquadratic), view, volume, tile)
+            } else {
+                held_by(p, pipeline, view, volume, tile)
+            }
+        }
+    }
+}
+
+fn held_by<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter>(
+    p: P,
+    mut pipeline: Rgba<P, S, F>,
+    view: &Frame,
+    volume: &Volume,
+    tile: usize,
+) -> Result<(), TestCaseError> {
     if let Some(bits) = view.early {
         pipeline = pipeline.with_early_termination(bits);
     }
+    let clips = view.clips();
+    let at = (&view.plan, clips.as_ref());
     let expected = defined(p, view, volume);
-    prop_assert_eq!(&by_planes::<P, i32>(&view.plan, &pipeline, volume, tile), &expected);
-    prop_assert_eq!(&by_planes::<P, Small>(&view.plan, &pipeline, volume, 100), &expected);
+    prop_assert_eq!(&by_planes::<P, S, F, i32>(at, &pipeline, volume, tile), &expected);
+    prop_assert_eq!(&by_planes::<P, S, F, Small>(at, &pipeline, volume, 100), &expected);
     let doubled = volume
         .entries
         .iter()
         .zip(&volume.low)
         .all(|(entry, low)| (entry >> 24) as u8 == *low);
     for given in 0..if doubled { 3 } else { 2 } {
-        prop_assert_eq!(
-            &by_stream(&view.plan, &pipeline, volume, given),
-            &expected,
-            "given {}",
-            given
-        );
+        prop_assert_eq!(&by_stream(at, &pipeline, volume, given), &expected, "given {}", given);
     }
     Ok(())
 }
@@ -333,6 +402,16 @@ fn views(dims: [usize; 3]) -> impl Strategy<Value = Option<Frame>> {
         (0u32..1 << 31).prop_map(|m| [m, 35]),
     ];
     let borders = prop_oneof![Just(Borders::Whole), Just(Borders::Cells), Just(Borders::Nodes)];
+    let spacing = prop_oneof![Just([1 << 15; 3]), prop::array::uniform3(1u16..=1 << 15)].prop_map(|mut factors| {
+        factors[0] = 1 << 15;
+        Spacing(factors.map(Intensity::from_bits))
+    });
+    let turned = (
+        spacing,
+        prop::option::weighted(0.6, materials()),
+        prop::option::weighted(0.4, cues()),
+        any::<bool>(),
+    );
     (
         shear(),
         shear(),
@@ -341,17 +420,27 @@ fn views(dims: [usize; 3]) -> impl Strategy<Value = Option<Frame>> {
         borders,
         medium,
         prop::option::of(1u32..=12),
+        turned,
     )
-        .prop_map(move |(i, j, rate, rays, borders, medium, early)| {
-            let view = View::new([i, j, 1 << 58].map(Direction::from_bits)).unwrap();
-            let sampling = Sampling {
-                planes_per_voxel: rate,
-                rays_per_voxel: rays,
-            };
-            let dims = dims.map(|side| side as u32);
-            let plan = Plan::with_borders(view, dims, Spacing::CUBIC, sampling, borders).ok()?;
-            Some(Frame { plan, medium, early })
-        })
+        .prop_map(
+            move |(i, j, rate, rays, borders, medium, early, (spacing, material, cue, smooth))| {
+                let view = View::new([i, j, 1 << 58].map(Direction::from_bits)).unwrap();
+                let sampling = Sampling {
+                    planes_per_voxel: rate,
+                    rays_per_voxel: rays,
+                };
+                let dims = dims.map(|side| side as u32);
+                let plan = Plan::with_borders(view, dims, spacing, sampling, borders).ok()?;
+                Some(Frame {
+                    plan,
+                    medium,
+                    early,
+                    material,
+                    cue,
+                    smooth,
+                })
+            },
+        )
 }
 
 proptest! {
@@ -368,7 +457,8 @@ proptest! {
         held(Wide, &view, &volume, tile)?;
     }
 
-    /// White voxels of any extinction: what a ray has lost is what it shows, in both precisions.
+    /// White voxels of any extinction: what a ray has lost is what it shows, in both precisions, unlit and under ambient light of 1
+    /// alone.
     #[test]
     fn white_keeps_all_light(
         roots in prop::collection::vec(prop_oneof![any::<u8>(), Just(0)], 5 * 4 * 30),
@@ -383,10 +473,17 @@ proptest! {
         let sampling = Sampling { planes_per_voxel: rate, rays_per_voxel: 1 };
         let plan = Plan::whole(view, [5, 4, 30], Spacing::CUBIC, sampling).unwrap();
         let medium = Medium::new(mantissa, exponent).unwrap();
-        for [r, g, b, t] in by_planes::<Compact, i32>(&plan, &Rgba::new(Compact, medium), &volume, 9) {
+        let (at, white) = ((&plan, None), Material::white());
+        let compact = by_planes::<_, _, _, i32>(at, &Rgba::new(Compact, medium), &volume, 9);
+        for [r, g, b, t] in &compact {
             prop_assert_eq!([r + t, g + t, b + t], [65535; 3]);
         }
-        for [r, g, b, t] in by_planes::<Wide, i32>(&plan, &Rgba::new(Wide, medium), &volume, 9) {
+        let lit = Rgba::shaded(Compact, medium, white.phong(Compact));
+        prop_assert!(by_planes::<_, _, _, i32>(at, &lit, &volume, 9) == compact);
+        let wide = by_planes::<_, _, _, i32>(at, &Rgba::new(Wide, medium), &volume, 9);
+        let lit = Rgba::shaded(Wide, medium, white.phong(Wide));
+        prop_assert!(by_planes::<_, _, _, i32>(at, &lit, &volume, 9) == wide);
+        for [r, g, b, t] in wide {
             prop_assert_eq!([r, r], [g, b]);
             // What the floor takes is less than 2^11.
             let rest = (1u32 << 31) - (r + t);

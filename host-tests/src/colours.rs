@@ -1,17 +1,17 @@
 //! A frame of colour and extinction stated in integers, and its way through the pipeline.
 
 use slicecast::borders::Borders;
-use slicecast::clip::Clip;
+use slicecast::clip::{Clip, Cue};
 use slicecast::crop::Crop;
 use slicecast::extinction::Medium;
 use slicecast::format::Direction;
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::view::View;
-use slicecast_engine::camera::Setup;
+use slicecast_engine::camera::{Material, Setup};
 use slicecast_engine::colours::Coloured;
 use slicecast_engine::simd::Simd;
 use slicecast_pyramid::volume::{RgbaVolume, Voxels};
-use slicecast_scene::{PrecisionName, Scene, file};
+use slicecast_scene::{Interpolation, PrecisionName, Scene, file};
 use slicecast_volume::values::Orientation;
 
 use crate::frame::{ADDITIVE, clips, picture};
@@ -36,6 +36,12 @@ pub struct ColourFrame {
     pub crop: Option<Crop>,
     /// Clip planes.
     pub clips: Vec<Clip>,
+    /// Depth cueing.
+    pub cue: Option<Cue>,
+    /// Lights in the slice frame; `None` is unlit.
+    pub material: Option<Material>,
+    /// Whether samples are made by splines.
+    pub quadratic: bool,
     /// M and N of the scale of extinctions.
     pub medium: [u32; 2],
     /// Threshold of early termination.
@@ -54,6 +60,9 @@ impl ColourFrame {
             borders: Borders::Whole,
             crop: None,
             clips: Vec::new(),
+            cue: None,
+            material: None,
+            quadratic: false,
             // 4 · 2^28 / 32767 · 2^15.
             medium: [1_073_774_593, 15],
             early_termination: None,
@@ -87,6 +96,11 @@ impl ColourFrame {
         let scene = Scene {
             precision: self.precision,
             early_termination: self.early_termination,
+            interpolation: if self.quadratic {
+                Interpolation::Quadratic
+            } else {
+                Interpolation::Linear
+            },
             ..file::parse("[colours]", "colours").expect("a scene")
         };
         let [mantissa, exponent] = self.medium;
@@ -95,10 +109,10 @@ impl ColourFrame {
             volume: &self.volume,
             setup: Setup {
                 picture: picture(&plan),
-                material: None,
+                material: self.material.clone(),
                 step_length: 1.0,
                 additive: ADDITIVE,
-                clips: clips(&plan, &self.clips, None),
+                clips: clips(&plan, &self.clips, self.cue.as_ref()),
                 plan,
             },
             medium: Medium::new(mantissa, exponent).expect("a scale"),

@@ -609,7 +609,26 @@ fn colour_frames() -> Vec<(&'static str, ColourFrame)> {
                     clip([0.6, 0.8, 0.1], -25.0, None, 0.0, false),
                     clip([0.0, -0.2, 1.0], -11.0, Some(4.0), 3.0, true),
                 ],
-                ..ball
+                ..ball.clone()
+            },
+        ),
+        (
+            "colours-ball-lit",
+            ColourFrame {
+                planes_per_voxel: 2,
+                borders: Borders::Nodes,
+                material: two_lights(Highlight::Reflection, 4),
+                ..ball.clone()
+            },
+        ),
+        (
+            "colours-ball-cued",
+            ColourFrame {
+                borders: Borders::Cells,
+                cue: Some(cue([0.1, -0.2, 0.9], -9.5, 22.0)),
+                clips: vec![clip([0.6, 0.8, 0.1], -25.0, None, 0.0, false)],
+                material: two_lights(Highlight::HalfVector, 6),
+                ..ball.clone()
             },
         ),
         (
@@ -617,6 +636,33 @@ fn colour_frames() -> Vec<(&'static str, ColourFrame)> {
             ColourFrame {
                 direction: [-1, 1, -1],
                 rays_per_voxel: 2,
+                ..noise.clone()
+            },
+        ),
+        (
+            "colours-ball-quadratic",
+            ColourFrame {
+                borders: Borders::Cells,
+                quadratic: true,
+                ..ball
+            },
+        ),
+        (
+            "colours-noise-quadratic",
+            ColourFrame {
+                direction: [-310, 90, 1000],
+                rays_per_voxel: 2,
+                quadratic: true,
+                material: two_lights(Highlight::Reflection, 5),
+                ..noise.clone()
+            },
+        ),
+        (
+            "colours-noise-lit",
+            ColourFrame {
+                direction: [90, -1000, 410],
+                material: two_lights(Highlight::HalfVector, 8),
+                early_termination: Some(10),
                 ..noise.clone()
             },
         ),

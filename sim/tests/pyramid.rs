@@ -21,6 +21,13 @@ fn rgba() -> Vec<u8> {
     (0..128_u32).map(|i| (i * 37 % 251) as u8).collect()
 }
 
+/// Two shares of materials a voxel.
+fn shares(place: &Place, name: &str, data: Vec<u8>) {
+    let head = "NRRD0005\ntype: uint8\ndimension: 4\nsizes: 2 4 4 2\nkinds: list domain domain domain\nspacings: nan 1 1 2\n\
+                encoding: raw\n\n";
+    place.write(name, [head.as_bytes(), &data].concat());
+}
+
 fn files() -> Place {
     let place = Place::new();
     colours(&place, "rgba.nrrd", 4, "uint8", &rgba());
@@ -29,6 +36,29 @@ fn files() -> Place {
     let floats: Vec<u8> = (0..128).flat_map(|i| (i as f32 / 100.0).to_le_bytes()).collect();
     colours(&place, "floats.nrrd", 4, "float", &floats);
     colours(&place, "cut.nrrd", 4, "uint8", &rgba()[..127]);
+    shares(
+        &place,
+        "shares.nrrd",
+        (0..64).map(|i: u8| i.wrapping_mul(37) % 128).collect(),
+    );
+    shares(&place, "full.nrrd", [[0, 255], [200, 100]].concat().repeat(16));
+    shares(
+        &place,
+        "labels.nrrd",
+        (0..32).flat_map(|i: u8| [i % 3 * 4, 8 * i]).collect(),
+    );
+    let material = |label: &str, extinction: &str| {
+        format!("[[material]]\nname = \"a material\"\n{label}colour = \"#ff8040\"\nextinction = {extinction}\n")
+    };
+    let of_two = |voxel: &str, labels: [&str; 2]| {
+        let [one, other] = labels;
+        format!("voxel = \"{voxel}\"\n{}{}", material(one, "3"), material(other, "1.5"))
+    };
+    place.write("two.toml", of_two("shares", [""; 2]));
+    place.write("labels.toml", of_two("label-share", ["label = 4\n", "label = 8\n"]));
+    place.write("fewer.toml", of_two("label-share", ["label = 4\n", "label = 7\n"]));
+    place.write("one.toml", format!("voxel = \"shares\"\n{}", material("", "3")));
+    place.write("bad.toml", format!("voxel = \"shares\"\n{}", material("", "-1")));
     place.block("scalar.nrrd");
     place.write("kept/level-1.nrrd", "my notes");
     place
@@ -125,6 +155,43 @@ fn rules_for_opacity_are_applied_and_told() {
     );
 }
 
+/// Shares of materials become codes by the formula of the contract, and are rendered, lit and by opacities too.
+#[test]
+fn materials_are_mixed_by_their_shares() {
+    let place = files();
+    place.succeeds("pyramid shares.nrrd --materials two.toml --exact --levels 0 -o a");
+    let (header, codes) = level(&place, "a/level-0.nrrd");
+    assert!(header.contains("slicecast_tau_max:=3\n"), "{header}");
+    let weighted = |t: u32, colour: u32| (257 * colour * t + (1 << 15)) >> 16;
+    let of = |t: u32| [weighted(t, 255), weighted(t, 128), weighted(t, 64), t];
+    let table = [of(32767), of(16384)];
+    for (i, voxel) in codes.chunks(4).enumerate() {
+        let share = |n: usize| u32::from((2 * i as u8 + n as u8).wrapping_mul(37) % 128);
+        let expected =
+            [0, 1, 2, 3].map(|k| (257 * (share(0) * table[0][k] + share(1) * table[1][k]) + (1 << 15)) >> 16);
+        assert_eq!(
+            voxel.iter().map(|c| u32::from(*c)).collect::<Vec<_>>(),
+            expected,
+            "voxel {i}"
+        );
+    }
+    let [_, err] = place.succeeds("render labels.nrrd --materials labels.toml --light 0,0,1 --size 40x40 -o l.png");
+    assert!(
+        err.contains("labels.nrrd: 4 x 4 x 2 voxels of 2 values, 2 materials"),
+        "{err}"
+    );
+    let [out, _] = place.succeeds("compare shares.nrrd --materials two.toml --precision wide");
+    assert!(out.contains("wide, base plane"), "{out}");
+    place.succeeds("render rgba.nrrd --alpha-distance 1 --sampling opacity8 --size 40x40 -o o.png");
+    let [out, _] = place.succeeds("compare rgba.nrrd --alpha-distance 1 --sampling opacity16 --json o.json");
+    assert!(out.contains("opacities to extinctions, 16 planes"), "{out}");
+    assert!(
+        fs::read_to_string(place.path("o.json"))
+            .unwrap()
+            .contains("\"opacities\"")
+    );
+}
+
 /// The rows of the page: a command, and what it is told.
 fn page() -> Vec<(String, String)> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/malformed-inputs.md");
@@ -156,7 +223,7 @@ fn refusals_are_those_of_the_page() {
     let end = without + bytes[without..].iter().position(|byte| *byte == b'\n').unwrap() + 1;
     place.write("undistanced.nrrd", [&bytes[..without], &bytes[end..]].concat());
     let rows = page();
-    assert!(rows.len() >= 14, "{}", rows.len());
+    assert!(rows.len() >= 40, "{}", rows.len());
     for (command, message) in rows {
         let text = place.refuses(&command);
         assert!(text.contains(&message), "{command}\n{text}\n{message}");

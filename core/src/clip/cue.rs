@@ -59,12 +59,26 @@ impl CuePlane {
     pub fn turned(&self, colour: [u32; 3], bits: u32, share: u32) -> [u32; 3] {
         let mut out = colour;
         for (own, other) in out.iter_mut().zip(self.colour) {
-            let other = scaled(other, bits);
-            let way = (other - i64::from(*own)) * i64::from(share);
-            *own = (i64::from(*own) + ((way + (1 << 15)) >> 16)) as u32;
+            *own = toward(*own, scaled(other, bits), share);
         }
         out
     }
+
+    /// Red, green and blue times extinction, none above it, turned by a share, to nearest. This function is the definition.
+    pub fn turned_weighted(&self, colour: [u32; 3], extinction: u32, share: u32) -> [u32; 3] {
+        let mut out = colour;
+        for (own, other) in out.iter_mut().zip(self.colour) {
+            let other = (i64::from(extinction) * i64::from(other.to_bits()) + (1 << 14)) >> 15;
+            *own = toward(*own, other, share);
+        }
+        out
+    }
+}
+
+/// A number brought so far towards another, 0.16, to nearest.
+fn toward(own: u32, other: i64, share: u32) -> u32 {
+    let own = i64::from(own);
+    (own + (((other - own) * i64::from(share) + (1 << 15)) >> 16)) as u32
 }
 
 /// Turns a channel of colours, of some bits after 1.0, into another by shares: the definition ([`CuePlane::turned`]), in lanes.

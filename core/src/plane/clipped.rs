@@ -145,6 +145,13 @@ impl<'c> Clipped<'c> {
             .turn(&self.distances, (row, column), colours, self.colour_bits);
     }
 
+    /// Turns colours times extinction alike.
+    pub(super) fn turn_weighted(&self, row: u32, first: usize, extinction: &[i32], colours: [&mut [i32]; 3]) {
+        let column = self.boxed.columns.start + first;
+        self.clips
+            .turn_weighted(&self.distances, (row, column), extinction, colours);
+    }
+
     /// The share of a segment's step that lies in the box and is left, 0.16.
     pub(super) fn fraction(&self, left: Remainder) -> u32 {
         ((u64::from(self.boxed.part.length()) * u64::from(left.weight()) + (1 << 15)) >> 16) as u32

@@ -1,41 +1,92 @@
-//! Volumes of colour and extinction: samples of four channels, folded by one factor.
+//! Volumes of colour and extinction: samples of four channels, perhaps shaded, folded by one factor.
 
+use core::fmt::Debug;
 use core::marker::PhantomData;
+use core::ops::Range;
 
 use super::canvas::{AllFinished, Canvas as _, Image};
 use super::clipped::{Clipped, Rest};
-use super::extent::around;
+use super::extent::{Extent, around};
 use super::kept::{Kept, KeptRows};
 use super::parts::{Columns, Parts, Samples};
-use super::scratch::{self, Scratch, ScratchError, SourceRows};
+use super::scratch::{self, ColourScratch, RunRows, ScratchError};
+use super::smooth::{self, Smooth};
 use super::source::{Sheared, Source as _};
 use super::{At, ChannelOf, Pipeline, Rows, composite};
 use crate::composite::{FrontToBack, Pixel, Recurrence as _, Weighted};
-use crate::extinction::{Medium, Rgba15};
-use crate::lanes::Lanes;
+use crate::extinction::{Eighths, Medium, Rgba15, Slopes};
+use crate::lanes::{Kernel, Lanes};
+use crate::normalise::normalise_row;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::part;
-use crate::shade::Unlit;
+use crate::rows::{part, part_mut, three};
+use crate::shade::{Shader, Unlit};
 use crate::slice::Window;
 use crate::stage::Stage;
 use crate::tap::{Beam, Tap};
 
-/// Compositing, front to back, of samples of colour and extinction (`extinction`), unlit.
+/// How samples of colour and extinction lie between voxels.
+pub trait Filter: Copy + Debug + Sync + 'static {
+    /// Whether by splines of second degree, which read three slices.
+    const SMOOTH: bool;
+}
+
+/// Linearly, between eight voxels ([`interpolate`](crate::interpolate)).
+#[derive(Clone, Copy, Debug)]
+pub struct Trilinear;
+
+/// By a spline about the nearest of 27 ([`quadratic`](crate::quadratic)); gradients are linear between voxels all the same.
+#[derive(Clone, Copy, Debug)]
+pub struct Triquadratic;
+
+impl Filter for Trilinear {
+    const SMOOTH: bool = false;
+}
+
+impl Filter for Triquadratic {
+    const SMOOTH: bool = true;
+}
+
+/// Compositing, front to back, of samples of colour and extinction (`extinction`), unlit or shaded by the gradient of extinction.
 #[derive(Clone, Debug)]
-pub struct Rgba<P: Precision> {
+pub struct Rgba<P: Precision, S = Unlit, F = Trilinear> {
     precision: P,
     medium: Medium,
+    shader: S,
     floor: ChannelOf<P>,
+    filter: PhantomData<F>,
 }
 
 impl<P: Precision> Rgba<P> {
-    /// A pipeline whose rays go on to the precision's own floor of transparency.
+    /// An unlit pipeline whose rays go on to the precision's own floor of transparency.
     pub fn new(precision: P, medium: Medium) -> Self {
+        Self::shaded(precision, medium, Unlit)
+    }
+}
+
+impl<P: Precision, S: Shader<P>> Rgba<P, S> {
+    /// The same with a shader.
+    pub fn shaded(precision: P, medium: Medium, shader: S) -> Self {
         Self {
             precision,
             medium,
+            shader,
             floor: precision.pixel().floor(),
+            filter: PhantomData,
+        }
+    }
+}
+
+impl<P: Precision, S, F> Rgba<P, S, F> {
+    /// The same with samples that lie between voxels otherwise.
+    #[must_use]
+    pub fn with_filter<G: Filter>(self, _: G) -> Rgba<P, S, G> {
+        Rgba {
+            precision: self.precision,
+            medium: self.medium,
+            shader: self.shader,
+            floor: self.floor,
+            filter: PhantomData,
         }
     }
 
@@ -47,7 +98,67 @@ impl<P: Precision> Rgba<P> {
     }
 }
 
-impl<P: Precision<Pixel: Weighted>> Rgba<P> {
+/// The source of a channel's samples. The filter decides which it is, so that a pipeline has no code of the other.
+enum Run<'s, 'w, P, V, F> {
+    Linear(Sheared<'s, 'w, P, V, Unlit>),
+    Smooth(Smooth<'s, 'w, P, V>, PhantomData<F>),
+}
+
+impl<'s, 'w, P: Precision, V: Lanes, F: Filter> Run<'s, 'w, P, V, F> {
+    #[inline(always)]
+    fn new(precision: P, extent: &'s Extent, window: &'s Window<'w>, plan: &Plan, rows: RunRows<'s, i32>) -> Self {
+        match rows {
+            RunRows::Linear(rows) => Self::Linear(Sheared::new(
+                precision,
+                extent,
+                window,
+                plan.spacing(),
+                rows,
+                KeptRows::default(),
+            )),
+            RunRows::Smooth(rows) => Self::Smooth(Smooth::new(precision, extent, window, rows), PhantomData),
+        }
+    }
+
+    #[inline(always)]
+    fn make(&mut self, row: i32) {
+        match self {
+            Self::Linear(source) if !F::SMOOTH => source.make(row),
+            Self::Smooth(source, _) if F::SMOOTH => source.make(row),
+            _ => {}
+        }
+    }
+
+    /// The samples of the row that was made last.
+    #[inline(always)]
+    fn samples(&self, row: i32) -> &[i32] {
+        match self {
+            Self::Linear(source) if !F::SMOOTH => source.slab(row).back,
+            Self::Smooth(source, _) if F::SMOOTH => source.samples(),
+            _ => &[],
+        }
+    }
+
+    /// The same, to be changed.
+    #[inline(always)]
+    fn samples_mut(&mut self, row: i32) -> &mut [i32] {
+        match self {
+            Self::Linear(source) if !F::SMOOTH => source.samples_mut(row),
+            Self::Smooth(source, _) if F::SMOOTH => source.samples_mut(),
+            _ => &mut [],
+        }
+    }
+}
+
+/// The rows of a plane's parts: four channels, and the source of gradients.
+struct Sources<'s, 'w, P, V, F> {
+    channels: [Run<'s, 'w, P, V, F>; 4],
+    slopes: Sheared<'s, 'w, Eighths<P>, V, Slopes>,
+    g: [&'s mut [i32]; 3],
+    r: &'s mut [i32],
+}
+
+impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
     #[inline(always)]
     fn fold_plane<V: Lanes>(
         &self,
@@ -56,6 +167,7 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         scratch: &mut [i32],
         mut tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
+        const { assert!(!S::MODULATES, "modulation is of classified samples") };
         let [width, _, _] = at.plan.dims();
         let (scratch, _) = scratch::with_spare(scratch, Self::SCRATCH, width, false)?;
         if let Some(tap) = &mut tap {
@@ -64,7 +176,7 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         let Some(count) = rows.data.len().checked_div(4 * at.plan.base()[0] as usize) else {
             return Ok(());
         };
-        let rest = Rest::of(at, false, (rows.first, count), false);
+        let rest = Rest::of(at, false, (rows.first, count), true);
         if matches!(rest, Rest::Nothing) {
             return Ok(());
         }
@@ -84,7 +196,7 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
             if tap.is_none() {
                 rest.narrow(at, &mut runs, false, (rows.first, count));
             }
-            let memory = Scratch::cut_runs(&mut *scratch, width, V::COUNT > 1)?;
+            let memory = ColourScratch::cut(&mut *scratch, Self::SCRATCH, width, V::COUNT > 1)?;
             let tap: Option<&mut dyn Tap> = match &mut tap {
                 Some(tap) => Some(*tap),
                 None => None,
@@ -99,7 +211,7 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
         (at, rest): (&At<'_, Rgba15>, &Rest<'_>),
         runs: [Samples<'_>; 4],
         rows: &mut Rows<'_, ChannelOf<P>>,
-        memory: [SourceRows<'_, i32>; 4],
+        memory: ColourScratch<'_, i32>,
         mut tap: Option<&mut dyn Tap>,
     ) {
         let (plan, plane, precision) = (at.plan, &at.plane, self.precision);
@@ -123,26 +235,40 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
             plane.index,
             (precision.pixel(), self.floor),
         );
-        let [t, r, g, b] = memory;
         let [wt, wr, wg, wb] = runs.each_ref().map(|run| &run.window);
-        let mut channels = [(wt, t), (wr, r), (wg, g), (wb, b)].map(|(window, memory)| {
-            Sheared::<P, V, Unlit>::new(precision, extent, window, plan.spacing(), memory, KeptRows::default())
-        });
+        let [t, r, g, b] = memory.runs;
+        let mut sources = Sources::<P, V, F> {
+            channels: [(wt, t), (wr, r), (wg, g), (wb, b)]
+                .map(|(window, memory)| Run::new(precision, extent, window, plan, memory)),
+            slopes: Sheared::new(
+                Eighths(precision),
+                extent,
+                wt,
+                plan.spacing(),
+                memory.slopes,
+                KeptRows::default(),
+            ),
+            g: memory.g,
+            r: memory.r,
+        };
+        let cues = clipped.as_ref().is_some_and(Clipped::cues);
+        let all = 0..extent.columns.len();
         for row in extent.met(rows.first, count) {
             let voxel_row = extent.voxel_row(row);
-            if around(wt, extent.voxel_rows(voxel_row)).high == 0
-                || image.finished(row)
-                || clipped.as_ref().is_some_and(|clipped| clipped.is_empty(row))
-            {
+            let range = if F::SMOOTH {
+                smooth::around(wt, extent, voxel_row)
+            } else {
+                around(wt, extent.voxel_rows(voxel_row))
+            };
+            if range.high == 0 || image.finished(row) || clipped.as_ref().is_some_and(|clipped| clipped.is_empty(row)) {
                 continue;
             }
             if let Some(reading) = reading {
                 reading.row(voxel_row);
             }
-            for channel in &mut channels {
+            for channel in &mut sources.channels {
                 channel.make(voxel_row);
             }
-            let samples = channels.each_ref().map(|channel| channel.slab(voxel_row).back);
             let beam = Beam {
                 plane,
                 row,
@@ -150,12 +276,38 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
                 part: 0,
             };
             if let Some(tap) = &mut tap {
-                let [t, r, g, b] = &samples;
-                tap.row(Stage::Interpolation, beam, &[t, r, g, b]);
-                image.look(row, 0..t.len(), &mut |rows| tap.row(Stage::Before, beam, rows));
+                let [t, r, g, b] = sources.channels.each_ref().map(|channel| channel.samples(voxel_row));
+                tap.row(Stage::Interpolation, beam, &[&t, &r, &g, &b]);
+                image.look(row, all.clone(), &mut |rows| tap.row(Stage::Before, beam, rows));
             }
+            if S::LIT {
+                sources.slopes.make(voxel_row);
+                let mut from = 0;
+                while let Some(span) = image.visible(row, sources.extinction(voxel_row), from) {
+                    from = span.end;
+                    let tap: Option<&mut dyn Tap> = match &mut tap {
+                        Some(tap) => Some(*tap),
+                        None => None,
+                    };
+                    self.shade_span(&mut sources, (voxel_row, span), beam, tap);
+                }
+            }
+            let [t, colours @ ..] = &mut sources.channels;
+            let t = t.samples(voxel_row);
+            if cues && let Some(clipped) = &clipped {
+                let colours = three(colours.each_mut(), |channel| channel.samples_mut(voxel_row));
+                clipped.turn_weighted(row, 0, t, colours);
+            }
+            if let Some(tap) = &mut tap
+                && (S::LIT || cues)
+            {
+                let [r, g, b] = colours.each_ref().map(|channel| channel.samples(voxel_row));
+                tap.row(Stage::Shading, beam, &[&r, &g, &b]);
+            }
+            let [r, g, b] = colours.each_ref().map(|channel| channel.samples(voxel_row));
+            let samples = [t, r, g, b];
             if let Some(clipped) = &clipped {
-                clipped.each(row, 0..extent.columns.len(), &mut |columns, left| {
+                clipped.each(row, all.clone(), &mut |columns, left| {
                     if left.weight() > 0 {
                         let absorption = self.medium.absorption(bits, clipped.fraction(left));
                         let samples = samples.map(|run| part(run, columns.clone()));
@@ -163,23 +315,93 @@ impl<P: Precision<Pixel: Weighted>> Rgba<P> {
                     }
                 });
             } else {
-                image.absorb(row, 0..extent.columns.len(), samples, absorption);
+                image.absorb(row, all.clone(), samples, absorption);
             }
             if let Some(tap) = &mut tap {
-                let all = 0..extent.columns.len();
-                image.look(row, all, &mut |rows| tap.row(Stage::After, beam, rows));
+                image.look(row, all.clone(), &mut |rows| tap.row(Stage::After, beam, rows));
             }
+        }
+    }
+
+    /// Shades the samples of a span of the row that was made last, in place.
+    #[inline(always)]
+    fn shade_span<V: Lanes>(
+        &self,
+        sources: &mut Sources<'_, '_, P, V, F>,
+        (row, span): (i32, Range<usize>),
+        beam: Beam<'_>,
+        mut tap: Option<&mut dyn Tap>,
+    ) {
+        let n = span.len();
+        let beam = Beam {
+            column: beam.column + span.start as u32,
+            ..beam
+        };
+        let [gx, gy, gz] = three(sources.g.each_mut(), |row| part_mut(row, 0..n));
+        let r = part_mut(sources.r, 0..n);
+        let gradient = [&mut *gx, &mut *gy, &mut *gz];
+        sources.slopes.gradients(row, span.clone(), None, gradient);
+        if let Some(tap) = &mut tap {
+            tap.row(Stage::Gradient, beam, &[&&*gx, &&*gy, &&*gz]);
+        }
+        let [t, colours @ ..] = &mut sources.channels;
+        let t = part(t.samples(row), span.clone());
+        let colours = three(colours.each_mut(), |channel| {
+            part_mut(channel.samples_mut(row), span.clone())
+        });
+        let g = [&mut *gx, &mut *gy, &mut *gz];
+        V::enter((Shade, &self.shader, PhantomData::<(P, V)>, g, &mut *r, t, colours));
+        if let Some(tap) = &mut tap {
+            tap.row(Stage::Normal, beam, &[&&*gx, &&*gy, &&*gz, &&*r]);
         }
     }
 }
 
-impl<P: Precision<Pixel: Weighted>> Pipeline for Rgba<P> {
+impl<P: Precision, V: Lanes, F: Filter> Sources<'_, '_, P, V, F> {
+    /// The extinctions of the row that was made last.
+    #[inline(always)]
+    fn extinction(&self, row: i32) -> &[i32] {
+        let [t, ..] = &self.channels;
+        t.samples(row)
+    }
+}
+
+/// Normalises gradients and shades colours times extinction.
+struct Shade;
+
+impl<P: Precision, S: Shader<P>, V: Lanes> Kernel
+    for (
+        Shade,
+        &S,
+        PhantomData<(P, V)>,
+        [&mut [i32]; 3],
+        &mut [i32],
+        &[i32],
+        [&mut [i32]; 3],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, shader, _, [x, y, z], r, extinction, colours) = self;
+        normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
+        shader.shade_weighted_row::<V>([x, y, z], r, extinction, colours);
+    }
+}
+
+impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Pipeline for Rgba<P, S, F> {
     type Precision = P;
     type Voxel = Rgba15;
     type Element = ChannelOf<P>;
     const CHANNELS: usize = 4;
-    const SLICES: usize = 2;
-    const SCRATCH: scratch::Rows = scratch::Rows::Colours;
+    const SLICES: usize = if S::LIT || F::SMOOTH { 4 } else { 2 };
+    const SCRATCH: scratch::Rows = match (S::LIT, F::SMOOTH) {
+        (false, false) => scratch::Rows::Colours,
+        (true, false) => scratch::Rows::LitColours,
+        (false, true) => scratch::Rows::SmoothColours,
+        (true, true) => scratch::Rows::LitSmoothColours,
+    };
     const BACK_TO_FRONT: bool = false;
 
     fn precision(&self) -> P {

@@ -15,6 +15,12 @@ pub enum Rows {
     Projection,
     /// Samples of four channels.
     Colours,
+    /// Gradients of one of them and normals besides.
+    LitColours,
+    /// Samples of four channels by splines.
+    SmoothColours,
+    /// Gradients of one of them and normals besides.
+    LitSmoothColours,
     /// Samples, opacities and colours.
     Unlit,
     /// Gradients and normals besides.
@@ -33,6 +39,9 @@ impl Rows {
         match self {
             Self::Projection => 3,
             Self::Colours => 12,
+            Self::LitColours => 24,
+            Self::SmoothColours => 20,
+            Self::LitSmoothColours => 32,
             Self::Unlit => 7,
             Self::Lit => 16,
             Self::Modulated => 17,
@@ -172,24 +181,70 @@ impl<'s, W> Scratch<'s, W> {
     }
 }
 
-impl<'s, W> Scratch<'s, W> {
-    /// Cuts memory into the rows of four channels, each of an unlit source.
+/// Rows of a source of samples by splines.
+pub(super) struct SmoothRows<'s, W> {
+    /// Voxels interpolated along z, of three voxel rows.
+    pub(super) z: [&'s mut [W]; 3],
+    /// The same interpolated along y.
+    pub(super) y: &'s mut [W],
+    pub(super) samples: &'s mut [W],
+}
+
+/// Rows of samples of four channels.
+pub(super) struct ColourScratch<'s, W> {
+    pub(super) runs: [RunRows<'s, W>; 4],
+    /// Of the gradients of extinction; empty where there are none.
+    pub(super) slopes: SourceRows<'s, W>,
+    pub(super) g: [&'s mut [W]; 3],
+    pub(super) r: &'s mut [W],
+}
+
+/// Rows of one channel, by the way it is sampled.
+pub(super) enum RunRows<'s, W> {
+    /// Between two slices.
+    Linear(SourceRows<'s, W>),
+    /// Between three.
+    Smooth(SmoothRows<'s, W>),
+}
+
+impl<'s, W> ColourScratch<'s, W> {
+    /// Cuts memory as [`Scratch::cut`] does: each channel is an unlit source.
     ///
     /// # Errors
     /// As [`Scratch::cut`].
     #[inline]
-    pub(super) fn cut_runs(
-        memory: &'s mut [W],
-        width: u32,
-        aligned: bool,
-    ) -> Result<[SourceRows<'s, W>; 4], ScratchError> {
-        let mut rest = Rest::of(memory, Rows::Colours, width, aligned)?;
-        Ok([(); 4].map(|()| SourceRows {
-            z: [rest.row(), rest.row()],
-            inner: &mut [],
-            samples: [rest.row(), &mut [], &mut []],
-            derivatives: [&mut [], &mut []],
-        }))
+    pub(super) fn cut(memory: &'s mut [W], kind: Rows, width: u32, aligned: bool) -> Result<Self, ScratchError> {
+        let mut rest = Rest::of(memory, kind, width, aligned)?;
+        let lit = matches!(kind, Rows::LitColours | Rows::LitSmoothColours);
+        let smooth = matches!(kind, Rows::SmoothColours | Rows::LitSmoothColours);
+        let runs = [(); 4].map(|()| {
+            if smooth {
+                RunRows::Smooth(SmoothRows {
+                    z: [rest.row(), rest.row(), rest.row()],
+                    y: rest.row(),
+                    samples: rest.row(),
+                })
+            } else {
+                RunRows::Linear(SourceRows {
+                    z: [rest.row(), rest.row()],
+                    inner: &mut [],
+                    samples: [rest.row(), &mut [], &mut []],
+                    derivatives: [&mut [], &mut []],
+                })
+            }
+        });
+        let mut row = || -> &'s mut [W] { if lit { rest.row() } else { &mut [] } };
+        Ok(Self {
+            runs,
+            slopes: SourceRows {
+                z: [row(), row()],
+                inner: row(),
+                samples: [row(), row(), row()],
+                derivatives: [row(), row()],
+            },
+            g: [row(), row(), row()],
+            r: row(),
+        })
     }
 }
 
@@ -229,6 +284,46 @@ impl<'s, W> Rest<'s, W> {
 mod tests {
     use super::*;
     use std::vec;
+    use std::vec::Vec;
+
+    #[test]
+    fn channels_are_cut_as_counted() {
+        let kinds = [
+            (Rows::Colours, 12),
+            (Rows::LitColours, 24),
+            (Rows::SmoothColours, 20),
+            (Rows::LitSmoothColours, 32),
+        ];
+        for (kind, wanted) in kinds {
+            for width in [1, 2, 15, 64, 65] {
+                let needed = kind.len(width);
+                for spare in [0, 1, 700] {
+                    let mut memory = vec![0i32; needed + spare];
+                    let ColourScratch { runs, slopes, g, r } =
+                        ColourScratch::cut(&mut memory, kind, width, true).unwrap();
+                    let of_source = |rows: &SourceRows<'_, i32>| {
+                        let all = rows.z.iter().chain(&rows.samples).chain(&rows.derivatives);
+                        all.map(|row| row.len()).chain([rows.inner.len()]).collect::<Vec<_>>()
+                    };
+                    let of_run = |rows: &RunRows<'_, i32>| match rows {
+                        RunRows::Linear(rows) => of_source(rows),
+                        RunRows::Smooth(rows) => {
+                            let all = rows.z.iter().map(|row| row.len());
+                            all.chain([rows.y.len(), rows.samples.len()]).collect()
+                        }
+                    };
+                    let rows = runs.iter().flat_map(of_run).chain(of_source(&slopes));
+                    let rows = rows.chain(g.iter().map(|row| row.len())).chain([r.len()]);
+                    let made: Vec<usize> = rows.filter(|len| *len > 0).collect();
+                    assert!(made.len() == wanted && made.iter().all(|len| *len == width as usize + 2));
+                    assert_eq!(wanted * (width as usize + 2), needed);
+                }
+                let given = needed - 1;
+                let refused = ColourScratch::cut(&mut vec![0i32; given], kind, width, true).err();
+                assert_eq!(refused, Some(ScratchError { needed, given }));
+            }
+        }
+    }
 
     #[test]
     fn every_length_is_cut_as_counted() {

@@ -173,6 +173,19 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         first..first + self.extent.columns.len()
     }
 
+    /// The samples of the row that was made last, to be changed; it is made anew when it is asked for again.
+    #[inline(always)]
+    pub(super) fn samples_mut(&mut self, row: i32) -> &mut [i32] {
+        let places = self.places();
+        match self.samples.at_mut::<V>(row, S::LIT) {
+            Some((name, samples)) => {
+                *name = NO_ROW;
+                part_mut(samples, places)
+            }
+            None => &mut [],
+        }
+    }
+
     /// Places of the face voxels at both ends.
     #[inline(always)]
     fn faces(&self) -> [usize; 2] {

@@ -247,3 +247,18 @@ pub(super) fn lit<P: Precision, V: Lanes>(p: P, colour: V, [diffuse, specular]: 
         }
     }
 }
+
+/// A colour times extinction under these sums of light, at most the extinction: `min(s_t, (s_k D + s_t E + 2^30) >> 31)`, D and E
+/// in 1.31. Extinctions are below 2^30, so no product passes 2^61.
+#[inline(always)]
+pub(super) fn lit_weighted<P: Precision, V: Lanes>(p: P, extinction: V, colour: V, [diffuse, specular]: [V; 2]) -> V {
+    let (one16, one31) = (V::splat(1 << 16), V::splat(i32::MIN));
+    let [diffuse, specular] = match p.formats().shading {
+        Shading::Truncated16 => [diffuse.at_most(one16) << 15, specular.at_most(one16) << 15],
+        // 1.16 first, in which ambient light of 1 is 1.
+        Shading::Rounded16 => [diffuse.wrapping_add(V::splat(1 << 14)).shr_unsigned(15) << 15, specular],
+        Shading::Rounded31 => [diffuse.at_most_unsigned(one31), specular.at_most_unsigned(one31)],
+    };
+    let sum = colour.product(diffuse) + extinction.product(specular) + V::Wide::splat(1 << 30);
+    sum.shr_narrow(31).at_most(extinction)
+}

@@ -107,7 +107,7 @@ fn points() -> impl Strategy<Value = Vec<(u16, [u16; 3], u16)>> {
     ]
 }
 
-fn material() -> impl Strategy<Value = Option<Material>> {
+pub fn material() -> impl Strategy<Value = Option<Material>> {
     prop_oneof![
         1 => Just(None),
         2 => (0u32..=8, any::<u64>()).prop_map(|(exponent, seed)| Some(light(exponent, seed))),
@@ -243,7 +243,7 @@ pub fn clips_of(seed: u64, dims: [usize; 3]) -> Vec<Clip> {
 }
 
 /// Depth cueing that turns something of most volumes.
-fn cue_of(seed: u64) -> Cue {
+pub fn cue_of(seed: u64) -> Cue {
     let mut random = Random::new(seed);
     let mut pick = |low: i64, high: i64| low + i64::from(random.below((high - low + 1) as u32));
     let one = 1i64 << 30;

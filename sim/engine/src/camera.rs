@@ -109,7 +109,7 @@ pub fn plan(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> Result<Plan, 
         Some(crop) => plan.with_crop(crop)?,
     };
     Ok(match scene.interpolation {
-        Interpolation::Linear => plan,
+        Interpolation::Linear | Interpolation::Quadratic => plan,
         Interpolation::Nearest => plan.with_nearest(),
     })
 }

@@ -6,14 +6,15 @@ use rayon::prelude::*;
 use slicecast::composite::{ChannelFormat, Recurrence, Weighted};
 use slicecast::extinction::{Medium, Rgba15};
 use slicecast::plan::Plan;
-use slicecast::plane::Rgba;
+use slicecast::plane::{Filter, Rgba, Triquadratic};
 use slicecast::precision::{Compact, Precision, Wide};
+use slicecast::shade::Shader;
 use slicecast::slice::{RowRange, Slice, SliceError};
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::check::shown;
-use slicecast_scene::{Blend, PrecisionName, Scene};
+use slicecast_scene::{Blend, Interpolation, PrecisionName, Scene};
 
-use crate::camera::{Setup, Shape, set_up};
+use crate::camera::{CameraError, Setup, Shape, set_up};
 use crate::error::RenderError;
 use crate::frame::Layer;
 use crate::image::{Frame, base_image, new_image};
@@ -42,9 +43,6 @@ pub enum ColourError {
     /// Another order, or no compositing.
     #[error("volumes of colours are composited from front to back, expected no other --blend")]
     Blend,
-    /// Light.
-    #[error("volumes of colours are rendered without light, and the scene is lit; --unlit leaves it out")]
-    Lit,
     /// A step that is opaque, so that its depth has no number.
     #[error(
         "a step of {} through the largest extinction, {} per unit of length, has the optical depth {}, expected at most 15; \
@@ -163,7 +161,6 @@ impl<'a> Coloured<'a> {
                 ..
             } => Some(ColourError::Paper),
             Scene { blend, .. } if *blend != Blend::FrontToBack => Some(ColourError::Blend),
-            Scene { lighting: Some(_), .. } => Some(ColourError::Lit),
             _ => None,
         };
         if let Some(refused) = refused {
@@ -221,8 +218,45 @@ impl<'a> Coloured<'a> {
     where
         P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
     {
+        match &self.setup.material {
+            None => self.filtered(Rgba::new(p, self.medium), slices, layer, progress),
+            Some(material) => {
+                let phong = material.phong(p).map_err(CameraError::from)?;
+                self.filtered(Rgba::shaded(p, self.medium, phong), slices, layer, progress)
+            }
+        }
+    }
+
+    fn filtered<P, S>(
+        &self,
+        pipeline: Rgba<P, S>,
+        slices: &[Slice<'_, Rgba15>],
+        layer: Layer,
+        progress: Progress<'_>,
+    ) -> Result<Frame, RenderError>
+    where
+        P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
+        S: Shader<P>,
+    {
+        match self.scene.interpolation {
+            Interpolation::Quadratic => self.fold(pipeline.with_filter(Triquadratic), slices, layer, progress),
+            Interpolation::Linear | Interpolation::Nearest => self.fold(pipeline, slices, layer, progress),
+        }
+    }
+
+    fn fold<P, S, F>(
+        &self,
+        mut pipeline: Rgba<P, S, F>,
+        slices: &[Slice<'_, Rgba15>],
+        layer: Layer,
+        progress: Progress<'_>,
+    ) -> Result<Frame, RenderError>
+    where
+        P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
+        S: Shader<P>,
+        F: Filter,
+    {
         let plan: &Plan = &self.setup.plan;
-        let mut pipeline = Rgba::new(p, self.medium);
         if let Some(bits) = self.scene.early_termination {
             pipeline = pipeline.with_early_termination(bits);
         }

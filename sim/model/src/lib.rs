@@ -50,7 +50,7 @@ mod tests;
 mod vector;
 pub mod warp;
 
-pub use absorb::Absorbing;
+pub use absorb::{Absorbing, Interpolated};
 pub use classify::Classified;
 pub use clip::Left;
 pub use composite::Pixel;

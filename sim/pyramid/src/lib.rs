@@ -10,6 +10,7 @@
 //! | write   | volumes to NRRD                                                              |
 //! | filter  | filters that halve an axis                                                   |
 //! | reduce  | a level from the one below it, in integers                                   |
+//! | materials | volumes of shares of materials, and a table of these                       |
 //! | opacity | the same by opacities, for comparison                                        |
 //! | scalar  | levels of volumes of one value a voxel                                       |
 //! | pyramid | level after level                                                            |
@@ -19,6 +20,7 @@
 
 pub mod figures;
 pub mod filter;
+pub mod materials;
 mod opacity;
 pub mod pyramid;
 pub mod read;

@@ -100,13 +100,6 @@ impl Scene {
             let expected = "render.blend \"front_to_back\" or \"back_to_front\": a projection has no depth";
             return Err(FieldError::new("cueing", "given", expected));
         }
-        if self.colours.is_some() {
-            return Err(FieldError::new(
-                "cueing",
-                "given",
-                "a scene of values, not of [colours]",
-            ));
-        }
         Ok(())
     }
 
@@ -145,9 +138,13 @@ impl Scene {
         Ok(())
     }
 
-    /// What classifies values has no place beside colours.
+    /// What classifies values has no place beside colours, nor what samples colours beside values.
     fn colours(&self) -> Result<(), FieldError> {
         let Some(colours) = self.colours else {
+            if self.interpolation == Interpolation::Quadratic {
+                let expected = "\"linear\" or \"nearest\": splines are of volumes of [colours]";
+                return Err(FieldError::new("sampling.interpolation", "\"quadratic\"", expected));
+            }
             return Ok(());
         };
         let Colours {

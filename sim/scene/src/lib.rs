@@ -13,6 +13,7 @@ pub mod crop;
 pub mod cueing;
 pub mod file;
 pub mod import;
+pub mod materials;
 pub mod modulation;
 pub mod transfer;
 
@@ -499,6 +500,8 @@ pub enum Interpolation {
     Linear,
     /// That of the nearest voxel: for labels, which are names.
     Nearest,
+    /// A spline of second degree about the nearest of 27 voxels, which smooths: for volumes of colours.
+    Quadratic,
 }
 
 /// Where the volume ends, and what a sample at its borders counts.

@@ -12,6 +12,7 @@ use slicecast_volume::open::Loaded;
 
 use super::Failure;
 use super::inputs::{SceneArgs, VolumeArgs, number_in};
+use super::materials::MaterialArgs;
 
 /// What is stated about a volume of colours.
 #[derive(clap::Args, Default)]
@@ -26,12 +27,14 @@ pub struct ColourArgs {
     /// Opacity of colours without one: luminance, or a number from 0 to 1 for all voxels.
     #[arg(long, value_name = "RULE", value_parser = opacity)]
     opacity: Option<OpacityRule>,
+    #[command(flatten)]
+    pub materials: MaterialArgs,
 }
 
 /// A coarser level of the volume.
 #[derive(clap::Args, Default)]
 pub struct LevelArgs {
-    /// A level of the volume's pyramid, 0 being the finest, made in memory: a preview, unlit. A volume of one value a voxel is
+    /// A level of the volume's pyramid, 0 being the finest, made in memory: a preview. A volume of one value a voxel is
     /// classified voxel by voxel first.
     #[arg(long, value_name = "N")]
     level: Option<u32>,
@@ -139,24 +142,30 @@ impl LevelArgs {
         colours: &ColourArgs,
         scene: &SceneArgs,
     ) -> Result<Option<(Scene, RgbaVolume)>, Failure> {
-        let (scene, read) = match (volume.colours()?, self.level) {
-            (Some(file), _) => {
-                let scene = scene.colours()?;
-                let read = colours.read(&file, Some(&scene))?;
-                (scene, read)
+        let (scene, read) = if let Some(read) = colours.materials.read(volume)? {
+            let scene = scene.colours()?;
+            if scene.colours != Some(Default::default()) {
+                return Err(Failure::input(
+                    "--materials: the table states extinctions, expected a scene whose [colours] are empty",
+                ));
             }
-            (None, None) => return Ok(None),
-            (None, Some(_)) => {
-                let loaded = volume.load()?;
-                let scene = scene.load_for(volume, &loaded)?;
-                if scene.classification != Classification::Point {
-                    return Err(Failure::input(
-                        "--level: levels are classified voxel by voxel, expected --classification point and no surfaces",
-                    ));
-                }
-                let read = colours.classified(&loaded, &scene)?;
-                (scene, read)
+            (scene, read)
+        } else if let Some(file) = volume.colours()? {
+            let scene = scene.colours()?;
+            let read = colours.read(&file, Some(&scene))?;
+            (scene, read)
+        } else if self.level.is_some() {
+            let loaded = volume.load()?;
+            let scene = scene.load_for(volume, &loaded)?;
+            if scene.classification != Classification::Point {
+                return Err(Failure::input(
+                    "--level: levels are classified voxel by voxel, expected --classification point and no surfaces",
+                ));
             }
+            let read = colours.classified(&loaded, &scene)?;
+            (scene, read)
+        } else {
+            return Ok(None);
         };
         read.notes().iter().for_each(|note| eprintln!("note: {note}"));
         let mut volume = read.volume;

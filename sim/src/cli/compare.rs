@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
-use slicecast_compare::colours::compare_colours;
+use slicecast_compare::colours::{CONVERGED, compare_colours, compare_sampling};
 use slicecast_compare::exchange;
 use slicecast_compare::image::ImageFigures;
 use slicecast_compare::stages::StageReport;
@@ -20,6 +20,7 @@ use super::colours::{ColourArgs, LevelArgs};
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::output::{Folder, check_free, write_file};
 use super::progress::with_bar;
+use super::sampled::SampledArgs;
 use super::tables;
 use crate::visibility;
 
@@ -39,6 +40,8 @@ pub struct Args {
     colours: ColourArgs,
     #[command(flatten)]
     level: LevelArgs,
+    #[command(flatten)]
+    sampled: SampledArgs,
     #[command(flatten)]
     threads: ThreadArgs,
     /// Let the model sample at the real positions instead of the pipeline's 16.16 ones.
@@ -142,6 +145,23 @@ impl Args {
             return Err(Failure::input(message));
         }
         let prepared = Coloured::new(scene, volume)?.with_simd(self.threads.simd());
+        if let Some(interpolated) = self.sampled.interpolated(volume)? {
+            let found = on_threads(self.threads.count(), || compare_sampling(&prepared, interpolated))?;
+            let reference = format!("extinctions, {CONVERGED} planes");
+            println!(
+                "{}",
+                tables::images(&[
+                    ("opacities to extinctions".to_owned(), found.apart),
+                    (format!("extinctions to {reference}"), found.extinctions),
+                    (format!("opacities to {reference}"), found.opacities),
+                ])
+            );
+            if let Some(path) = &self.json {
+                let text = serde_json::to_string_pretty(&found).map_err(Failure::machine)?;
+                write_file(path, self.force, text.as_bytes())?;
+            }
+            return Ok(());
+        }
         let comparison = with_bar("comparing", |progress| {
             on_threads(self.threads.count(), || {
                 compare_colours(&prepared, self.positions(), progress)
@@ -176,6 +196,7 @@ impl Args {
         }
         let loaded = self.volume.load()?;
         self.colours.check_none(&loaded)?;
+        self.sampled.check_none(&loaded.volume.name)?;
         let chosen = self.scene.choose(&self.volume, &loaded)?;
         let scene = &chosen.scene;
         let prepared = Prepared::new(scene, &loaded.volume)?.with_simd(self.threads.simd());

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use slicecast_pyramid::figures::filters::{self, Best, OfLevels, Pair};
 use slicecast_pyramid::figures::layers::{self, Kept, Thin};
+use slicecast_pyramid::figures::points::{self, Point, Points};
 use slicecast_pyramid::figures::rays::{self, Layer, Wall};
 
 use super::Failure;
@@ -13,7 +14,7 @@ use super::tables::header;
 
 /// Remake the figures of Kraus and Bürger: sampling and filtering by extinctions, beside the same by opacities.
 ///
-/// Rays through a layer (figures 1 and 4), a wall (5 and 6), what levels of a pyramid keep (2 and 3, section 4.1), and how far
+/// Rays through a layer (figures 1 and 4), a wall (5 and 6), a scattered voxel (7), what levels of a pyramid keep (2 and 3, section 4.1), and how far
 /// a filter is from a convolution (section 4.2).
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -33,6 +34,7 @@ pub struct Args {
 struct All {
     layers: Vec<Layer>,
     walls: Vec<Wall>,
+    points: Vec<Points>,
     kept: Vec<Kept>,
     thin: Vec<Thin>,
     filters: Vec<filters::Figures>,
@@ -47,6 +49,7 @@ impl Args {
         let all = All {
             layers: rays::layers(),
             walls: rays::walls(),
+            points: points::points(),
             kept: layers::figures(),
             thin: layers::thin(),
             filters: filters::figures(),
@@ -55,6 +58,7 @@ impl Args {
         };
         print_layers(&all.layers);
         print_walls(&all.walls);
+        print_points(&all.points);
         print_kept(&all.kept);
         print_thin(&all.thin);
         print_filters(&all.filters);
@@ -111,6 +115,27 @@ fn print_walls(walls: &[Wall]) {
             step(wall.opacity),
             step(wall.extinction),
         ]);
+    }
+    println!("{table}");
+}
+
+fn print_points(all: &[Points]) {
+    println!(
+        "\nFigure 7: an opaque voxel from 120 directions at d = 1: how its brightest pixel varies, its light, its shape\n"
+    );
+    let mut table = header(&["tau", "", "opacity", "extinction", "exact"]);
+    type Share = fn(&Point) -> f64;
+    let rows: [(&str, Share); 3] = [
+        ("variation of the brightest pixel", |point| point.variation),
+        ("light, of what is exact", |point| point.light),
+        ("diagonal over side, at half", |point| point.roundness),
+    ];
+    for points in all {
+        for (what, value) in rows {
+            let cells =
+                [&points.opacity, &points.extinction, &points.exact].map(|point| format!("{:.4}", value(point)));
+            table.add_row([points.tau_max.to_string(), what.to_owned()].into_iter().chain(cells));
+        }
     }
     println!("{table}");
 }

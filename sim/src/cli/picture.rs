@@ -91,6 +91,11 @@ pub struct FinishArgs {
 }
 
 impl PictureArgs {
+    /// Whether it has 8 bits, in front of a background.
+    pub fn is_plain(&self) -> bool {
+        self.finish.is_plain()
+    }
+
     /// Puts the options in the place of the scene's fields.
     pub fn apply(&self, scene: &mut Scene) {
         if let Some(Background::Colour(colour)) = self.finish.background {
@@ -128,6 +133,10 @@ impl PictureArgs {
 }
 
 impl FinishArgs {
+    fn is_plain(&self) -> bool {
+        matches!(self.depth, DepthArg::Eight) && self.background != Some(Background::None)
+    }
+
     /// A frame as it is to be written; its own picture has the background given.
     pub fn raster(&self, frame: Frame, picture: &Picture, background: [f64; 3]) -> Raster {
         let finish = Finish {

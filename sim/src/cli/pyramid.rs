@@ -222,6 +222,14 @@ impl Args {
 
     /// The volume of colour and extinction.
     fn read(&self) -> Result<Read, Failure> {
+        if self.colours.materials.given() && (self.scene.is_some() || self.transfer.is_some()) {
+            return Err(Failure::input(
+                "--materials: of a volume of shares, which --scene and --transfer do not classify",
+            ));
+        }
+        if let Some(read) = self.colours.materials.read(&self.volume)? {
+            return Ok(read);
+        }
         if let Some(colours) = self.volume.colours()? {
             if self.scene.is_some() || self.transfer.is_some() {
                 return Err(Failure::input(format!(

@@ -4,6 +4,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use slicecast_compare::colours::picture_of;
 use slicecast_engine::colours::Coloured;
 use slicecast_engine::depth::depths;
 use slicecast_engine::error::RenderError;
@@ -32,6 +33,7 @@ use super::memory::{self, Budget};
 use super::output::{check_free, write_file};
 use super::picture::{self, PictureArgs, Target};
 use super::progress::with_bar;
+use super::sampled::SampledArgs;
 use crate::raster::{Raster, png, rgb_png};
 use crate::slab::thicken;
 use crate::{legend, shards, visibility};
@@ -58,6 +60,8 @@ pub struct Args {
     colours: ColourArgs,
     #[command(flatten)]
     level: LevelArgs,
+    #[command(flatten)]
+    sampled: SampledArgs,
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
@@ -118,6 +122,7 @@ impl Args {
             None => (self.volume.load()?, None),
         };
         self.colours.check_none(&loaded)?;
+        self.sampled.check_none(&loaded.volume.name)?;
         let mut chosen = match &on_disk {
             Some(voxels) => self.scene.choose_from(&self.volume, &loaded, voxels)?,
             None => self.scene.choose(&self.volume, &loaded)?,
@@ -226,6 +231,16 @@ impl Args {
         let framing = self.picture.frame(std::slice::from_ref(&scene), volume, &self.scene)?;
         let scene = framing.scene(&scene, volume);
         let prepared = Coloured::new(&scene, volume)?.with_simd(self.threads.simd());
+        if let Some(interpolated) = self.sampled.interpolated(volume)? {
+            if self.stream || !self.picture.is_plain() {
+                return Err(Failure::input(
+                    "--sampling: by opacity is drawn in f64, in 8 bits in front of a background, expected no --stream, --depth 16 \
+                     and --background none",
+                ));
+            }
+            let picture = on_threads(self.threads.count(), || picture_of(&prepared, interpolated))?;
+            return self.write(&target, &picture.into());
+        }
         let frame = with_bar("rendering", |progress| {
             on_threads(self.threads.count(), || prepared.render(self.layer(), progress))
         })??;

@@ -1,4 +1,4 @@
-//! A volume of colours as its file states it: three or four values a voxel.
+//! A volume of colours as its file states it, three or four values a voxel; or of shares of materials, one to eight.
 
 use std::collections::HashMap;
 
@@ -20,7 +20,7 @@ pub struct Colours {
 }
 
 impl Colours {
-    /// Checks and joins the parts: `values` are those of a voxel side by side, `components` (3 or 4) of them.
+    /// Checks and joins the parts: `values` are those of a voxel side by side, `components` of them: 3 or 4, of shares 1 to 8.
     ///
     /// # Errors
     /// [`ShapeError`] if a side or the whole is empty or too large, a spacing is no length, or values are missing.
@@ -88,7 +88,7 @@ impl Colours {
         self.spacing
     }
 
-    /// Values of a voxel: 3 or 4.
+    /// Values of a voxel: 3 or 4, of shares 1 to 8.
     pub const fn components(&self) -> usize {
         self.components
     }

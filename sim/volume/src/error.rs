@@ -32,6 +32,9 @@ impl ReadError {
 /// What is wrong with a volume file.
 #[derive(Debug, Error)]
 pub enum Problem {
+    /// Shares of materials are asked for, and the file is none that has them.
+    #[error("has no shares of materials, expected an NRRD file with 1 to 8 values a voxel")]
+    NoShares,
     /// The operating system refused.
     #[error("cannot {action}: {source}")]
     Io {

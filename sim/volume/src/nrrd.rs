@@ -73,12 +73,30 @@ pub fn read_colours(path: &Path) -> Result<Option<Colours>, ReadError> {
     let Some(components) = colours::take(&mut header).map_err(at_header)? else {
         return Ok(None);
     };
+    of_components(path, header, components).map(Some)
+}
+
+/// Reads an NRRD file whose first axis holds 1 to 8 shares of materials.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_shares(path: &Path) -> Result<Colours, ReadError> {
+    let at_header = |problem| ReadError::new(path, problem);
+    let (mut source, _) = open_regular(path)?;
+    let mut header = Header::read(&mut source).map_err(at_header)?;
+    let components = colours::take_shares(&mut header).map_err(at_header)?;
+    of_components(path, header, components)
+}
+
+/// Reads the values of a file whose first axis has been taken off its header.
+fn of_components(path: &Path, mut header: Header, components: usize) -> Result<Colours, ReadError> {
+    let at_header = |problem| ReadError::new(path, problem);
     surplus::leave_out(&mut header).map_err(at_header)?;
     let mut description = interpret(&header).map_err(at_header)?;
     description.layout.components = components as u64;
     let place = place_of(path, &header, &description)?;
     let placed = description.placed(path.display().to_string(), place);
-    placed.read_colours(header.keys).map(Some)
+    placed.read_colours(header.keys)
 }
 
 /// Where the values are.

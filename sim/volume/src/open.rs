@@ -139,6 +139,22 @@ pub fn read_colours(path: &Path, choice: &Choice) -> Result<Option<Colours>, Rea
     }
 }
 
+/// Reads a volume of shares of materials: an NRRD file with 1 to 8 values a voxel.
+///
+/// # Errors
+/// As [`read_with`].
+pub fn read_shares(path: &Path) -> Result<Colours, ReadError> {
+    if path.is_dir() || zarr::recognise(path) {
+        return Err(ReadError::new(path, Problem::NoShares));
+    }
+    let (mut source, _) = open_regular(path)?;
+    let start = source.fill_buf().map_err(Problem::io("read the file"));
+    match Format::of(start.map_err(|problem| ReadError::new(path, problem))?, path) {
+        Some(Format::Nrrd) => nrrd::read_shares(path),
+        _ => Err(ReadError::new(path, Problem::NoShares)),
+    }
+}
+
 /// The colours of a file that holds no more than one volume.
 fn single(colours: Option<Colours>, path: &Path, choice: &Choice) -> Result<Option<Colours>, ReadError> {
     if colours.is_some() {

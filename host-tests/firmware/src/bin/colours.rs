@@ -1,5 +1,5 @@
-//! Volumes of colour and extinction: the dense scene's voxels as entries, streamed and composited by one factor, beside the same
-//! scene by points. Prints the sums of the images and what the frames cost.
+//! Volumes of colour and extinction: the dense scene's voxels as entries, streamed and composited by one factor, unlit and lit, beside
+//! the same scene by points. Prints the sums of the images and what the frames cost.
 #![no_std]
 #![no_main]
 
@@ -7,15 +7,15 @@ use semihosting::println;
 use slicecast::composite::{ChannelFormat, Recurrence, Unorm16, Weighted};
 use slicecast::extinction::Given;
 use slicecast::plane::{ChannelOf, Rgba};
-use slicecast::precision::{Compact, Precision, Wide};
-use slicecast::shade::Unlit;
+use slicecast::precision::{Compact, Wide};
+use slicecast::shade::{Phong, Unlit};
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
 use slicecast_firmware::memory::{Reserved, with_image};
 use slicecast_firmware::scenes::{COLOURS_EXPECTED, DENSE};
 use slicecast_firmware::stack;
 use slicecast_firmware_shared::image;
-use slicecast_firmware_shared::scene::{Model, PipelineOf, colour_entry, colour_medium, pipeline};
+use slicecast_firmware_shared::scene::{Lights, Model, PipelineOf, colour_entry, colour_medium, pipeline};
 use slicecast_firmware_shared::sum::Sum;
 use static_cell::ConstStaticCell;
 
@@ -27,10 +27,10 @@ use riscv_rt::entry;
 /// Pixels of the largest base plane.
 const PIXELS: usize = 128 * 128;
 
-/// Rows of scratch memory of four channels, and one to spare.
-const SCRATCH: usize = 13 * 66;
+/// Rows of scratch memory of four channels and gradients, and one to spare.
+const SCRATCH: usize = 25 * 66;
 
-static NARROW: ConstStaticCell<Reserved<Unorm16, { 8 * 64 * 64 }, 256, SCRATCH, { 4 * PIXELS }>> =
+static NARROW: ConstStaticCell<Reserved<Unorm16, { 16 * 64 * 64 }, 256, SCRATCH, { 4 * PIXELS }>> =
     ConstStaticCell::new(Reserved::new(Unorm16(0)));
 static BROAD: ConstStaticCell<Reserved<u32, 0, 0, 0, { 4 * PIXELS }>> = ConstStaticCell::new(Reserved::new(0));
 static ENTRIES: ConstStaticCell<[u32; 64 * 64]> = ConstStaticCell::new([0; 64 * 64]);
@@ -42,23 +42,27 @@ fn main() -> ! {
     let narrow = NARROW.take();
     let broad = BROAD.take().lend().image;
     let entries = ENTRIES.take();
-    by_points::<Compact>(narrow.lend());
-    let compact = by_colours(Compact, narrow.lend(), entries);
-    by_points::<Wide>(with_image(narrow.lend(), broad));
-    let wide = by_colours(Wide, with_image(narrow.lend(), broad), entries);
+    by_points::<Compact, Unlit>(narrow.lend());
+    let compact = by_colours::<Compact, Unlit>(narrow.lend(), entries);
+    by_points::<Wide, Unlit>(with_image(narrow.lend(), broad));
+    let wide = by_colours::<Wide, Unlit>(with_image(narrow.lend(), broad), entries);
+    by_points::<Compact, Phong<Compact>>(narrow.lend());
+    let compact_lit = by_colours::<Compact, Phong<Compact>>(narrow.lend(), entries);
+    by_points::<Wide, Phong<Wide>>(with_image(narrow.lend(), broad));
+    let wide_lit = by_colours::<Wide, Phong<Wide>>(with_image(narrow.lend(), broad), entries);
     println!("stack {}", stack::high_water());
-    finish([compact, wide] == COLOURS_EXPECTED)
+    finish([compact, wide, compact_lit, wide_lit] == COLOURS_EXPECTED)
 }
 
 /// A frame of the dense scene by points.
 #[inline(never)]
-fn by_points<P: Model>(memory: Memory<'_, ChannelOf<P>>) {
-    println!("case points {} {} unlit", DENSE.name, P::NAME);
-    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline::<P, Unlit>(DENSE)) else {
+fn by_points<P: Model, S: Lights<P>>(memory: Memory<'_, ChannelOf<P>>) {
+    println!("case points {} {} {}", DENSE.name, P::NAME, S::NAME);
+    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline::<P, S>(DENSE)) else {
         println!("error the scene is out of range");
         return;
     };
-    memory_of(Needs::of::<PipelineOf<'_, P, Unlit>>(&plan));
+    memory_of(Needs::of::<PipelineOf<'_, P, S>>(&plan));
     let Ok(mut stream) = Stream::new(plan, &pipeline, memory) else {
         println!("error too little memory");
         return;
@@ -78,18 +82,19 @@ fn by_points<P: Model>(memory: Memory<'_, ChannelOf<P>>) {
 
 /// A frame of the dense scene's entries; the sum of its image.
 #[inline(never)]
-fn by_colours<P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>>(
-    precision: P,
+fn by_colours<P: Model<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>, S: Lights<P>>(
     memory: Memory<'_, ChannelOf<P>>,
     entries: &mut [u32],
 ) -> u32 {
-    println!("case colours {} {} unlit", DENSE.name, P::NAME);
-    let (Ok(plan), Ok(medium)) = (DENSE.plan(), colour_medium()) else {
+    println!("case colours {} {} {}", DENSE.name, P::NAME, S::NAME);
+    let precision = P::default();
+    let shader = S::of(precision, &DENSE.lighting);
+    let (Ok(plan), Ok(medium), Ok(shader)) = (DENSE.plan(), colour_medium(), shader) else {
         println!("error the scene is out of range");
         return 0;
     };
-    memory_of(Needs::of::<Rgba<P>>(&plan));
-    let Ok(mut stream) = Stream::new(plan, Rgba::new(precision, medium), memory) else {
+    memory_of(Needs::of::<Rgba<P, S>>(&plan));
+    let Ok(mut stream) = Stream::new(plan, Rgba::shaded(precision, medium, shader), memory) else {
         println!("error too little memory");
         return 0;
     };

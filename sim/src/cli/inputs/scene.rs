@@ -79,6 +79,7 @@ enum ClassificationArg {
 enum InterpolationArg {
     Linear,
     Nearest,
+    Quadratic,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -389,6 +390,7 @@ impl SceneArgs {
             scene.interpolation = match interpolation {
                 InterpolationArg::Linear => Interpolation::Linear,
                 InterpolationArg::Nearest => Interpolation::Nearest,
+                InterpolationArg::Quadratic => Interpolation::Quadratic,
             };
         }
         if let Some(borders) = self.borders {

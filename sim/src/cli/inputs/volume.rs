@@ -1,6 +1,6 @@
 //! A volume on the command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use slicecast_volume::choice::{Choice, NanRule, Series};
@@ -148,6 +148,28 @@ impl VolumeArgs {
             )));
         }
         Ok(colours)
+    }
+
+    /// The file of an option beside which no other says anything of the volume.
+    pub fn alone(&self, option: &str) -> Result<&Path, Failure> {
+        let Some(path) = &self.volume else {
+            return Err(Failure::input(format!(
+                "{option}: the built-in CT head is no such volume, expected a volume file"
+            )));
+        };
+        let others = [
+            self.series.is_some(),
+            self.phase.is_some(),
+            self.channel.is_some(),
+            self.time.is_some(),
+        ];
+        let mapped = self.window.is_some() || self.nan.is_some() || self.raw.is_some() || self.raw_dims.is_some();
+        if mapped || others.contains(&true) {
+            return Err(Failure::input(format!(
+                "{option}: expected none of --window, --series, --phase, --channel, --time, --nan and --raw"
+            )));
+        }
+        Ok(path)
     }
 
     /// Reads the file without mapping its values.

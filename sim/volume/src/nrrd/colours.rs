@@ -58,6 +58,36 @@ pub(super) fn take(header: &mut Header) -> Result<Option<usize>, Problem> {
     Ok(Some(count))
 }
 
+/// Materials whose shares a voxel can have.
+const SHARES: std::ops::RangeInclusive<usize> = 1..=8;
+
+/// Takes the first axis off, whose entries are shares of materials, and returns how many there are.
+///
+/// # Errors
+/// [`Problem::FieldValue`] if the header has no such axis.
+pub(super) fn take_shares(header: &mut Header) -> Result<usize, Problem> {
+    let given = header.get("dimension").unwrap_or_default().to_owned();
+    let axes = given.parse::<usize>().ok().filter(|axes| (4..=MAX_AXES).contains(axes));
+    let axes = axes.ok_or_else(|| refuse("dimension", &given, "4: the shares of materials first, then three axes"))?;
+    let first = |field| header.get(field).and_then(|text| words(text, axes)?.into_iter().next());
+    if let Some(kind) = first("kinds")
+        && !UNSTATED.contains(&kind.to_ascii_lowercase().as_str())
+    {
+        let expected = "`list` or `???` for the first axis, which is of shares of materials";
+        return Err(refuse("kinds", header.get("kinds").unwrap_or_default(), expected));
+    }
+    let count = first("sizes")
+        .and_then(|size| size.parse().ok())
+        .filter(|count| SHARES.contains(count));
+    let Some(count) = count else {
+        let expected = "1 to 8 shares of materials first, then the voxels along three axes";
+        return Err(refuse("sizes", header.get("sizes").unwrap_or_default(), expected));
+    };
+    let kept: Vec<usize> = (1..axes).collect();
+    retain(header, axes, &kept);
+    Ok(count)
+}
+
 /// What is assumed of entries that have no stated meaning.
 fn unstated(count: usize) -> String {
     let meaning = if count == 3 {
