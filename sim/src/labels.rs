@@ -224,7 +224,7 @@ mod tests {
     }
 
     fn labelled(loaded: &Loaded) -> Vec<Label> {
-        labels(loaded, &Statistics::of(&loaded.volume))
+        labels(loaded, &Statistics::of(&loaded.volume), &loaded.volume).unwrap()
     }
 
     #[test]
@@ -245,7 +245,10 @@ mod tests {
         let colours: HashSet<[u8; 3]> = labels.iter().map(|label| label.colour).collect();
         assert_eq!(colours.len(), 4095);
         let mut least = f64::INFINITY;
-        for (label, touched) in labels.iter().zip(touching(&loaded.volume, &labels)) {
+        for (label, touched) in labels
+            .iter()
+            .zip(touching(loaded.volume.dims, &loaded.volume, &labels).unwrap())
+        {
             for place in touched {
                 least = least.min(distance(oklab(label.colour), oklab(labels[place].colour)));
             }
