@@ -1,6 +1,6 @@
 //! Clip planes: what half spaces and slabs leave of each segment of a ray, with a hard face or a soft one.
 //!
-//! Source: the cut planes of VolumePro (Pfister et al. 1999, section 4.4); `docs/contract/clip.md` has the formulas and ranges.
+//! Source: the cut planes of VolumePro (Pfister et al. 1999); `docs/contract/clip.md` has the formulas and ranges.
 //!
 //! | value | format | unit |
 //! |---|---|---|

@@ -1,6 +1,6 @@
 //! Modulation: factors of opacity, diffuse and specular light by the magnitude of the gradient.
 //!
-//! Source: VolumePro (Pfister et al., SIGGRAPH 1999, section 4.2, "gradient magnitude modulation"). What is flat is weakened,
+//! Source: VolumePro (Pfister et al., SIGGRAPH 1999, gradient magnitude modulation). What is flat is weakened,
 //! and surfaces remain. The magnitude is never formed: a factor is looked up by the logarithm of its square, linear between powers of 2
 //! and half of them, without root and without division.
 //!

@@ -51,7 +51,7 @@ pub use self::scratch::{Rows as ScratchRows, ScratchError};
 use crate::classify::Support;
 use crate::clip::Clipper;
 use crate::composite::{ChannelFormat, Pixel, Recurrence};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Native};
 use crate::locate::{self, Plane, cell};
 use crate::plan::{Phase, Plan};
 use crate::precision::Precision;
@@ -111,6 +111,22 @@ pub trait Pipeline: Sync {
 
     /// The pixel in a column of a finished row.
     fn pixel(&self, row: &[Self::Element], column: usize) -> Pixel<ChannelOf<Self::Precision>>;
+}
+
+/// [`Pipeline::fold`] in this machine's one lane. A program of its own, of which a host, whose tiles and streams fold so, needs one.
+///
+/// # Errors
+/// As [`Pipeline::fold`].
+#[inline(never)]
+pub fn fold_native<L: Pipeline>(
+    pipeline: &L,
+    at: &At<'_, L::Voxel>,
+    rows: Rows<'_, L::Element>,
+    scratch: &mut [i32],
+    kept: Option<&mut Kept<'_>>,
+    tap: Option<&mut dyn Tap>,
+) -> Result<(), ScratchError> {
+    pipeline.fold::<Native>(at, rows, scratch, kept, tap)
 }
 
 /// A pipeline whose channels make pictures: their type says what 1.0 is.

@@ -17,9 +17,11 @@ use core::ops::Range;
 pub use self::reserved::Reserved;
 use crate::clip::Clipper;
 use crate::composite::{Pixel, Recurrence as _};
-use crate::lanes::Native;
+use crate::lanes::{Lanes as _, Native};
 use crate::plan::Plan;
-use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, clear, near_slice, plane, planes, scratch_len};
+use crate::plane::{
+    At, ChannelOf, Pipeline, Rows, ScratchError, clear, fold_native, near_slice, plane, planes, scratch_len,
+};
 use crate::precision::Precision as _;
 use crate::rows::three;
 use crate::slice::{Region, RowRange, Slice, SliceError, Voxel, Window};
@@ -380,7 +382,12 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                         Some(tap) => Some(*tap),
                         None => None,
                     };
-                    self.pipeline.fold::<Native>(&at, rows, scratch, None, tap)?;
+                    // A small machine has no other that folds.
+                    if Native::SMALL {
+                        self.pipeline.fold::<Native>(&at, rows, scratch, None, tap)?;
+                    } else {
+                        fold_native(&self.pipeline, &at, rows, scratch, None, tap)?;
+                    }
                 }
             }
             self.folded += 1;

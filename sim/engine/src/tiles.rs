@@ -10,7 +10,7 @@ use slicecast::lanes::Lanes;
 use slicecast::locate::{Plane, cell};
 use slicecast::plan::{Phase, Plan};
 use slicecast::plane::{
-    At, Kept, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, near_slice, plane, planes,
+    At, Kept, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, fold_native, near_slice, plane, planes,
 };
 use slicecast::slice::{Code12, Slice, Voxel, Window};
 use slicecast::tap::Tap;
@@ -449,12 +449,16 @@ impl<L: Pipeline, V: Lanes> FoldPlane<L::Voxel> for OfLanes<'_, '_, L, V> {
                 own.extend_from_slice(&run[columns.clone()]);
             }
         }
-        // Named once: it is a program of its own wherever it is named.
+        // Named once for each width: it is a program of its own wherever it is named.
         let rows = Rows {
             first,
             data: if is_cut { own } else { &mut *data },
         };
-        pipeline.fold::<V>(at, rows, scratch, kept, tap)?;
+        if V::COUNT == 1 && !V::SMALL {
+            fold_native(*pipeline, at, rows, scratch, kept, tap)?;
+        } else {
+            pipeline.fold::<V>(at, rows, scratch, kept, tap)?;
+        }
         if is_cut {
             for (run, own) in data.chunks_exact_mut(width).zip(own.chunks_exact(columns.len())) {
                 run[columns.clone()].copy_from_slice(own);

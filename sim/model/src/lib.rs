@@ -13,7 +13,7 @@
 //! | gradient    | gradient at a position, normal                             | section 4.3     |
 //! | classify    | colour and opacity of a value, correction for the step     | equation 7      |
 //! | segment     | colour and opacity between two samples                     | Engel et al., 5, 6 |
-//! | clip        | what clip planes leave of a segment, and of a place          | Pfister et al. 1999, section 4.4 |
+//! | clip        | what clip planes leave of a segment, and of a place          | Pfister et al. 1999 |
 //! | parts       | segments cut at isosurfaces and into pieces                | Engel et al., section 5 |
 //! | shade       | Phong                                                      | equation 10     |
 //! | composite   | samples into pixels                                        | equations 4, 6  |

@@ -1,6 +1,6 @@
 //! Modulation: factors of opacity and light by the magnitude of the gradient.
 //!
-//! Source: VolumePro (Pfister et al. 1999, section 4.2). A factor is a function of |grad f|, linear between the scene's points and
+//! Source: VolumePro (Pfister et al. 1999). A factor is a function of |grad f|, linear between the scene's points and
 //! constant outside: `a' = a f_o(|grad f|)`, diffuse light times f_d, specular light times f_s. Ambient light is not modulated.
 
 use slicecast_scene::modulation::Modulation;
