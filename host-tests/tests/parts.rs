@@ -382,7 +382,7 @@ fn auto_looks_at_the_same_voxels_on_disk() {
             in_chunks(&volume, &folder, [7, 9, 8])
         };
         let peak = 1500.0 + 30.0 * case as f64;
-        let wide = if case % 4 < 2 { 20.0 } else { 1400.0 };
+        let wide = if case % 4 < 2 { 20.0 } else { 2600.0 };
         let point = |(value, opacity): (f64, f64)| Point {
             value,
             colour: [1.0, 0.8, 0.5],

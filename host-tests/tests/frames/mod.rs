@@ -154,8 +154,8 @@ fn factor() -> impl Strategy<Value = u16> {
 
 fn blend() -> impl Strategy<Value = Blend> {
     prop_oneof![
-        4 => Just(Blend::FrontToBack),
-        2 => Just(Blend::BackToFront),
+        8 => Just(Blend::FrontToBack),
+        4 => Just(Blend::BackToFront),
         1 => Just(Blend::Maximum),
         1 => Just(Blend::Minimum),
         1 => Just(Blend::Average),
