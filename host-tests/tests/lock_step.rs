@@ -160,7 +160,7 @@ fn wide_frame() -> impl Strategy<Value = Frame> {
         1 => (1030usize..=1100, 1usize..=3, 2usize..=4).prop_map(|(x, y, z)| [x, y, z]),
     ];
     let filling = prop_oneof![
-        5 => Just(Filling::Boxes),
+        9 => Just(Filling::Boxes),
         1 => Just(Filling::Sparse),
         1 => Just(Filling::Ball),
         1 => Just(Filling::Ripples),
