@@ -12,7 +12,7 @@
 //! | opacity a | 1.31 | 0 to 1 |
 //!
 //! With q = |G|^2 in codes, node n of 65 stands at `q = 2^(n / 2 - 4)` (n even) or `1.5 * 2^((n - 1) / 2 - 4)` (n odd);
-//! `f = t[n] + (t[n + 1] - t[n]) w` with w linear in q, to nearest. Below q = 1/16 the factor is t[0].
+//! `f = t[n] + (t[n + 1] - t[n]) w` with w linear in q, to nearest. Below q = 1/16 the factor is `t[0]`.
 //! `a' = (a f + 2^14) >> 15`.
 //!
 //! Overflow: none. Error: docs/contract/modulation.md. State: none.
