@@ -98,6 +98,7 @@ pub(super) fn fold<B, C, S, X>(
         r,
         magnitudes,
     } = rows;
+    let (lit, modulates) = (shader.lit(), shader.modulates());
     // One colour needs no rows, unless they are looked at.
     let cues = batches.cues();
     let one = classifier.one_colour().filter(|_| tap.is_none() && !cues);
@@ -127,7 +128,7 @@ pub(super) fn fold<B, C, S, X>(
                 tap.row(Stage::Opacity, at, &[&&*opacities]);
             }
             // Unlit, one colour needs no spans either.
-            if B::WHOLE_ROWS && one.is_some() && !shader.lit() {
+            if B::WHOLE_ROWS && one.is_some() && !lit {
                 let colours = Colours {
                     one,
                     rows: [&mut [], &mut [], &mut []],
@@ -138,7 +139,7 @@ pub(super) fn fold<B, C, S, X>(
             while let Some(visible) = batches.visible(canvas, opacities) {
                 let n = visible.len();
                 let mut colours = Colours {
-                    one: one.filter(|_| shader.lit()),
+                    one: one.filter(|_| lit),
                     rows: three([&mut *red, &mut *green, &mut *blue], |row| part_mut(row, 0..n)),
                 };
                 if colours.one.is_none() {
@@ -151,14 +152,14 @@ pub(super) fn fold<B, C, S, X>(
                     classifier.colour_row(slab.span(visible.clone()).of_part(part), [&mut *r, &mut *g, &mut *b]);
                     batches.clip_colours(classifier, part, visible.clone(), [r, g, b]);
                 }
-                if cues && !shader.lit() {
+                if cues && !lit {
                     batches.turn(visible.clone(), &mut colours);
                 }
                 if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
                     see(*tap, Stage::Colour, at, &colours.rows);
                 }
                 let mut factors = None;
-                if shader.lit() {
+                if lit {
                     let [gx, gy, gz] = three([&mut *gx, &mut *gy, &mut *gz], |row| part_mut(row, 0..n));
                     let r = part_mut(r, 0..n);
                     let gradients = [&mut *gx, &mut *gy, &mut *gz];
@@ -170,7 +171,7 @@ pub(super) fn fold<B, C, S, X>(
                         batches.gradients(visible.clone(), opacities, None, gradients);
                     }
                     let magnitudes = part_mut(magnitudes, 0..n);
-                    if shader.modulates() {
+                    if modulates {
                         shader.measure([&*gx, &*gy, &*gz], &mut *magnitudes);
                     }
                     if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
@@ -184,12 +185,12 @@ pub(super) fn fold<B, C, S, X>(
                     if cues {
                         batches.turn(visible.clone(), &mut colours);
                     }
-                    if shader.modulates() && shader.factors(&mut *magnitudes) {
+                    if modulates && shader.factors(&mut *magnitudes) {
                         batches.weigh(canvas, visible.clone(), opacities, &*magnitudes);
                         factors = Some(&*magnitudes);
                     }
                     if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
-                        if shader.modulates() {
+                        if modulates {
                             let [red, green, blue] = &colours.rows;
                             let opacities = self::part(opacities, visible.clone());
                             tap.row(Stage::Shading, at, &[&&**red, &&**green, &&**blue, &opacities]);
