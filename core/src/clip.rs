@@ -12,20 +12,21 @@
 //! A length is what the caller says: a voxel, or a millimetre divided so that no slope is above 1. Rounding: a distance down, to
 //! 2^-30 a term; cuts and fades to nearest. Overflow: none inside [`Clips`]. State: none.
 
-use core::marker::PhantomData;
-use core::ops::Range;
-
 mod cue;
 mod pieces;
+mod remainder;
+mod rows;
 
 pub use self::cue::{Cue, CuePlane};
-pub(crate) use self::pieces::{Boxed, Pieces};
-use crate::borders::{Borders, Part, WHOLE, fraction_row, fractions_row};
+pub(crate) use self::pieces::Boxed;
+use self::remainder::Ramp;
+pub use self::remainder::Remainder;
+use self::rows::RowKernels;
+pub(crate) use self::rows::{Clipping, Distances, Left};
+use crate::borders::{Borders, Part, WHOLE};
 use crate::format::{Distance, Intensity, Vector};
-use crate::lanes::{Kernel, Lanes, Native};
-use crate::plan::{Phase, Plan};
-use crate::rows::{part, part_mut};
-use crate::surface::Turn;
+use crate::lanes::{Lanes, Native};
+use crate::plan::Plan;
 
 /// The most clip planes of a scene.
 pub const CLIPS_MAX: usize = 6;
@@ -94,133 +95,6 @@ impl core::fmt::Display for ClipError {
 }
 
 impl core::error::Error for ClipError {}
-
-/// What is left of a segment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Remainder {
-    /// From where to where it counts.
-    pub part: Part,
-    /// Which share of its optical depth counts there, 0.16.
-    pub fade: u32,
-}
-
-impl Remainder {
-    /// All of it.
-    pub const WHOLE: Self = Self {
-        part: Part::WHOLE,
-        fade: WHOLE,
-    };
-
-    /// What this cut and another leave.
-    #[must_use]
-    pub const fn and(self, other: Self) -> Self {
-        Self {
-            part: self.part.and(other.part),
-            fade: product(self.fade, other.fade),
-        }
-    }
-
-    /// What is left of the part of a segment that the volume's box leaves, which is not empty: `from` and `to` are places of that
-    /// part.
-    #[must_use]
-    pub fn of(self, part: Part) -> Self {
-        if part == Part::WHOLE && self.part.length() > 0 {
-            return self;
-        }
-        let (both, length) = (self.part.and(part), u64::from(part.length()));
-        if both.length() == 0 {
-            return Self {
-                part: Part::NONE,
-                fade: self.fade,
-            };
-        }
-        let place = |at: u32| {
-            let way = (u64::from(at.saturating_sub(part.from)) << 17) + length;
-            way.checked_div(2 * length).unwrap_or(0) as u32
-        };
-        Self {
-            part: Part {
-                from: place(both.from),
-                to: place(both.to),
-            },
-            fade: self.fade,
-        }
-    }
-
-    /// The share of the segment's optical depth that counts, 0.16.
-    pub const fn weight(self) -> u32 {
-        product(self.part.length(), self.fade)
-    }
-
-    /// The samples at the ends of what is left of a segment.
-    pub fn ends(self, [front, back]: [i32; 2]) -> [i32; 2] {
-        let way = i64::from(back) - i64::from(front);
-        let at = |place: u32| {
-            let steps = (way * i64::from(place) + (1 << 15)) >> 16;
-            front.wrapping_add(steps as i32)
-        };
-        [at(self.part.from), at(self.part.to)]
-    }
-
-    /// The turn of a crossing in what is left, as one in the segment.
-    #[must_use]
-    pub fn turn(self, turn: Turn) -> Turn {
-        turn.moved(|position| self.place(position))
-    }
-
-    /// Where a place of what is left lies in the segment.
-    pub fn place(self, position: u32) -> u32 {
-        let way = (u64::from(self.part.length()) * u64::from(position)) >> 16;
-        self.part.from.wrapping_add(way as u32)
-    }
-}
-
-/// The product of two shares, 0.16, to nearest.
-const fn product(a: u32, b: u32) -> u32 {
-    ((a as u64 * b as u64 + (1 << 15)) >> 16) as u32
-}
-
-/// A ramp, by which a soft face fades: `65536 x / d`, to nearest, for x from 0 to d.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Ramp {
-    /// Twice the falloff: d.
-    width: i64,
-    /// `d 2^shift` has 31 bits.
-    shift: i32,
-    /// `2^62 / (d 2^shift)`, at most 2^32 - 1.
-    reciprocal: u32,
-}
-
-impl Ramp {
-    /// Of a falloff above 0.
-    fn of(falloff: i64) -> Self {
-        let width = 2 * falloff;
-        let shift = width.leading_zeros() as i32 - 33;
-        let scaled = shifted(width, shift) as u64;
-        let reciprocal = (1u64 << 62).checked_div(scaled).unwrap_or(0);
-        Self {
-            width,
-            shift,
-            reciprocal: reciprocal.min(u64::from(u32::MAX)) as u32,
-        }
-    }
-
-    /// The share of a sum of the distances of both ends and the falloff.
-    fn share(self, sum: i64) -> u32 {
-        if sum <= 0 {
-            0
-        } else if sum >= self.width {
-            WHOLE
-        } else {
-            ((shifted(sum, self.shift) as u64 * u64::from(self.reciprocal) + (1 << 45)) >> 46) as u32
-        }
-    }
-}
-
-/// Shifted up, or down where the shift is negative.
-const fn shifted(x: i64, shift: i32) -> i64 {
-    if shift < 0 { x >> -shift } else { x << shift }
-}
 
 /// A clip plane in the slice frame of a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -375,54 +249,6 @@ pub struct Clips {
     rows: RowKernels,
 }
 
-/// What is reckoned of rows, compiled for lanes.
-#[derive(Clone, Copy, Debug)]
-struct RowKernels {
-    /// Makes opacities those of shares of the step.
-    fade: fn(&mut [i32], &[i32]),
-    /// Turns a channel of colours into another by shares.
-    turn: fn(&mut [i32], u32, &[i32]),
-}
-
-impl RowKernels {
-    const fn of<V: Lanes>() -> Self {
-        Self {
-            fade: fade_by::<V>,
-            turn: cue::turn_by::<V>,
-        }
-    }
-}
-
-fn fade_by<V: Lanes>(opacities: &mut [i32], shares: &[i32]) {
-    V::enter((Fade, PhantomData::<V>, opacities, shares));
-}
-
-struct Fade;
-
-impl<V: Lanes> Kernel for (Fade, PhantomData<V>, &mut [i32], &[i32]) {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let (_, _, opacities, shares) = self;
-        fractions_row::<V>(opacities, shares);
-    }
-}
-
-/// Columns whose shares are at hand at a time.
-const BATCH: usize = 64;
-
-/// What clip planes leave of some rows of a plane.
-pub(crate) struct Left {
-    /// Columns outside of which nothing is left.
-    pub(crate) columns: Range<usize>,
-    /// Whether all of it is left.
-    pub(crate) whole: bool,
-}
-
-/// The distances of the ends of pixel (0, 0)'s segment from each clip plane, and behind them the depths of depth cueing.
-pub(crate) type Distances = [[i64; 2]; CLIPS_MAX + 1];
-
 impl Clips {
     /// Clip planes, along x, y, z in the volume of a plan.
     ///
@@ -503,157 +329,6 @@ impl Clips {
 /// Clip planes as the plane layer takes them ([`Clips::clipper`]): a program that makes none does not link them.
 #[derive(Clone, Copy, Debug)]
 pub struct Clipper<'c>(pub(crate) &'c dyn Clipping);
-
-/// What the plane layer asks of clip planes. Behind a reference, so that a program without them does not link it.
-pub(crate) trait Clipping: core::fmt::Debug + Sync {
-    /// The distances of the ends of pixel (0, 0)'s segment: of those about the samples of a plane, or of those that end at it.
-    fn distances(&self, plan: &Plan, phase: Phase, index: u32, slabs: bool) -> Distances;
-    /// The columns of a row of which something may be left, and a range of those that a plane may cut.
-    fn reach(&self, distances: &Distances, boxed: &Boxed, row: u32) -> [Range<usize>; 2];
-    /// What is left of rows and columns of a plane of samples, or of the segments that end at it.
-    fn left(&self, plan: &Plan, plane: (Phase, u32, bool), columns: &Range<usize>, rows: &Range<u32>) -> Left;
-    /// Goes through a span of a row, counted from the first column: what is left of runs of segments.
-    fn each(
-        &self,
-        distances: &Distances,
-        boxed: &Boxed,
-        at: (u32, Range<usize>),
-        see: &mut dyn FnMut(Range<usize>, Remainder),
-    );
-    /// Makes the opacities of such a span, of samples, those of what is left.
-    fn weigh(&self, distances: &Distances, boxed: &Boxed, at: (u32, Range<usize>), opacities: &mut [i32]);
-    /// Makes opacities those of a share of the step.
-    fn fade(&self, opacities: &mut [i32], share: u32);
-    /// Whether colours turn with depth.
-    fn cues(&self) -> bool;
-    /// Turns the colours, of so many bits, of a row of segments, from a column of pixels on.
-    fn turn(&self, distances: &Distances, at: (u32, usize), colours: [&mut [i32]; 3], bits: u32);
-    /// Turns colours times extinction alike.
-    fn turn_weighted(&self, distances: &Distances, at: (u32, usize), extinction: &[i32], colours: [&mut [i32]; 3]);
-}
-
-impl Clipping for Clips {
-    fn distances(&self, plan: &Plan, phase: Phase, index: u32, slabs: bool) -> Distances {
-        let halves = halves(plan, index, slabs);
-        let [start_i, start_j] = plan.start(phase);
-        let at = |halves: i64| {
-            let [i, j, k] = plan.step().map(|step| halves * step.to_bits());
-            [2 * start_i.to_bits() + i, 2 * start_j.to_bits() + j, k]
-        };
-        let ends = [at(halves), at(halves + 2)];
-        let of =
-            |[i, j, k]: [i64; 3], first: i64| ends.map(|[x, y, z]| first + times(i, x) + times(j, y) + times(k, z));
-        let mut distances = [[0; 2]; CLIPS_MAX + 1];
-        for (plane, distances) in self.planes().iter().zip(&mut distances) {
-            *distances = of(plane.slope, plane.distance);
-        }
-        if let (Some(cue), [.., distances]) = (&self.cue, &mut distances) {
-            *distances = of(cue.slope, cue.distance);
-        }
-        distances
-    }
-
-    fn reach(&self, distances: &Distances, boxed: &Boxed, row: u32) -> [Range<usize>; 2] {
-        Pieces::of(self, distances, boxed, row).reach()
-    }
-
-    fn left(&self, plan: &Plan, plane: (Phase, u32, bool), columns: &Range<usize>, rows: &Range<u32>) -> Left {
-        let (phase, index, slabs) = plane;
-        let distances = self.distances(plan, phase, index, slabs);
-        pieces::of_rows(self, &distances, columns, rows)
-    }
-
-    fn each(
-        &self,
-        distances: &Distances,
-        boxed: &Boxed,
-        (row, span): (u32, Range<usize>),
-        see: &mut dyn FnMut(Range<usize>, Remainder),
-    ) {
-        for (columns, left) in Pieces::of(self, distances, boxed, row).span(&span) {
-            see(columns, left);
-        }
-    }
-
-    fn weigh(&self, distances: &Distances, boxed: &Boxed, (row, span): (u32, Range<usize>), opacities: &mut [i32]) {
-        // Columns that are cut, side by side.
-        let (mut shares, mut first, mut count) = ([0; BATCH], 0, 0);
-        for (columns, left) in Pieces::of(self, distances, boxed, row).span(&span) {
-            let columns = columns.start - span.start..columns.end - span.start;
-            if columns.start != first + count || count == BATCH {
-                (self.rows.fade)(part_mut(&mut *opacities, first..first + count), part(&shares, 0..count));
-                (first, count) = (columns.start, 0);
-            }
-            if left == Remainder::WHOLE {
-                continue;
-            }
-            let weight = left.weight();
-            match (weight, shares.get_mut(count)) {
-                (1.., Some(share)) if columns.len() == 1 => {
-                    *share = weight as i32;
-                    count += 1;
-                }
-                _ => self.fade(part_mut(&mut *opacities, columns), weight),
-            }
-        }
-        (self.rows.fade)(part_mut(opacities, first..first + count), part(&shares, 0..count));
-    }
-
-    fn fade(&self, opacities: &mut [i32], share: u32) {
-        if share == 0 {
-            opacities.fill(0);
-        } else {
-            fraction_row::<Native>(opacities, share);
-        }
-    }
-
-    fn cues(&self) -> bool {
-        self.cue.is_some()
-    }
-
-    fn turn(&self, distances: &Distances, at: (u32, usize), colours: [&mut [i32]; 3], bits: u32) {
-        let Some(cue) = &self.cue else { return };
-        let [red, green, blue] = colours;
-        let (mut shares_of, mut shares) = (shares(cue, distances, at), [0; BATCH]);
-        for first in (0..red.len()).step_by(BATCH) {
-            let columns = first..(first + BATCH).min(red.len());
-            let shares = part_mut(&mut shares, 0..columns.len());
-            for (share, own) in shares.iter_mut().zip(&mut shares_of) {
-                *share = own as i32;
-            }
-            let channels = [&mut *red, &mut *green, &mut *blue];
-            for (channel, other) in channels.into_iter().zip(cue.target(bits)) {
-                (self.rows.turn)(part_mut(channel, columns.clone()), other, shares);
-            }
-        }
-    }
-
-    fn turn_weighted(&self, distances: &Distances, at: (u32, usize), extinction: &[i32], colours: [&mut [i32]; 3]) {
-        let Some(cue) = &self.cue else { return };
-        let [red, green, blue] = colours;
-        let colours = red.iter_mut().zip(green).zip(blue);
-        for ((((r, g), b), t), share) in colours.zip(extinction).zip(shares(cue, distances, at)) {
-            let turned = cue.turned_weighted([*r as u32, *g as u32, *b as u32], *t as u32, share);
-            [*r, *g, *b] = turned.map(|c| c as i32);
-        }
-    }
-}
-
-/// How far colours have turned about the segments of a row, from a column of pixels on.
-fn shares<'c>(
-    cue: &'c CuePlane,
-    distances: &Distances,
-    (row, column): (u32, usize),
-) -> impl Iterator<Item = u32> + use<'c> {
-    let [along_i, along_j, _] = cue.slope;
-    let [.., ends] = distances;
-    let mut ends = ends.map(|end| end + along_j * i64::from(row) + along_i * column as i64);
-    core::iter::from_fn(move || {
-        let share = cue.share(ends);
-        ends = ends.map(|end| end + along_i);
-        Some(share)
-    })
-}
 
 /// Where a segment begins, in half steps from the first slice: that about the samples of a plane with this number, or that which
 /// ends at it.

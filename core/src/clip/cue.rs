@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use super::{Ramp, product};
+use super::remainder::{Ramp, product};
 use crate::borders::WHOLE;
 use crate::format::{Distance, Intensity, Vector};
 use crate::lanes::{Kernel, Lanes, Wide as _, places};

@@ -2,7 +2,8 @@
 
 use core::ops::Range;
 
-use super::{CLIPS_MAX, ClipPlane, Clips, Distances, Left, Remainder};
+use super::rows::{Distances, Left};
+use super::{CLIPS_MAX, ClipPlane, Clips, Remainder};
 use crate::borders::Part;
 
 /// Segments of some columns, side by side, and the part of them that the volume's box leaves.

@@ -140,8 +140,8 @@ proptest! {
             part: Part::WHOLE,
             ends: [None; 2],
         };
-        let left = clips.left(&plan, (phase, index, slabs), &boxed.columns, &rows);
         let distances = clips.distances(&plan, phase, index, slabs);
+        let left = clips.left(&distances, &boxed.columns, &rows);
         for row in rows {
             let mut weights = Vec::new();
             clips.each(&distances, &boxed, (row, 0..boxed.columns.len()), &mut |run, rest| {

@@ -132,7 +132,7 @@ where
         );
         let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fractions(extent, plan.exact());
         let shader = Kernels::<S, P, V>::of(&self.shader, precision);
-        let clipped = Clipped::of(rest, at, extent, C::SLABS, precision.pixel().colour_bits());
+        let clipped = Clipped::of(rest, extent, precision.pixel().colour_bits());
         let spacing = plan.spacing();
         // Two constants, before which no code for blocks is compiled.
         if !V::SMALL
@@ -327,7 +327,7 @@ where
         if C::SLABS {
             let mut kept = kept.filter(|_| !V::SMALL);
             while let Some(Segments { mut ends, inner, .. }) = parts.segments(window, S::LIT) {
-                let narrowed = tap.is_none() && rest.narrow(at, &mut ends, true, (first, met));
+                let narrowed = tap.is_none() && rest.narrow(plan, &mut ends, true, (first, met));
                 let [front, back] = &ends;
                 let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
                 let kept = match &mut kept {
@@ -351,7 +351,7 @@ where
         }
         while let Some(mut samples) = parts.samples(window) {
             if seen.is_none() && tap.is_none() {
-                rest.narrow(at, core::slice::from_mut(&mut samples), false, (first, met));
+                rest.narrow(plan, core::slice::from_mut(&mut samples), false, (first, met));
             }
             let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let rows = Rows {

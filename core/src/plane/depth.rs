@@ -138,7 +138,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
         let mut parts = Parts::of(plan, plane, Columns::Alone);
         let (spacing, mut kept) = (plan.spacing(), kept.filter(|_| !V::SMALL));
         while let Some(Segments { mut ends, inner, way }) = parts.segments(&at.window, false) {
-            let narrowed = rest.narrow(at, &mut ends, true, (rows.first, count));
+            let narrowed = rest.narrow(plan, &mut ends, true, (rows.first, count));
             let [front, back] = &ends;
             let (ahead, window, extent, behind) = (&front.extent, &front.window, &back.extent, &back.window);
             let [front_rows, back_rows] = match &mut kept {
@@ -148,7 +148,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
             let Scratch { source, front, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             let mut front = Sheared::<P, V, Unlit>::new(self.precision, ahead, window, spacing, front, front_rows);
             let mut back = Sheared::<P, V, Unlit>::new(self.precision, extent, behind, spacing, source, back_rows);
-            let clipped = Clipped::of(&rest, at, extent, true, 0);
+            let clipped = Clipped::of(&rest, extent, 0);
             for row in extent.met(rows.first, count) {
                 let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));
                 let range = around(behind, extent.voxel_rows(back_row));

@@ -95,7 +95,7 @@ impl<P: Precision, C: Classifier<P>, X: Projection> Pipeline for Project<P, C, X
         let mut parts = Parts::of(plan, plane, Columns::Alone);
         while let Some(mut samples) = parts.samples(&at.window) {
             if tap.is_none() {
-                rest.narrow(at, core::slice::from_mut(&mut samples), false, (rows.first, count));
+                rest.narrow(plan, core::slice::from_mut(&mut samples), false, (rows.first, count));
             }
             let Samples { extent, window, .. } = samples;
             let Scratch { source, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
@@ -107,7 +107,7 @@ impl<P: Precision, C: Classifier<P>, X: Projection> Pipeline for Project<P, C, X
                 source,
                 KeptRows::default(),
             );
-            let clipped = Clipped::of(&rest, at, &extent, false, 0);
+            let clipped = Clipped::of(&rest, &extent, 0);
             for row in extent.met(rows.first, count) {
                 if clipped.as_ref().is_some_and(|clipped| clipped.is_empty(row)) {
                     continue;

@@ -194,7 +194,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
             };
             let mut runs = [t, r, g, b];
             if tap.is_none() {
-                rest.narrow(at, &mut runs, false, (rows.first, count));
+                rest.narrow(at.plan, &mut runs, false, (rows.first, count));
             }
             let memory = ColourScratch::cut(&mut *scratch, Self::SCRATCH, width, V::COUNT > 1)?;
             let tap: Option<&mut dyn Tap> = match &mut tap {
@@ -227,7 +227,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
         }
         let bits = precision.formats().sample_bits;
         let absorption = self.medium.absorption(bits, extent.part.length());
-        let clipped = Clipped::of(rest, at, extent, false, 0);
+        let clipped = Clipped::of(rest, extent, 0);
         let mut image = Image::<P::Pixel, FrontToBack, V>::new(
             (rows.first, &mut *rows.data),
             base_width,
