@@ -381,16 +381,17 @@ fn budgets_are_kept_and_spend_on_what_is_seen() {
     scene.transfer.unit_distance = 1.0;
     let prepared = Prepared::new(&scene, &loaded.volume).unwrap();
     let losses = Losses::of(&prepared, &on_disk, &|_, _| ()).unwrap();
+    let ordered = losses.ordered(&prepared, &on_disk, false).unwrap();
     let within = |memory: u64| {
         let memory = Some(memory);
-        losses.within(&prepared, &on_disk, Limits { memory, work: None })
+        ordered.within(Limits { memory, work: None })
     };
     let whole = within(u64::MAX).unwrap();
     assert_eq!(
         (whole.tree.clone(), whole.bricks, whole.loss),
         (Tree::Leaf(0), [18, 0, 0, 0], 0.0)
     );
-    let Err(RenderError::Levels(LevelsError::Budget { least, .. })) = within(1 << 20) else {
+    let Err(LevelsError::Budget { least, .. }) = within(1 << 20) else {
         panic!("1 MiB is enough");
     };
     assert!(within(least - 1).is_err());

@@ -368,7 +368,8 @@ fn in_levels(
         say_opaque(&Leveled::new(prepared, &timed.chosen.tree)?);
         return Ok(timed.frame);
     }
-    let chosen = losses.within(prepared, volume, Limits { memory, work: None })?;
+    let limits = Limits { memory, work: None };
+    let chosen = losses.ordered(prepared, volume, false)?.within(limits)?;
     eprintln!("{chosen}");
     let leveled = Leveled::new(prepared, &chosen.tree)?;
     say_opaque(&leveled);

@@ -155,38 +155,22 @@ impl Losses {
         (Tree::of_grid(self.dims, SIDE, &level), levels)
     }
 
-    /// The finest levels whose picture takes no more than some limits, in memory all that the program takes. Where no limit of
-    /// work can be kept, the coarsest.
+    /// The order in which bricks become coarser: by what each loses per sample that it saves where there is a limit of work, else per
+    /// byte.
     ///
     /// # Errors
-    /// [`LevelsError::Budget`] if not even the coarsest fit in the memory.
-    pub fn within(&self, prepared: &Prepared<'_>, source: &dyn Source, limits: Limits) -> Result<Chosen, RenderError> {
-        let order = self.order(limits.work.is_some());
-        let beside = beside(prepared, source)?;
-        let fits = |chosen: &Chosen| {
-            limits.memory.is_none_or(|memory| chosen.all <= memory)
-                && limits.work.is_none_or(|work| chosen.work <= work)
-        };
-        let taken = |steps: usize| self.chosen(&order[..steps], beside);
-        let coarsest = taken(order.len())?;
-        if let Some(memory) = limits.memory.filter(|memory| coarsest.all > *memory) {
-            let least = coarsest.all;
-            return Err(LevelsError::Budget { memory, least }.into());
-        }
-        // The first number of steps that fits; more take less, but for what bricks have beside them.
-        let (mut over, mut least, mut found) = (None, order.len(), coarsest);
-        loop {
-            let middle = over.map_or(0, |over: usize| usize::midpoint(over, least).max(over + 1));
-            if middle >= least {
-                return Ok(found);
-            }
-            let chosen = taken(middle)?;
-            if fits(&chosen) {
-                (least, found) = (middle, chosen);
-            } else {
-                over = Some(middle);
-            }
-        }
+    /// [`RenderError`] if the scene has no pipeline.
+    pub fn ordered(
+        &self,
+        prepared: &Prepared<'_>,
+        source: &dyn Source,
+        by_work: bool,
+    ) -> Result<Ordered<'_>, RenderError> {
+        Ok(Ordered {
+            losses: self,
+            order: self.order(by_work),
+            beside: beside(prepared, source)?,
+        })
     }
 
     /// The levels after so many bricks have gone one level up.
@@ -214,6 +198,49 @@ impl Losses {
             work: sum.work,
             loss: 255.0 * sum.loss / self.dims.iter().product::<usize>().max(1) as f64,
         })
+    }
+}
+
+/// Losses in the order in which bricks become coarser.
+#[derive(Clone, Debug)]
+pub struct Ordered<'l> {
+    losses: &'l Losses,
+    order: Vec<usize>,
+    /// Bytes that a picture takes beside the voxels.
+    beside: u64,
+}
+
+impl Ordered<'_> {
+    /// The finest levels whose picture takes no more than some limits, in memory all that the program takes. Where no limit of
+    /// work can be kept, the coarsest.
+    ///
+    /// # Errors
+    /// [`LevelsError::Budget`] if not even the coarsest fit in the memory.
+    pub fn within(&self, limits: Limits) -> Result<Chosen, LevelsError> {
+        let fits = |chosen: &Chosen| {
+            limits.memory.is_none_or(|memory| chosen.all <= memory)
+                && limits.work.is_none_or(|work| chosen.work <= work)
+        };
+        let taken = |steps: usize| self.losses.chosen(&self.order[..steps], self.beside);
+        let coarsest = taken(self.order.len())?;
+        if let Some(memory) = limits.memory.filter(|memory| coarsest.all > *memory) {
+            let least = coarsest.all;
+            return Err(LevelsError::Budget { memory, least });
+        }
+        // The first number of steps that fits; more take less, but for what bricks have beside them.
+        let (mut over, mut least, mut found) = (None, self.order.len(), coarsest);
+        loop {
+            let middle = over.map_or(0, |over: usize| usize::midpoint(over, least).max(over + 1));
+            if middle >= least {
+                return Ok(found);
+            }
+            let chosen = taken(middle)?;
+            if fits(&chosen) {
+                (least, found) = (middle, chosen);
+            } else {
+                over = Some(middle);
+            }
+        }
     }
 }
 
