@@ -78,12 +78,16 @@ pub enum SceneFault {
 /// # Errors
 /// [`SceneError`] names the file and, for a field out of range, its full name, the value given and the range.
 pub fn read(path: &Path) -> Result<Scene, SceneError> {
+    read_by(path, parse)
+}
+
+/// Reads a file's text by a parser, which is told the file's name for its messages.
+pub(super) fn read_by<T>(path: &Path, parse: impl Fn(&str, &str) -> Result<T, SceneError>) -> Result<T, SceneError> {
     let name = path.display().to_string();
-    let text = read_text(path).map_err(|fault| SceneError {
-        name: name.clone(),
-        fault,
-    })?;
-    parse(&text, &name)
+    match read_text(path) {
+        Ok(text) => parse(&text, &name),
+        Err(fault) => Err(SceneError { name, fault }),
+    }
 }
 
 /// The built-in scene of a name, [`DEFAULT`] or another of [`BUILT_IN`].

@@ -17,7 +17,7 @@ use serde::Deserialize;
 
 use crate::check::{COLOURS, FieldError};
 use crate::colour::Colour;
-use crate::file::{SceneError, SceneFault, read_text};
+use crate::file::{SceneError, SceneFault, read_by};
 
 /// Materials whose shares a voxel can have side by side.
 pub const SHARES: RangeInclusive<usize> = 1..=8;
@@ -77,12 +77,7 @@ struct Part {
 /// # Errors
 /// [`SceneError`] names the file, and the field that is out of range.
 pub fn read(path: &Path) -> Result<MaterialTable, SceneError> {
-    let name = path.display().to_string();
-    let text = read_text(path).map_err(|fault| SceneError {
-        name: name.clone(),
-        fault,
-    })?;
-    parse(&text, &name)
+    read_by(path, parse)
 }
 
 /// Reads a table from TOML text; `name` stands for the file in messages.
