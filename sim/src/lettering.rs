@@ -99,6 +99,22 @@ pub fn in_a_row(pictures: &[Rgb]) -> Rgb {
     sheet.0
 }
 
+/// Pictures below each other on black, left edges in line.
+pub fn in_a_column(pictures: &[Rgb]) -> Rgb {
+    let width = pictures.iter().map(|picture| picture.size[0]).max().unwrap_or(0);
+    let height = pictures.iter().map(|picture| picture.size[1]).sum();
+    let mut sheet = Sheet::black([width, height]);
+    let wide = 3 * width as usize;
+    let mut rows = sheet.0.bytes.chunks_exact_mut(wide.max(1));
+    for Rgb { size, bytes } in pictures {
+        let len = 3 * size[0] as usize;
+        for (row, out) in bytes.chunks_exact(len.max(1)).zip(&mut rows) {
+            out[..len].copy_from_slice(row);
+        }
+    }
+    sheet.0
+}
+
 impl OriginDimensions for Sheet {
     fn size(&self) -> Size {
         let [width, height] = self.0.size;
@@ -140,6 +156,17 @@ mod tests {
         assert_eq!(pixels[..7], [10, 10, 0, 0, 0, 0, 20]);
         assert_eq!(pixels[14..], [10, 10, 0, 0, 0, 0, 0]);
         assert!(in_a_row(&[]).bytes.is_empty());
+    }
+
+    #[test]
+    fn pictures_stand_below_each_other() {
+        let of = |size: [u32; 2], grey| Rgb {
+            size,
+            bytes: vec![grey; 3 * (size[0] * size[1]) as usize],
+        };
+        let column = in_a_column(&[of([1, 2], 10), of([2, 1], 20)]);
+        let pixels: Vec<u8> = column.bytes.chunks(3).map(|pixel| pixel[0]).collect();
+        assert_eq!((column.size, &pixels[..]), ([2, 3], &[10, 0, 10, 0, 20, 20][..]));
     }
 
     #[test]

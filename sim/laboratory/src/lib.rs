@@ -22,6 +22,7 @@
 //! | `borders` | the ends of rays after LaMar, whole steps beside exact ones: figures and cost |
 //! | `clock` | times of one processor |
 //! | `segments` | two-dimensional pre-integrated tables beside the integrals |
+//! | `texture` | texture hardware of 8 bits, as a comparator; figure 1 and teaser of Squeeze |
 
 pub mod borders;
 pub mod catalogue;
@@ -41,3 +42,4 @@ pub mod rows;
 pub mod segments;
 pub mod shards;
 pub mod sweep;
+pub mod texture;

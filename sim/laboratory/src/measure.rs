@@ -19,6 +19,7 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::expanded::Expanded;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::BaseImage;
+use slicecast_engine::oriented::Turned;
 use slicecast_engine::pipelines::{Parameters, early, rendering_over};
 use slicecast_engine::rendering::{Rendering, Under, in_memory_order, tapped};
 use slicecast_engine::table::{Correction, Filled, fill};
@@ -132,6 +133,25 @@ impl Runner {
         }
     }
 
+    /// The base-plane image, as pictures show it.
+    ///
+    /// # Errors
+    /// As [`Runner::compare`].
+    pub fn render(&self, prepared: &Prepared<'_>) -> Result<BaseImage, RenderError> {
+        let mut turned = Turned::new(prepared.volume, &prepared.setup.plan);
+        let slices = turned.slices()?;
+        let mut rendering = self.begun(prepared)?;
+        rendering.fold_rows(&slices, TILE_ROWS, prepared.simd, &|_, _| ());
+        Ok(self.pictured(rendering.base()))
+    }
+
+    /// An image without the bits that pictures do not show.
+    fn pictured(&self, mut base: BaseImage) -> BaseImage {
+        let shown = self.shown();
+        base.planes.iter_mut().flatten().for_each(|bits| *bits &= shown);
+        base
+    }
+
     /// Every error, against the model.
     ///
     /// # Errors
@@ -152,10 +172,9 @@ impl Runner {
             errors.merge(&tile_errors);
             model.place(plan, tile, &pixels);
         }
-        let mut base = rendering.base();
+        let base = rendering.base();
         let bits = checksum(&base, rays);
-        let shown = self.shown();
-        base.planes.iter_mut().flatten().for_each(|bits| *bits &= shown);
+        let base = self.pictured(base);
         Ok(Measured {
             image: base_figures(&base, &model.image()),
             errors,

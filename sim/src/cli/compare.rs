@@ -12,6 +12,7 @@ use slicecast_compare::{Comparison, ModelPositions, Split, compare, split};
 use slicecast_engine::colours::Coloured;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::threads::on_threads;
+use slicecast_laboratory::texture::{self, Texture8};
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::{AlphaCodeName, Interpolation, LookupName, Scene};
 
@@ -22,6 +23,7 @@ use super::output::{Folder, check_free, write_file};
 use super::progress::with_bar;
 use super::sampled::SampledArgs;
 use super::tables;
+use super::textured::{self, Texture8Arg};
 use crate::visibility;
 
 /// Compare every stage, and the picture, with the f64 model.
@@ -30,6 +32,7 @@ use crate::visibility;
   slicecast compare
   slicecast compare --converged                 error of the arithmetic, of the algorithm, and both together
   slicecast compare scan.nrrd --scene bone.toml --precision wide --exact-positions --json errors.json
+  slicecast compare scan.nrrd --scene bone.toml --specular 0 --texture8 post,pre
   slicecast compare scan.nrrd --scene bone.toml --npy planes/")]
 pub struct Args {
     #[command(flatten)]
@@ -52,6 +55,10 @@ pub struct Args {
     /// Takes several times as long; `slicecast report` always shows it.
     #[arg(long)]
     converged: bool,
+    /// Compare pipelines of texture hardware of 8 bits instead, beside the scene's precision: with f64 of the same samples, and with the
+    /// converged integral. They have no specular light, and count a sample at a border as a whole step or not at all.
+    #[arg(long, value_enum, value_name = "PIPELINE", value_delimiter = ',', conflicts_with_all = ["npy", "exact_positions", "converged"])]
+    texture8: Vec<Texture8Arg>,
     /// Write the figures as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -188,10 +195,27 @@ impl Args {
         Ok(())
     }
 
+    /// Compares pipelines of 8 bits.
+    fn compare_textures(&self, prepared: &Prepared<'_>) -> Result<(), Failure> {
+        let pipelines: Vec<Texture8> = self.texture8.iter().copied().map(Texture8::from).collect();
+        let lines = with_bar("comparing", |progress| {
+            on_threads(self.threads.count(), || {
+                texture::compare(prepared, &pipelines, progress)
+            })
+        })??;
+        println!("{}", tables::textures(&lines));
+        if let Some(path) = &self.json {
+            let json = serde_json::to_vec_pretty(&lines).map_err(Failure::machine)?;
+            write_file(path, self.force, &json)?;
+        }
+        Ok(())
+    }
+
     /// Compares the scene with the model.
     pub fn run(self) -> Result<(), Failure> {
         check_free(&self.json, self.force)?;
         if let Some((scene, volume)) = self.level.volume(&self.volume, &self.colours, &self.scene)? {
+            textured::check_none(!self.texture8.is_empty())?;
             return self.compare_colours(&scene, &volume);
         }
         let loaded = self.volume.load()?;
@@ -200,6 +224,9 @@ impl Args {
         let chosen = self.scene.choose(&self.volume, &loaded)?;
         let scene = &chosen.scene;
         let prepared = Prepared::new(scene, &loaded.volume)?.with_simd(self.threads.simd());
+        if !self.texture8.is_empty() {
+            return self.compare_textures(&prepared);
+        }
         let mut folder = match &self.npy {
             Some(path) => {
                 let folder = Folder::open(path, self.force)?;

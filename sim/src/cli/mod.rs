@@ -30,6 +30,8 @@ mod sweep;
 mod sweep_table;
 mod table;
 mod tables;
+mod texture;
+mod textured;
 mod turntable;
 mod vectors;
 
@@ -119,6 +121,7 @@ enum Command {
     Borders(borders::Args),
     Pyramid(Box<pyramid::Args>),
     Extinction(extinction::Args),
+    Texture(Box<texture::Args>),
     Explain(explain::Args),
     Report(report::Args),
     Bench(Box<bench::Args>),
@@ -159,6 +162,7 @@ impl Cli {
             Some(Command::Borders(args)) => args.run(),
             Some(Command::Pyramid(args)) => args.run(),
             Some(Command::Extinction(args)) => args.run(),
+            Some(Command::Texture(args)) => args.run(),
             Some(Command::Explain(args)) => args.run(),
             Some(Command::Report(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),

@@ -34,6 +34,7 @@ use super::output::{check_free, write_file};
 use super::picture::{self, PictureArgs, Target};
 use super::progress::with_bar;
 use super::sampled::SampledArgs;
+use super::textured::{self, Texture8Arg};
 use crate::raster::{Raster, png, rgb_png};
 use crate::slab::thicken;
 use crate::{legend, shards, visibility};
@@ -72,6 +73,10 @@ pub struct Args {
     /// Push the slices one by one through the stream layer, as firmware does.
     #[arg(long)]
     stream: bool,
+    /// Draw what texture hardware of 8 bits computes of the scene, for comparison: classified after the filter (post; normalised: its normals
+    /// are brought to their length again), before it (pre), or before it with colours times opacity (weighted); products after Blinn, or by one shift. `slicecast texture` says how far it is.
+    #[arg(long, value_enum, value_name = "PIPELINE", conflicts_with_all = ["stream", "depth_map", "shard", "memory", "budget"])]
+    texture8: Option<Texture8Arg>,
     /// The depth of the first surface, a PNG of 16-bit grey levels: 1 on the first plane to 65535 on the last, 0 where no
     /// surface is met.
     #[arg(long, value_name = "FILE", value_parser = picture::png_file)]
@@ -110,6 +115,7 @@ impl Args {
             ));
         }
         if let Some((scene, volume)) = self.level.volume(&self.volume, &self.colours, &self.scene)? {
+            textured::check_none(self.texture8.is_some())?;
             return self.render_colours(target, scene, &volume);
         }
         let (budget_memory, budget_time) = self.budgets()?;
@@ -147,6 +153,9 @@ impl Args {
         let prepared = prepared.with_simd(self.threads.simd());
         if let Some(note) = visibility::fineness(&prepared) {
             eprintln!("note: {note}");
+        }
+        if let (Some(pipeline), Some(target)) = (self.texture8, &target) {
+            return self.render_texture(&prepared, pipeline, target);
         }
         let target = match (target, self.shard) {
             (Some(target), _) => target,
@@ -215,6 +224,19 @@ impl Args {
         let [width, height] = raster.size();
         let picture = png(raster).map_err(Failure::machine)?;
         target.write(self.force, &[picture], &format!("{width} x {height} pixels"))
+    }
+
+    /// Draws the scene as a pipeline of 8 bits has it.
+    fn render_texture(&self, prepared: &Prepared<'_>, pipeline: Texture8Arg, target: &Target) -> Result<(), Failure> {
+        if !self.picture.is_plain() {
+            return Err(Failure::input(
+                "--texture8: is drawn in 8 bits in front of a background, expected no --depth 16 and no --background none",
+            ));
+        }
+        let picture = on_threads(self.threads.count(), || {
+            slicecast_laboratory::texture::figures::picture(prepared, pipeline.into())
+        })?;
+        self.write(target, &picture?.into())
     }
 
     /// Renders a volume of colour and extinction.
