@@ -26,6 +26,7 @@
 //! Sums saturate (8 lights of 1.0 each are allowed) and are clamped to 1. State: none.
 
 mod arithmetic;
+pub mod map;
 #[cfg(test)]
 mod tests;
 

@@ -3,13 +3,14 @@
 use std::fs;
 use std::path::Path;
 
-const STAGES: [(&str, &str); 10] = [
+const STAGES: [(&str, &str); 11] = [
     ("locate", "location"),
     ("interpolate", "interpolation"),
     ("classify", "classification"),
     ("gradient", "gradient"),
     ("normalise", "normalisation"),
     ("shade", "shading"),
+    ("shade/map", "reflectance"),
     ("modulate", "modulation"),
     ("composite", "compositing"),
     ("project", "projection"),
