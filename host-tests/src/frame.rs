@@ -24,6 +24,7 @@ use slicecast_engine::oriented::Turned;
 use slicecast_engine::segments::Segments;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::table::Table;
+use slicecast_scene::reflectance::Reflectance;
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName, Scene};
 use slicecast_volume::Volume;
 
@@ -67,6 +68,8 @@ pub struct Frame {
     pub cue: Option<Cue>,
     /// Factors by the magnitude of the gradient, of composited samples.
     pub modulation: Option<Modulation>,
+    /// A map that light is looked up in, of composited samples.
+    pub reflectance: Option<Reflectance>,
     /// Table coding; `None` takes the precision's own.
     pub code: Option<AlphaCodeName>,
     /// Table look-up; `None` takes the precision's own.
@@ -121,6 +124,7 @@ impl Frame {
             clips: Vec::new(),
             cue: None,
             modulation: None,
+            reflectance: None,
             code: None,
             lookup: None,
             early_termination: None,
@@ -161,6 +165,7 @@ impl Frame {
             clips: Vec::new(),
             cueing: None,
             modulation: None,
+            reflectance: self.reflectance,
             surfaces: Vec::new(),
         }
     }

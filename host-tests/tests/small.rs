@@ -17,6 +17,7 @@ use slicecast::shade::{Shader, Unlit};
 use slicecast::slice::{Code12, Slice, Window};
 use slicecast::stream::{Needs, base_pixel, phase_len};
 use slicecast_engine::frame::{Layer, Prepared};
+use slicecast_engine::reflectance;
 use slicecast_engine::tiles::Geometry;
 use slicecast_engine::with_precision;
 use slicecast_host_tests::frame::Frame;
@@ -107,6 +108,17 @@ fn classified<P: Precision, C: Classifier<P>>(
             .as_ref()
             .map(|material| material.phong(p).unwrap());
         let shader = Modulated::new(p, phong, modulation.clone());
+        return if back_to_front {
+            composited::<_, _, _, BackToFront>(p, prepared, slices, (table, shader))
+        } else {
+            composited::<_, _, _, FrontToBack>(p, prepared, slices, (table, shader))
+        };
+    }
+    if let (Some(map), None, Some(material)) =
+        (prepared.scene.reflectance, &prepared.segments, &prepared.setup.material)
+    {
+        let shader = reflectance::of(&material.phong(p).unwrap(), map).unwrap();
+        let table = prepared.table.classifier();
         return if back_to_front {
             composited::<_, _, _, BackToFront>(p, prepared, slices, (table, shader))
         } else {

@@ -142,6 +142,7 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics, source: &dyn 
         clips: Vec::new(),
         cueing: None,
         modulation: None,
+        reflectance: None,
         surfaces: Vec::new(),
     };
     scene.check().map_err(|error| SceneError {

@@ -14,6 +14,7 @@ use slicecast::surface::{Face, Surface, VALUE_MAX};
 use slicecast_engine::camera::{CameraError, Material};
 use slicecast_host_tests::frame::{Frame, Stated, fine_table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
+use slicecast_scene::reflectance::{Filter, Reflectance};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 
 /// Vectors of length 1 in s1.15 (to 1e-5), and their opposites.
@@ -281,6 +282,15 @@ pub fn modulation_of(seed: u64) -> Modulation {
     }
 }
 
+/// A reflectance map of a few nodes.
+pub fn reflectance_of(seed: u64) -> Reflectance {
+    let mut random = Random::new(seed);
+    Reflectance {
+        side: 2 + random.below(20),
+        filter: [Filter::Nearest, Filter::Bilinear][random.below(2) as usize],
+    }
+}
+
 /// Any of these boxes.
 pub fn crop() -> impl Strategy<Value = Crop> {
     any::<u64>().prop_map(box_of)
@@ -331,6 +341,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
         let (points, material, blend, code, lookup, early_termination, segments) = look;
         let borders = borders_of(borders, dims);
         let modulated = segments.is_none() && blend.is_composited() && seed % 13 < 5;
+        let mapped = segments.is_none() && blend.is_composited() && !modulated && material.is_some() && seed % 3 == 0;
         cropped(Frame {
             volume: Arc::new(volume(dims, filling, seed)),
             direction,
@@ -352,6 +363,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             },
             cue: (seed % 11 < 3).then(|| cue_of(seed.rotate_left(29))),
             modulation: modulated.then(|| modulation_of(seed.rotate_left(37))),
+            reflectance: mapped.then(|| reflectance_of(seed.rotate_left(43))),
             code,
             lookup,
             early_termination,

@@ -17,7 +17,6 @@ use slicecast::plan::Plan;
 
 use crate::opponent::Opponent;
 use crate::spread::spread;
-use slicecast_engine::camera::CameraError;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::oriented::{Oriented, Turned};
@@ -172,7 +171,7 @@ pub fn measure(
                 }
                 Engine::Rays(precision) => {
                     let start = Instant::now();
-                    black_box(rays::follow(of(precision)).map_err(CameraError::from)?);
+                    black_box(rays::follow(of(precision))?);
                     Ok(start.elapsed())
                 }
             };

@@ -78,6 +78,7 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         clips: Vec::new(),
         cueing: None,
         modulation: None,
+        reflectance: None,
         surfaces: Vec::new(),
     }
 }

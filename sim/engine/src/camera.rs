@@ -10,6 +10,7 @@ use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
 use slicecast::project::{SHIFT_MAX, Sum};
 pub use slicecast::screen::PICTURE_SIDE_MAX;
+use slicecast::shade::map::MapError;
 use slicecast::shade::{self, Phong, PhongError};
 use slicecast::view::{View, ViewError};
 use slicecast::warp::Warp;
@@ -43,6 +44,9 @@ pub enum CameraError {
     /// Lights and material.
     #[error("the lighting: {0}")]
     Lighting(#[from] PhongError),
+    /// A reflectance map.
+    #[error("the lighting: {0}")]
+    Reflectance(#[from] MapError),
     /// A picture of more pixels than this program makes.
     #[error("a picture of {width} x {height} pixels; accepted: 1 to {PICTURE_SIDE_MAX} along each side")]
     Picture {

@@ -55,6 +55,11 @@ pub enum RenderError {
         "this command knows no modulation by the gradient's magnitude, and the scene has one ([modulation]); expected a scene without"
     )]
     Modulated,
+    /// A reflectance map, where light is computed.
+    #[error(
+        "this command knows no reflectance maps, and the scene looks its light up in one ([reflectance]); expected a scene without"
+    )]
+    Mapped,
     /// Sums of samples, where single ones are known.
     #[error(
         "this command knows projections that keep a sample, and the scene sums samples up (render.blend average or additive); \

@@ -5,7 +5,7 @@ use slicecast::modulate::Modulation;
 use slicecast_scene::{Classification, Scene};
 use slicecast_volume::Volume;
 
-use crate::camera::{CameraError, Setup, set_up};
+use crate::camera::{Setup, set_up};
 use crate::error::RenderError;
 use crate::fineness::{self, Finest};
 use crate::image::{BaseImage, Frame};
@@ -124,10 +124,10 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// For what knows neither clip planes nor depth cueing nor modulation.
+    /// For what knows neither clip planes nor depth cueing nor modulation nor reflectance maps.
     ///
     /// # Errors
-    /// [`RenderError::Clipped`] or [`RenderError::Modulated`] if the scene has one.
+    /// [`RenderError::Clipped`], [`RenderError::Modulated`] or [`RenderError::Mapped`] if the scene has one.
     pub fn check_unclipped(&self) -> Result<(), RenderError> {
         match self.setup.clips {
             Some(_) => Err(RenderError::Clipped),
@@ -135,14 +135,15 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// For what knows no modulation.
+    /// For what knows neither modulation nor reflectance maps.
     ///
     /// # Errors
-    /// [`RenderError::Modulated`] if the scene has one.
+    /// [`RenderError::Modulated`] or [`RenderError::Mapped`] if the scene has one.
     pub fn check_unmodulated(&self) -> Result<(), RenderError> {
-        match self.modulation {
-            Some(_) => Err(RenderError::Modulated),
-            None => Ok(()),
+        match (&self.modulation, self.scene.reflectance) {
+            (Some(_), _) => Err(RenderError::Modulated),
+            (None, Some(_)) => Err(RenderError::Mapped),
+            (None, None) => Ok(()),
         }
     }
 
@@ -159,7 +160,7 @@ impl<'a> Prepared<'a> {
             Some(segments) => rendering_of_segments(self.scene, segments, parameters, geometry),
             None => rendering(self.scene, &self.table, parameters, geometry),
         };
-        Ok(rendering.map_err(CameraError::from)?)
+        Ok(rendering?)
     }
 
     /// The rendering of this scene, its image untouched.

@@ -20,6 +20,7 @@ pub mod parts;
 pub mod picture;
 pub mod pipelines;
 pub mod rays;
+pub mod reflectance;
 pub mod rendering;
 pub mod segments;
 pub mod shard;

@@ -8,11 +8,12 @@ use slicecast::precision::Precision;
 #[doc(hidden)]
 pub use slicecast::precision::{Compact, Paper, Wide};
 use slicecast::project::{Maximum, Minimum, Sum};
-use slicecast::shade::{PhongError, Shader, Unlit};
+use slicecast::shade::{Shader, Unlit};
 use slicecast::slice::Code12;
 
-use crate::camera::{Material, Setup};
+use crate::camera::{CameraError, Material, Setup};
 use crate::expanded::Expanded;
+use crate::reflectance;
 use crate::rendering::{Framing, Under};
 use crate::segments::Segments;
 use crate::table::{Correction, Table, has_fine_colours};
@@ -86,13 +87,13 @@ impl<'a> Parameters<'a> {
 /// The rendering of a scene.
 ///
 /// # Errors
-/// [`PhongError`] if the material is not one that [`Material::new`] has checked.
+/// [`CameraError`] if the material or the reflectance map is not one that has been checked.
 pub fn rendering(
     scene: &Scene,
     table: &Table,
     parameters: Parameters<'_>,
     geometry: Geometry<'_>,
-) -> Result<Box<dyn Framing>, PhongError> {
+) -> Result<Box<dyn Framing>, CameraError> {
     rendering_over(scene.precision, scene, table.expanded(), parameters, geometry)
 }
 
@@ -106,7 +107,7 @@ pub fn rendering_over(
     table: Expanded,
     parameters: Parameters<'_>,
     geometry: Geometry<'_>,
-) -> Result<Box<dyn Framing>, PhongError> {
+) -> Result<Box<dyn Framing>, CameraError> {
     with_precision!(precision, precision => of_precision(precision, scene, table, parameters, geometry))
 }
 
@@ -119,7 +120,7 @@ pub fn rendering_of_segments(
     segments: &Segments,
     parameters: Parameters<'_>,
     geometry: Geometry<'_>,
-) -> Result<Box<dyn Framing>, PhongError> {
+) -> Result<Box<dyn Framing>, CameraError> {
     let back_to_front = scene.blend == Blend::BackToFront;
     with_precision!(scene.precision, p => composited(p, scene, segments.clone(), parameters, geometry, back_to_front))
 }
@@ -130,9 +131,13 @@ fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     table: Expanded,
     parameters: Parameters<'_>,
     geometry: Geometry<'_>,
-) -> Result<Box<dyn Framing>, PhongError> {
+) -> Result<Box<dyn Framing>, CameraError> {
     if let (true, Some(modulation)) = (scene.blend.is_composited(), parameters.modulation) {
         return modulated(precision, scene, table, (parameters.material, modulation), geometry);
+    }
+    if let (true, Some(map), Some(material)) = (scene.blend.is_composited(), scene.reflectance, parameters.material) {
+        let shader = reflectance::of(&material.phong(precision)?, map)?;
+        return Ok(shaded(precision, scene, table, shader, geometry));
     }
     Ok(match scene.blend {
         Blend::FrontToBack => return composited(precision, scene, table, parameters, geometry, false),
@@ -151,7 +156,7 @@ fn composited<P, C>(
     parameters: Parameters<'_>,
     geometry: Geometry<'_>,
     back_to_front: bool,
-) -> Result<Box<dyn Framing>, PhongError>
+) -> Result<Box<dyn Framing>, CameraError>
 where
     P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>,
     C: Classifier<P> + Send + 'static,
@@ -187,10 +192,21 @@ fn modulated<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     table: Expanded,
     (material, modulation): (Option<&Material>, &Modulation),
     geometry: Geometry<'_>,
-) -> Result<Box<dyn Framing>, PhongError> {
+) -> Result<Box<dyn Framing>, CameraError> {
     let phong = material.map(|material| material.phong(precision)).transpose()?;
     let shader = Modulated::new(precision, phong, modulation.clone());
-    Ok(if scene.blend == Blend::BackToFront {
+    Ok(shaded(precision, scene, table, shader, geometry))
+}
+
+/// Composited samples under a shader, in the scene's order.
+fn shaded<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>, S: Shader<P> + Send + 'static>(
+    precision: P,
+    scene: &Scene,
+    table: Expanded,
+    shader: S,
+    geometry: Geometry<'_>,
+) -> Box<dyn Framing> {
+    if scene.blend == Blend::BackToFront {
         under(
             geometry,
             Composite::<_, _, _, BackToFront>::new(precision, table, shader),
@@ -200,7 +216,7 @@ fn modulated<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
             geometry,
             early(Composite::new(precision, table, shader), scene.early_termination),
         )
-    })
+    }
 }
 
 fn under<L: Pictured<Voxel = Code12> + Send + 'static>(geometry: Geometry<'_>, pipeline: L) -> Box<dyn Framing> {

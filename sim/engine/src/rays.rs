@@ -1,6 +1,6 @@
 //! The pipeline's definitions, applied to one ray at a time: what every row kernel, layer and vector has to equal.
 //!
-//! Only core's scalar definitions are used: `position` and `middle`, `Side::part`, `fraction_of`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`, `Modulated::shade` and `opacity`,
+//! Only core's scalar definitions are used: `position` and `middle`, `Side::part`, `fraction_of`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`, `Mapped::shade`, `Modulated::shade` and `opacity`,
 //! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`, `Sum::add`, `Projection::shown`. Which
 //! voxels they are given follows from the contract and is written here once more: no rows, no ring, no spans, no reuse.
 //! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
@@ -24,11 +24,14 @@ use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Depth, NO_DEPTH};
 use slicecast::precision::{Formats, Precision};
 use slicecast::project::{Extreme, Maximum, Minimum, Projection, Sum, pixel, resolve};
-use slicecast::shade::{Phong, PhongError};
+use slicecast::shade::Phong;
+use slicecast::shade::map::Mapped;
 
 use self::grid::Grid;
+use crate::camera::CameraError;
 use crate::frame::Prepared;
 use crate::image::BaseImage;
+use crate::reflectance;
 use crate::segments::Segments;
 use crate::table::AnyTable;
 use slicecast_scene::Blend;
@@ -90,8 +93,8 @@ impl Witness for Unobserved {
 /// Renders the base plane of a frame ray by ray.
 ///
 /// # Errors
-/// [`PhongError`] if the material is not one that the pipeline takes.
-pub fn render<W: Witness>(prepared: &Prepared<'_>, witness: &mut W) -> Result<BaseImage, PhongError> {
+/// [`CameraError`] if the material is not one that the pipeline takes.
+pub fn render<W: Witness>(prepared: &Prepared<'_>, witness: &mut W) -> Result<BaseImage, CameraError> {
     with_precision!(prepared.scene.precision, precision => Ok(Rays::new(precision, prepared)?.image(witness)))
 }
 
@@ -99,7 +102,7 @@ pub fn render<W: Witness>(prepared: &Prepared<'_>, witness: &mut W) -> Result<Ba
 ///
 /// # Errors
 /// As [`render`].
-pub fn follow(prepared: &Prepared<'_>) -> Result<u64, PhongError> {
+pub fn follow(prepared: &Prepared<'_>) -> Result<u64, CameraError> {
     with_precision!(prepared.scene.precision, precision => Ok(Rays::new(precision, prepared)?.follow()))
 }
 
@@ -107,7 +110,7 @@ pub fn follow(prepared: &Prepared<'_>) -> Result<u64, PhongError> {
 ///
 /// # Errors
 /// As [`render`].
-pub fn depths(prepared: &Prepared<'_>) -> Result<Option<Vec<u32>>, PhongError> {
+pub fn depths(prepared: &Prepared<'_>) -> Result<Option<Vec<u32>>, CameraError> {
     with_precision!(prepared.scene.precision, precision => Ok(Rays::new(precision, prepared)?.depths()))
 }
 
@@ -121,6 +124,7 @@ struct Rays<'a, P: Precision> {
     segments: Option<&'a Segments>,
     phong: Option<Phong<P>>,
     modulated: Option<Modulated<P>>,
+    mapped: Option<Mapped<Vec<u32>, P>>,
     blend: Blend,
     additive: Sum,
     floor: ChannelOf<P>,
@@ -170,7 +174,7 @@ impl Ray {
 }
 
 impl<'a, P: Precision> Rays<'a, P> {
-    fn new(precision: P, prepared: &'a Prepared<'_>) -> Result<Self, PhongError> {
+    fn new(precision: P, prepared: &'a Prepared<'_>) -> Result<Self, CameraError> {
         let (plan, pixel) = (&prepared.setup.plan, precision.pixel());
         let blend = prepared.scene.blend;
         let asked = match (blend, prepared.scene.early_termination) {
@@ -181,7 +185,12 @@ impl<'a, P: Precision> Rays<'a, P> {
         let phong = material.map(|material| material.phong(precision)).transpose()?;
         // Of samples alone.
         let modulation = prepared.modulation.clone().filter(|_| prepared.segments.is_none());
+        let mapped = match (&phong, prepared.scene.reflectance) {
+            (Some(phong), Some(map)) if prepared.segments.is_none() => Some(reflectance::of(phong, map)?),
+            _ => None,
+        };
         Ok(Self {
+            mapped,
             modulated: modulation.map(|modulation| Modulated::new(precision, phong.clone(), modulation)),
             precision,
             grid: Grid::of(prepared.volume, plan),
@@ -553,10 +562,11 @@ impl<'a, P: Precision> Rays<'a, P> {
                         });
                     }
                     let normal = normalise(gradient);
-                    let shaded = match (&self.modulated, &self.phong) {
-                        (Some(modulated), _) => modulated.shade(gradient, normal, colour),
-                        (None, Some(phong)) => phong.shade(normal, colour),
-                        (None, None) => colour,
+                    let shaded = match (&self.modulated, &self.mapped, &self.phong) {
+                        (Some(modulated), ..) => modulated.shade(gradient, normal, colour),
+                        (None, Some(mapped), _) => mapped.shade(gradient, colour),
+                        (None, None, Some(phong)) => phong.shade(normal, colour),
+                        (None, None, None) => colour,
                     };
                     (gradient, normal, self.turned(ray, self.index(step), shaded))
                 });

@@ -94,6 +94,7 @@ fn framed(precision: PrecisionName, background: [f64; 3], check: impl Fn(&Frame,
         clips: Vec::new(),
         cueing: None,
         modulation: None,
+        reflectance: None,
         surfaces: Vec::new(),
     };
     let prepared = Prepared::new(&scene, &volume).unwrap();

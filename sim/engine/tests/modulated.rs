@@ -6,6 +6,7 @@ use slicecast_engine::rays::{Unobserved, render};
 use slicecast_engine::simd::Simd;
 use slicecast_scene::file::built_in;
 use slicecast_scene::modulation::Modulation;
+use slicecast_scene::reflectance::{Filter, Reflectance};
 use slicecast_scene::{Blend, Borders, PrecisionName, Scene};
 use slicecast_volume::{Mapping, Volume};
 
@@ -92,6 +93,34 @@ fn modulated_scenes_are_the_reference() {
             };
             assert!(of(&ones) == plain, "factors of 1 change {precision:?}, lit {lit}");
             assert!(of(&steps) != plain, "factors change nothing: {precision:?}, lit {lit}");
+        }
+    }
+}
+
+#[test]
+fn mapped_scenes_are_the_reference() {
+    let volume = volume();
+    for (number, precision) in PrecisionName::ALL.into_iter().enumerate() {
+        for blend in [Blend::FrontToBack, Blend::BackToFront] {
+            let mut scene = built_in(["headsq", "ct-soft-tissue", "ct-bone"][number]).unwrap();
+            scene.precision = precision;
+            scene.blend = blend;
+            scene.borders = [Borders::Cells, Borders::Whole, Borders::Nodes][number];
+            // Coloured light takes three channels.
+            if number == 1 {
+                scene.lighting.as_mut().unwrap().lights[0].colour = [1.0, 0.5, 0.25];
+            }
+            let plain = same(&scene, &volume);
+            let mut of = |filter| {
+                scene.reflectance = Some(Reflectance { side: 24, filter });
+                scene.check().unwrap();
+                same(&scene, &volume)
+            };
+            let (nearest, bilinear) = (of(Filter::Nearest), of(Filter::Bilinear));
+            assert!(
+                nearest != plain && bilinear != plain && nearest != bilinear,
+                "{precision:?}"
+            );
         }
     }
 }

@@ -21,6 +21,7 @@
 //! | `hard` | the hard cases |
 //! | `borders` | the ends of rays after LaMar, whole steps beside exact ones: figures and cost |
 //! | `clock` | times of one processor |
+//! | `reflectance` | reflectance maps by their size, beside Phong |
 //! | `segments` | two-dimensional pre-integrated tables beside the integrals |
 //! | `texture` | texture hardware of 8 bits, as a comparator; figure 1 and teaser of Squeeze |
 
@@ -37,6 +38,7 @@ pub mod measure;
 pub mod parameters;
 pub mod pareto;
 pub mod pixels;
+pub mod reflectance;
 pub mod report;
 pub mod rows;
 pub mod segments;

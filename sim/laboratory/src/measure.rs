@@ -117,7 +117,7 @@ impl Runner {
         let mut rendering: Box<dyn Rendering> = match self.kind {
             Kind::Named(name) => {
                 let rendering = rendering_over(name, prepared.scene, table, parameters, geometry);
-                rendering.map_err(CameraError::from)?
+                rendering?
             }
             Kind::Study(study) => under(study, prepared, table)?,
         };

@@ -75,6 +75,7 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         clips: Vec::new(),
         cueing: None,
         modulation: None,
+        reflectance: None,
         surfaces: Vec::new(),
     }
 }

@@ -4,6 +4,8 @@ use std::ops::RangeInclusive;
 
 use thiserror::Error;
 
+use crate::reflectance::SIDES;
+
 use super::{
     Borders, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, Sampling, Scene,
     TransferFunction, View,
@@ -86,6 +88,7 @@ impl Scene {
         self.clips()?;
         self.cueing()?;
         self.modulation()?;
+        self.reflectance()?;
         self.colours()?;
         self.classification()?;
         self.surfaces()?;
@@ -123,6 +126,28 @@ impl Scene {
             return Ok(());
         };
         Err(FieldError::new("modulation", "given", expected))
+    }
+
+    /// A reflectance map is of lit samples that are composited.
+    fn reflectance(&self) -> Result<(), FieldError> {
+        let Some(map) = &self.reflectance else {
+            return Ok(());
+        };
+        whole("reflectance.side", i64::from(map.side), SIDES)?;
+        let expected = if !self.blend.is_composited() {
+            "render.blend \"front-to-back\" or \"back-to-front\": a projection has no light"
+        } else if self.colours.is_some() {
+            "a scene of values, not of [colours]"
+        } else if self.classification != Classification::Point {
+            "render.classification \"point\", without surfaces"
+        } else if self.modulation.is_some() {
+            "no [modulation], which weighs each light by itself"
+        } else if self.lighting.is_none() {
+            "[lighting]: without it there is no light to look up"
+        } else {
+            return Ok(());
+        };
+        Err(FieldError::new("reflectance", "given", expected))
     }
 
     fn clips(&self) -> Result<(), FieldError> {

@@ -15,6 +15,7 @@ pub mod file;
 pub mod import;
 pub mod materials;
 pub mod modulation;
+pub mod reflectance;
 pub mod transfer;
 
 use serde::{Deserialize, Serialize};
@@ -44,6 +45,8 @@ pub struct Scene {
     pub transfer: TransferFunction,
     /// Lights and material; `None` is an unlit scene.
     pub lighting: Option<Lighting>,
+    /// A map that light is looked up in; `None` computes it.
+    pub reflectance: Option<reflectance::Reflectance>,
     /// How samples along a ray combine.
     pub blend: Blend,
     /// Number formats.

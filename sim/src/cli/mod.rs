@@ -22,6 +22,7 @@ mod picture;
 mod plan;
 mod progress;
 mod pyramid;
+mod reflectance;
 mod render;
 mod report;
 mod sampled;
@@ -122,6 +123,7 @@ enum Command {
     Pyramid(Box<pyramid::Args>),
     Extinction(extinction::Args),
     Texture(Box<texture::Args>),
+    Reflectance(Box<reflectance::Args>),
     Explain(explain::Args),
     Report(report::Args),
     Bench(Box<bench::Args>),
@@ -163,6 +165,7 @@ impl Cli {
             Some(Command::Pyramid(args)) => args.run(),
             Some(Command::Extinction(args)) => args.run(),
             Some(Command::Texture(args)) => args.run(),
+            Some(Command::Reflectance(args)) => args.run(),
             Some(Command::Explain(args)) => args.run(),
             Some(Command::Report(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),

@@ -60,6 +60,7 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         clips: Vec::new(),
         cueing: None,
         modulation: None,
+        reflectance: None,
         surfaces: Vec::new(),
     }
 }

@@ -131,6 +131,7 @@ fn scene(transfer: TransferFunction) -> Scene {
         clips: Vec::new(),
         cueing: None,
         modulation: None,
+        reflectance: None,
         surfaces: Vec::new(),
     }
 }

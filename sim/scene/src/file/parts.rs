@@ -12,6 +12,7 @@ use crate::colour::Colour;
 use crate::crop::{Crop, CropUnit, parse_range};
 use crate::cueing::Cueing;
 use crate::modulation::Modulation;
+use crate::reflectance::{Filter, Reflectance, SIDES};
 use crate::{
     AlphaCodeName, Blend, Borders, Classification, ColourOpacity, Colours, Face, Frame, Highlight, Image,
     Interpolation, Light, Lighting, LookupName, Point, PrecisionName, Sampling, Scene, Surface, TransferFunction, View,
@@ -32,6 +33,7 @@ pub(super) struct SceneFile {
     clip: Vec<ClipPart>,
     cueing: Option<CueingPart>,
     modulation: Option<ModulationPart>,
+    reflectance: Option<ReflectancePart>,
     transfer: Option<TransferPart>,
     colours: Option<ColoursPart>,
     #[serde(default)]
@@ -107,6 +109,14 @@ struct ModulationPart {
     diffuse: Vec<[f64; 2]>,
     #[serde(default)]
     specular: Vec<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReflectancePart {
+    side: i64,
+    #[serde(default)]
+    filter: Filter,
 }
 
 /// Which side of a clip plane's faces is drawn.
@@ -232,6 +242,7 @@ impl SceneFile {
             clips: self.clip.into_iter().map(ClipPart::into_clip).collect(),
             cueing: self.cueing.map(CueingPart::into_cueing).transpose()?,
             modulation: self.modulation.map(ModulationPart::into_modulation),
+            reflectance: self.reflectance.map(ReflectancePart::into_reflectance).transpose()?,
             sampling: self.sampling.into_sampling()?,
             transfer,
             lighting: self.lighting.map(LightingPart::into_lighting).transpose()?,
@@ -354,6 +365,15 @@ impl CueingPart {
             to: self.to.unwrap_or(default.to),
             strength: self.strength.unwrap_or(default.strength),
             colour: colour_or("cueing.colour", self.colour, default.colour)?,
+        })
+    }
+}
+
+impl ReflectancePart {
+    fn into_reflectance(self) -> Result<Reflectance, FieldError> {
+        Ok(Reflectance {
+            side: whole("reflectance.side", self.side, SIDES)?,
+            filter: self.filter,
         })
     }
 }

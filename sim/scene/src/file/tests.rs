@@ -507,6 +507,45 @@ fn modulation_arrives_and_is_refused_where_there_is_none() {
 }
 
 #[test]
+fn reflectance_maps_arrive_and_are_refused_where_there_are_none() {
+    use crate::reflectance::{Filter, Reflectance};
+    let lit = |lines: &str| with(&format!("{lines}\n[lighting]\nambient = 0.5"));
+    let bilinear = Reflectance {
+        side: 32,
+        filter: Filter::Bilinear,
+    };
+    assert_eq!(lit("[reflectance]\nside = 32").unwrap().reflectance, Some(bilinear));
+    let nearest = lit("[reflectance]\nside = 8\nfilter = \"nearest\"").unwrap();
+    assert_eq!(nearest.reflectance.map(|map| map.filter), Some(Filter::Nearest));
+    for (lines, expected) in [
+        (
+            "[reflectance]\nside = 1",
+            "`reflectance.side` is 1, expected a whole number from 2 to 256",
+        ),
+        ("[reflectance]\nside = -8", "`reflectance.side` is -8, expected"),
+        ("[reflectance]\nfilter = \"nearest\"", "missing field `side`"),
+        ("[reflectance]\nside = 8\nfilter = \"cubic\"", "unknown variant `cubic`"),
+        (
+            "[reflectance]\nside = 8\n[render]\nblend = \"maximum\"",
+            "`reflectance` is given, expected render.blend",
+        ),
+        (
+            "[reflectance]\nside = 8\n[modulation]\nopacity = [[0, 1]]",
+            "`reflectance` is given, expected no [modulation]",
+        ),
+        (
+            "[reflectance]\nside = 8\n[render]\nclassification = \"integral\"",
+            "`reflectance` is given, expected render.classification \"point\"",
+        ),
+    ] {
+        let error = lit(lines).unwrap_err().to_string();
+        assert!(error.contains(expected), "{lines}: {error}");
+    }
+    let unlit = with("[reflectance]\nside = 8").unwrap_err().to_string();
+    assert!(unlit.contains("`reflectance` is given, expected [lighting]"), "{unlit}");
+}
+
+#[test]
 fn surfaces_are_read_with_their_defaults() {
     let two =
         "[[surface]]\nvalue = -300\ncolour = \"#ff0000\"\nopacity = 0.25\nback_opacity = 0.5\n[[surface]]\nvalue = 9";

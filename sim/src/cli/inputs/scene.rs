@@ -10,6 +10,7 @@ use slicecast_scene::crop::Crop;
 use slicecast_scene::cueing::Cueing;
 use slicecast_scene::import::Shading;
 use slicecast_scene::modulation::Modulated;
+use slicecast_scene::reflectance::Reflectance;
 use slicecast_scene::{
     AlphaCodeName, Blend, Borders, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
 };
@@ -162,6 +163,10 @@ pub struct SceneArgs {
     /// values per unit of length) and factor, 0 to 1: opacity=0:0,200:1, up to once for each; without it, the scene's.
     #[arg(long, value_name = "WHAT=M:F,M:F,...", value_parser = Modulated::parse)]
     modulation: Vec<Modulated>,
+    /// Look light up in a reflectance map, a cube of so many nodes along an edge (2 to 256), read bilinear or, with `,nearest`, at
+    /// the nearest node: 32 or 64,nearest; without it, the scene's.
+    #[arg(long, value_name = "SIDE[,FILTER]", value_parser = Reflectance::parse)]
+    reflectance: Option<Reflectance>,
     /// How samples of a ray combine; without it, the scene's. A projection (maximum, minimum, average, additive) of a named scene
     /// gets a grey ramp over the values that rays keep or sum up.
     #[arg(long)]
@@ -411,6 +416,9 @@ impl SceneArgs {
         }
         for modulated in &self.modulation {
             scene.modulation.get_or_insert_default().set(modulated.clone());
+        }
+        if self.reflectance.is_some() {
+            scene.reflectance = self.reflectance;
         }
         if let Some(blend) = self.blend {
             scene.blend = match blend {
