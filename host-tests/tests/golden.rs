@@ -31,6 +31,7 @@ use slicecast_host_tests::checksum::{fnv, of_frame, of_image};
 use slicecast_host_tests::colours::{ColourFrame, colour_volume};
 use slicecast_host_tests::frame::{Frame, Stated, fine_table_of, table_of};
 use slicecast_host_tests::random::{Filling, volume};
+use slicecast_scene::reflectance::{Filter, Reflectance};
 use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 use slicecast_volume::Volume;
 use slicecast_volume::mapping::Window;
@@ -201,6 +202,29 @@ fn frames() -> Vec<(&'static str, Frame)> {
                 blend: Blend::BackToFront,
                 direction: [300, -200, 1000],
                 ..cropped(noise.clone(), [[2.0, -9.0, 7.5], [20.625, 20.0, 99.0]])
+            },
+        ),
+        (
+            "head-mapped",
+            Frame {
+                reflectance: Some(Reflectance {
+                    side: 32,
+                    filter: Filter::Bilinear,
+                }),
+                ..lit([500, 866, -174])
+            },
+        ),
+        (
+            "noise-mapped-nearest",
+            Frame {
+                reflectance: Some(Reflectance {
+                    side: 17,
+                    filter: Filter::Nearest,
+                }),
+                material: two_lights(Highlight::HalfVector, 4),
+                blend: Blend::BackToFront,
+                direction: [300, -200, 1000],
+                ..noise.clone()
             },
         ),
         (
