@@ -154,11 +154,11 @@ fn thin_tissue() -> Scene {
                 point(40.0, [206, 92, 80], 0.004),
                 point(100.0, [206, 92, 80], 0.007),
                 point(250.0, [250, 240, 220], 0.02),
-                point(1000.0, [250, 240, 220], 0.25),
+                point(1000.0, [250, 240, 220], 0.06),
             ],
         },
         sampling: Sampling {
-            planes_per_voxel: 2,
+            planes_per_voxel: 8,
             rays_per_voxel: 1,
         },
         borders: Borders::Whole,
@@ -226,7 +226,11 @@ pub struct OfBits {
 /// Fraction bits of the teaser's frame buffers.
 const BITS: [u32; 6] = [8, 10, 12, 14, 15, 16];
 
-/// Bone in fog of 2^-b a sample, everywhere; two samples a voxel.
+/// Samples of a ray of the teaser: 512 voxels, two each.
+const SAMPLES: u32 = 1024;
+
+/// Bone in fog of 2^-b a sample, everywhere, as many samples deep as the paper's, or as 16 a voxel make of the volume. Most light is
+/// ambient: fog has hardly a gradient.
 fn least_fog(bits: u32, volume: &Volume) -> Result<Scene, RenderError> {
     let fog = f64::from(bits).exp2().recip();
     let point = |value, grey: [f64; 3], opacity| Point {
@@ -244,12 +248,16 @@ fn least_fog(bits: u32, volume: &Volume) -> Result<Scene, RenderError> {
                 point(400.0, bone, 0.5),
             ],
         },
-        sampling: Sampling {
-            planes_per_voxel: 2,
-            rays_per_voxel: 1,
-        },
         borders: Borders::Whole,
         ..scene("ct-bone", false)
+    };
+    if let Some(lighting) = &mut scene.lighting {
+        (lighting.ambient, lighting.diffuse) = (0.6, 0.4);
+    }
+    let [.., deep] = Prepared::new(&scene, volume)?.setup.plan.dims();
+    scene.sampling = Sampling {
+        planes_per_voxel: (SAMPLES / deep.max(1)).clamp(1, 16),
+        rays_per_voxel: 1,
     };
     // Opacities are those of a step.
     scene.transfer.unit_distance = Prepared::new(&scene, volume)?.setup.step_length;

@@ -235,7 +235,8 @@ mod tests {
         scene.view = View::default();
         scene.blend = blend;
         scene.borders = borders;
-        scene.transfer.points[1].opacity = 0.1;
+        // 26 of 255, and a rounding away from the half.
+        scene.transfer.points[1].opacity = 0.102;
         scene.transfer.points[1].colour = [1.0, 0.5, 0.25];
         scene
     }
