@@ -10,6 +10,7 @@ pub mod compositing;
 pub mod crop;
 pub mod extremes;
 pub mod gradients;
+pub mod gradual;
 pub mod levels;
 pub mod location;
 pub mod sampling;
@@ -118,7 +119,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 14] = [
+    let groups: [Group; 15] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -133,6 +134,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         crop::cases,
         clip::cases,
         levels::cases,
+        gradual::cases,
     ];
     let mut cases = Vec::new();
     for (done, group) in groups.iter().enumerate() {
