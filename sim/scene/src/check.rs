@@ -86,6 +86,7 @@ impl Scene {
         self.clips()?;
         self.cueing()?;
         self.modulation()?;
+        self.splines()?;
         self.colours()?;
         self.classification()?;
         self.surfaces()?;
@@ -117,6 +118,8 @@ impl Scene {
             "a scene of values, not of [colours]"
         } else if self.classification != Classification::Point {
             "render.classification \"point\", without surfaces: a segment has two gradients"
+        } else if self.interpolation == Interpolation::Quadratic {
+            "sampling.interpolation \"linear\" or \"nearest\""
         } else if self.lighting.is_none() && modulation.lights() {
             "[lighting]: without it there is no light to modulate, and opacity alone can be"
         } else {
@@ -138,13 +141,19 @@ impl Scene {
         Ok(())
     }
 
+    /// Splines are of composited samples.
+    fn splines(&self) -> Result<(), FieldError> {
+        if self.interpolation != Interpolation::Quadratic || self.blend.is_composited() {
+            return Ok(());
+        }
+        let expected =
+            "\"linear\" or \"nearest\" under a projection, or render.blend \"front-to-back\" or \"back-to-front\"";
+        Err(FieldError::new("sampling.interpolation", "\"quadratic\"", expected))
+    }
+
     /// What classifies values has no place beside colours, nor what samples colours beside values.
     fn colours(&self) -> Result<(), FieldError> {
         let Some(colours) = self.colours else {
-            if self.interpolation == Interpolation::Quadratic {
-                let expected = "\"linear\" or \"nearest\": splines are of volumes of [colours]";
-                return Err(FieldError::new("sampling.interpolation", "\"quadratic\"", expected));
-            }
             return Ok(());
         };
         let Colours {
@@ -204,6 +213,9 @@ impl Scene {
         }
         if self.interpolation == Interpolation::Nearest {
             return refused("with nearest interpolation: between labels lie values that no voxel has");
+        }
+        if self.interpolation == Interpolation::Quadratic {
+            return refused("with quadratic interpolation: segments lie between linear samples");
         }
         Ok(())
     }

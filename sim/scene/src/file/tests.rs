@@ -507,6 +507,30 @@ fn modulation_arrives_and_is_refused_where_there_is_none() {
 }
 
 #[test]
+fn splines_arrive_and_are_refused_where_there_are_none() {
+    let splines = "[sampling]\ninterpolation = \"quadratic\"\n";
+    let read = with(splines).unwrap();
+    assert_eq!(read.interpolation, Interpolation::Quadratic);
+    for (lines, expected) in [
+        (
+            "[render]\nblend = \"maximum\"",
+            "`sampling.interpolation` is \"quadratic\", expected \"linear\" or \"nearest\" under a projection",
+        ),
+        (
+            "[render]\nclassification = \"integral\"",
+            "`render.classification` is \"integral\", expected \"point\" with quadratic interpolation",
+        ),
+        (
+            "[modulation]\nopacity = [[0, 0.25], [120.5, 1]]",
+            "`modulation` is given, expected sampling.interpolation \"linear\"",
+        ),
+    ] {
+        let error = with(&format!("{splines}{lines}")).unwrap_err().to_string();
+        assert!(error.contains(expected), "{lines}: {error}");
+    }
+}
+
+#[test]
 fn surfaces_are_read_with_their_defaults() {
     let two =
         "[[surface]]\nvalue = -300\ncolour = \"#ff0000\"\nopacity = 0.25\nback_opacity = 0.5\n[[surface]]\nvalue = 9";
@@ -545,6 +569,10 @@ fn surfaces_are_read_with_their_defaults() {
         (
             "[[surface]]\nvalue = 1\n[sampling]\ninterpolation = \"nearest\"",
             "no [[surface]], and \"point\" with nearest interpolation",
+        ),
+        (
+            "[[surface]]\nvalue = 1\n[sampling]\ninterpolation = \"quadratic\"",
+            "no [[surface]], and \"point\" with quadratic interpolation",
         ),
         (
             "[[surface]]\nvalue = 1\n[render]\nblend = \"maximum\"",
