@@ -15,7 +15,8 @@
 //! | `clipped` | what clip planes leave of them |
 //! | `source`, `probe` | samples and gradients between the voxels, by rows and by vectors |
 //! | `slabs` | the same of two planes, for segments |
-//! | `smooth` | samples by splines, of volumes of colours |
+//! | `smooth` | samples and gradients by splines |
+//! | `splines` | compositing of such samples, of values |
 //! | `kernels` | row kernels of a classifier and a shader |
 //! | `canvas` | pixels |
 //! | `fold`, `blocks` | the driver, and the two ways through a plane |
@@ -38,6 +39,7 @@ mod scratch;
 mod slabs;
 mod smooth;
 mod source;
+mod splines;
 
 use core::fmt::Debug;
 use core::ops::Range;
@@ -48,6 +50,7 @@ pub use self::kept::Kept;
 pub use self::project::Project;
 pub use self::rgba::{Filter, Rgba, Trilinear, Triquadratic};
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
+pub use self::splines::Splines;
 use crate::classify::Support;
 use crate::clip::Clipper;
 use crate::composite::{ChannelFormat, Pixel, Recurrence};

@@ -58,6 +58,8 @@ pub struct Frame {
     pub precision: PrecisionName,
     /// Whether samples lie at voxels.
     pub nearest: bool,
+    /// Whether samples are splines.
+    pub splines: bool,
     /// Where the volume ends.
     pub borders: Borders,
     /// The box that the volume is cropped to.
@@ -119,6 +121,7 @@ impl Frame {
             blend: Blend::FrontToBack,
             precision: PrecisionName::Compact,
             nearest: false,
+            splines: false,
             borders: Borders::Whole,
             crop: None,
             clips: Vec::new(),
@@ -146,7 +149,11 @@ impl Frame {
             view: slicecast_scene::View::default(),
             image: slicecast_scene::Image::default(),
             sampling: slicecast_scene::Sampling::default(),
-            interpolation: slicecast_scene::Interpolation::Linear,
+            interpolation: if self.splines {
+                slicecast_scene::Interpolation::Quadratic
+            } else {
+                slicecast_scene::Interpolation::Linear
+            },
             borders: slicecast_scene::Borders::Whole,
             transfer: slicecast_scene::TransferFunction {
                 unit_distance: 1.0,

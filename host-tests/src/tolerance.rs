@@ -24,6 +24,46 @@ pub struct Allowance {
     pub reason: &'static str,
 }
 
+/// The lines of samples by splines.
+pub const SPLINES: [Allowance; 6] = [
+    Allowance {
+        stage: Stage::Interpolation,
+        precision: PrecisionName::Paper,
+        ulp: 7500.0,
+        reason: "weights of 12 bits, cut, and of positions of 12 bits, on three axes of steps of up to 4095; measured in noise",
+    },
+    Allowance {
+        stage: Stage::Interpolation,
+        precision: PrecisionName::Compact,
+        ulp: 230.0,
+        reason: "both weights of an axis are within half of 2^-16, of differences of up to 4095: at most 768 on three axes; measured in noise",
+    },
+    Allowance {
+        stage: Stage::Interpolation,
+        precision: PrecisionName::Wide,
+        ulp: 1850.0,
+        reason: "as compact, in ulp of 12.15: at most 6144; measured in noise",
+    },
+    Allowance {
+        stage: Stage::Gradient,
+        precision: PrecisionName::Paper,
+        ulp: 22600.0,
+        reason: "as interpolation, on differences that are twice as steep; measured in noise",
+    },
+    Allowance {
+        stage: Stage::Gradient,
+        precision: PrecisionName::Compact,
+        ulp: 630.0,
+        reason: "weights of the other two axes within half of 2^-16, of slopes of up to 8190: at most 2048, and 0.5 for a spacing factor; measured in noise",
+    },
+    Allowance {
+        stage: Stage::Gradient,
+        precision: PrecisionName::Wide,
+        ulp: 5000.0,
+        reason: "as compact, in ulp of 12.15; measured in noise",
+    },
+];
+
 /// The table.
 pub const TABLE: [Allowance; 27] = [
     Allowance {

@@ -149,6 +149,32 @@ fn frames() -> Vec<(&'static str, Frame)> {
                 ..head.clone()
             },
         ),
+        (
+            "head-unlit-splines",
+            Frame {
+                direction: [500, 866, -174],
+                borders: Borders::Cells,
+                splines: true,
+                ..head.clone()
+            },
+        ),
+        (
+            "head-lit-splines",
+            Frame {
+                planes_per_voxel: 2,
+                splines: true,
+                ..lit([-310, 90, 1000])
+            },
+        ),
+        (
+            "ripples-lit-splines-back-to-front",
+            Frame {
+                borders: Borders::Nodes,
+                blend: Blend::BackToFront,
+                splines: true,
+                ..ripples.clone()
+            },
+        ),
         ("head-lit-from-the-side", lit([-1000, 350, -280])),
         ("head-lit-from-above", lit([0, 0, -1])),
         ("head-lit-from-behind-45", lit([1, -1, 0])),

@@ -10,7 +10,9 @@ use slicecast::clip::Clips;
 use slicecast::composite::{BackToFront, Channel as _, FrontToBack, Order};
 use slicecast::lanes::Small;
 use slicecast::modulate::Modulated;
-use slicecast::plane::{At, Composite, Pipeline, Project, Rows, clear, near_slice, plane, planes, scratch_len};
+use slicecast::plane::{
+    At, Composite, Pipeline, Project, Rows, Splines, clear, near_slice, plane, planes, scratch_len,
+};
 use slicecast::precision::Precision;
 use slicecast::project::{Maximum, Minimum, Sum};
 use slicecast::shade::{Shader, Unlit};
@@ -23,7 +25,7 @@ use slicecast_engine::with_precision;
 use slicecast_host_tests::frame::Frame;
 use slicecast_scene::{Blend, PrecisionName};
 
-use super::frames::frame;
+use super::frames::{self, frame};
 
 /// The channels of a base-plane image, pixel after pixel.
 type Bits = Vec<[u32; 4]>;
@@ -139,6 +141,29 @@ fn classified<P: Precision, C: Classifier<P>>(
     }
 }
 
+fn splined<P: Precision>(p: P, prepared: &Prepared<'_>, slices: &[Slice<'_>]) -> Bits {
+    let back_to_front = prepared.scene.blend == Blend::BackToFront;
+    match (back_to_front, &prepared.setup.material) {
+        (false, Some(material)) => by_splines::<_, _, FrontToBack>(p, prepared, slices, material.phong(p).unwrap()),
+        (false, None) => by_splines::<_, _, FrontToBack>(p, prepared, slices, Unlit),
+        (true, Some(material)) => by_splines::<_, _, BackToFront>(p, prepared, slices, material.phong(p).unwrap()),
+        (true, None) => by_splines::<_, _, BackToFront>(p, prepared, slices, Unlit),
+    }
+}
+
+fn by_splines<P: Precision, S: Shader<P>, O: Order>(
+    p: P,
+    prepared: &Prepared<'_>,
+    slices: &[Slice<'_>],
+    shader: S,
+) -> Bits {
+    let mut pipeline = Composite::<P, _, S, O>::new(p, prepared.table.classifier(), shader);
+    if let Some(bits) = prepared.scene.early_termination {
+        pipeline = pipeline.with_early_termination(bits);
+    }
+    folded(prepared.setup.geometry(), slices, &Splines(pipeline))
+}
+
 /// The image of the stream layer with one lane.
 fn expected(prepared: &Prepared<'_>) -> Bits {
     let base = prepared.render(Layer::Stream, &|_, _| ()).unwrap().base;
@@ -150,12 +175,18 @@ fn expected(prepared: &Prepared<'_>) -> Bits {
 proptest! {
     #![proptest_config(Config { cases: 400, rng_seed: RngSeed::Fixed(44), failure_persistence: None, ..Config::default() })]
 
+    /// Every fifth by splines, if it can be.
     #[test]
-    fn small_lanes_make_the_same_frames(frame in frame()) {
+    fn small_lanes_make_the_same_frames((frame, smooth) in (frame(), 0..5)) {
+        let frame = if smooth == 0 { frames::splined(frame) } else { frame };
         for precision in PrecisionName::ALL {
             let frame: Frame = frame.in_precision(precision);
             let (expected, found) = frame.with_prepared(|prepared, slices| {
-                let found = with_precision!(precision, p => small(p, prepared, slices));
+                let found = if frame.splines {
+                    with_precision!(precision, p => splined(p, prepared, slices))
+                } else {
+                    with_precision!(precision, p => small(p, prepared, slices))
+                };
                 (expected(prepared), found)
             });
             let first = expected.iter().zip(&found).position(|(a, b)| a != b);

@@ -7,9 +7,9 @@ use slicecast_compare::stages::Stage;
 use slicecast_compare::{ModelPositions, compare};
 use slicecast_engine::frame::Prepared;
 use slicecast_host_tests::random::{Filling, volume};
-use slicecast_host_tests::tolerance::{Allowance, CELLS, CELLS_SEGMENTS, SEGMENTS, STALE, TABLE};
+use slicecast_host_tests::tolerance::{Allowance, CELLS, CELLS_SEGMENTS, SEGMENTS, SPLINES, STALE, TABLE};
 use slicecast_scene::file::{built_in, parse};
-use slicecast_scene::{Borders, Classification, PrecisionName, Scene};
+use slicecast_scene::{Borders, Classification, Interpolation, PrecisionName, Scene};
 use slicecast_volume::Volume;
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
@@ -85,15 +85,10 @@ fn scenes() -> Vec<(Scene, Volume)> {
 }
 
 /// The largest local error of every stage over all scenes, in the stage's own ulp.
-fn worst(precision: PrecisionName, classification: Classification, borders: Borders) -> BTreeMap<&'static str, f64> {
+fn worst(of: impl Fn(Scene) -> Scene) -> BTreeMap<&'static str, f64> {
     let mut worst = BTreeMap::new();
     for (scene, volume) in scenes() {
-        let scene = Scene {
-            precision,
-            classification,
-            borders,
-            ..scene
-        };
+        let scene = of(scene);
         let prepared = Prepared::new(&scene, &volume).unwrap();
         let comparison = compare(&prepared, ModelPositions::Pipeline, &|_, _| ()).unwrap();
         for report in comparison.stages {
@@ -108,7 +103,17 @@ fn worst(precision: PrecisionName, classification: Classification, borders: Bord
 
 /// Measured against allowed, line by line, of which some are others with these borders.
 fn hold(table: &[Allowance], others: &[Allowance], classification: Classification, borders: Borders) {
-    let measured = PrecisionName::ALL.map(|precision| (precision, worst(precision, classification, borders)));
+    hold_scenes(table, others, |scene| Scene {
+        classification,
+        borders,
+        ..scene
+    });
+}
+
+/// The same of scenes that are changed somehow.
+fn hold_scenes(table: &[Allowance], others: &[Allowance], of: impl Fn(Scene) -> Scene) {
+    let in_precision = |precision| worst(|scene| of(Scene { precision, ..scene }));
+    let measured = PrecisionName::ALL.map(|precision| (precision, in_precision(precision)));
     let mut report = String::new();
     let mut faults = 0;
     for line in table {
@@ -147,6 +152,15 @@ fn every_stage_keeps_to_its_line_and_no_line_is_stale() {
 fn segments_keep_to_their_lines() {
     hold(&SEGMENTS, &[], Classification::Integral, Borders::Whole);
     hold(&SEGMENTS, &CELLS_SEGMENTS, Classification::Integral, Borders::Cells);
+}
+
+#[test]
+fn splines_keep_to_their_lines() {
+    hold_scenes(&SPLINES, &[], |scene| Scene {
+        interpolation: Interpolation::Quadratic,
+        borders: Borders::Cells,
+        ..scene
+    });
 }
 
 /// The table has one line for every stage in every precision.

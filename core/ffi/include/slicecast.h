@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 // Version of the structures in this header. Write it to `slicecast_scene.version`.
-#define SLICECAST_VERSION 5
+#define SLICECAST_VERSION 6
 
 // Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 // ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
@@ -138,6 +138,13 @@
 // Depth cueing has a slope, a distance, a depth, a share or a colour that is out of range.
 #define SLICECAST_CUE -37
 
+// The scale of extinctions has a mantissa above `needed`, or an exponent outside 14 to 35 (`needed` is the end of the range that it
+// passes): `given`; or an optical depth of a step above 15 (`needed`; `given` is 0).
+#define SLICECAST_MEDIUM -38
+
+// An extinction above `needed`, 32767, or a colour times extinction above its extinction, `needed`: `given` at `row`, `column`.
+#define SLICECAST_CODES -39
+
 // `precision` of the stages: widths and roundings of `paper`.
 #define SLICECAST_PAPER 0
 
@@ -219,6 +226,15 @@ typedef struct SlicecastSurface {
   struct SlicecastFace back;
 } SlicecastSurface;
 
+// What a step through the largest extinction of a volume amounts to under a scene: `mantissa 2^-exponent = tau_max d 2^28 / 32767`, with
+// tau_max per length and d the length of a step. docs/contract/extinction.md
+typedef struct SlicecastMedium {
+  // Below 2^31; at least 2^30 where the exponent is below 35, or accuracy is lost.
+  uint32_t mantissa;
+  // 14 to 35. A step has an optical depth of at most 15.
+  uint32_t exponent;
+} SlicecastMedium;
+
 // Everything that decides a base-plane image, apart from the voxels.
 typedef struct SlicecastScene {
   // SLICECAST_VERSION.
@@ -261,6 +277,8 @@ typedef struct SlicecastScene {
   const struct SlicecastSurface *surfaces;
   // How many they are.
   size_t surface_count;
+  // The scale of extinctions; the pipelines of colours and extinctions need it and read no table, the others do not read it.
+  struct SlicecastMedium medium;
 } SlicecastScene;
 
 // What a stream takes and what its image looks like.
@@ -440,7 +458,9 @@ int32_t slicecast_clip(struct SlicecastStream *stream,
 // Takes the slice that is wanted next and folds every sample plane that it completes.
 //
 // `voxels`: `count` = `needs.slice_voxels` values of 0 to 4095, row after row; they are copied. To a scene that is cropped a
-// slice may be given whole, as one that is not cropped takes it: what the box looks at is copied. Returns SLICECAST_OK,
+// slice may be given whole, as one that is not cropped takes it: what the box looks at is copied. Pipelines of colours and
+// extinctions take `count` = 4 * `needs.slice_voxels` codes: of each row the extinctions, 0 to 32767, and red, green and blue times
+// extinction, none above it (`slicecast_codes`); of a cropped scene those of what the box looks at alone. Returns SLICECAST_OK,
 // SLICECAST_COMPLETE if no slice is wanted any more, or an error code; the slice is then not taken, and a good one may
 // follow.
 //
@@ -490,6 +510,32 @@ int32_t slicecast_picture_row(const struct SlicecastStream *stream,
                               uint8_t *rgb,
                               size_t bytes,
                               struct SlicecastError *error);
+
+// The pipeline of the `Compact` precision (the default), without lights, of colours and extinctions: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_compact_unlit_rgba(void);
+
+// The pipeline of the `Compact` precision (the default), lit, of colours and extinctions: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_compact_lit_rgba(void);
+
+// The pipeline of the `Wide` precision, without lights, of colours and extinctions: 16 bytes per pixel.
+const struct SlicecastPipeline *slicecast_wide_unlit_rgba(void);
+
+// The pipeline of the `Wide` precision, lit, of colours and extinctions: 16 bytes per pixel.
+const struct SlicecastPipeline *slicecast_wide_lit_rgba(void);
+
+// Makes the codes of a row of voxels of colour and extinction, as `slicecast_push` takes them from entries.
+//
+// `entries`: `width` of them, red in the lowest byte, green, blue, and the root of extinction, `sqrt(tau / tau_max)`, in the highest.
+// `low_roots`: as many low bytes of the roots; null where roots have 8 bits. `codes` receives 4 * `width` numbers: the extinctions, then
+// red, green and blue times extinction. A slice is its rows, one behind the other. Returns SLICECAST_OK or an error code.
+//
+// # Safety
+// `entries` and `low_roots` (if not null) are readable, `codes` and `error` (if not null) writable; none overlaps another.
+int32_t slicecast_codes(const uint32_t *entries,
+                        const uint8_t *low_roots,
+                        size_t width,
+                        uint16_t *codes,
+                        struct SlicecastError *error);
 
 // The pipeline of the `Paper` precision, without lights: 8 bytes per pixel.
 const struct SlicecastPipeline *slicecast_paper_unlit(void);

@@ -8,6 +8,8 @@ use slicecast::slice::SliceError;
 use slicecast::stream::StreamError;
 use slicecast::view::ViewError;
 
+use crate::colours::codes_error;
+
 /// Done.
 pub const SLICECAST_OK: i32 = 0;
 /// All slices of the volume have been taken. Not an error.
@@ -93,6 +95,11 @@ pub const SLICECAST_CLIP: i32 = -35;
 pub const SLICECAST_BEGUN: i32 = -36;
 /// Depth cueing has a slope, a distance, a depth, a share or a colour that is out of range.
 pub const SLICECAST_CUE: i32 = -37;
+/// The scale of extinctions has a mantissa above `needed`, or an exponent outside 14 to 35 (`needed` is the end of the range that it
+/// passes): `given`; or an optical depth of a step above 15 (`needed`; `given` is 0).
+pub const SLICECAST_MEDIUM: i32 = -38;
+/// An extinction above `needed`, 32767, or a colour times extinction above its extinction, `needed`: `given` at `row`, `column`.
+pub const SLICECAST_CODES: i32 = -39;
 
 /// A code and the numbers behind it; which of them mean something is said with the code.
 #[repr(C)]
@@ -264,16 +271,7 @@ impl From<StreamError> for SlicecastError {
                 | SliceError::Stride { needed, given }
                 | SliceError::Ranges { needed, given },
             ) => Self::length(3, needed, given),
-            // No pipeline of this interface has such voxels.
-            StreamError::Slice(SliceError::Colour {
-                row,
-                column,
-                codes: [extinction, ..],
-            }) => Self {
-                row: row as u32,
-                column: column as u32,
-                ..Self::numbers(SLICECAST_VOXEL, 32767, extinction.into())
-            },
+            StreamError::Slice(SliceError::Colour { row, column, codes }) => codes_error(row, column, codes),
         }
     }
 }

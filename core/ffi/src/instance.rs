@@ -83,7 +83,7 @@ impl Layout {
 }
 
 /// A pipeline that can be made from a C scene.
-trait Instance: Pictured + Sized + 'static {
+pub(crate) trait Instance: Pictured + Sized + 'static {
     /// # Safety
     /// The scene's pointers are null, misaligned or good; tables stay readable and unchanged.
     unsafe fn of(scene: &SlicecastScene, plan: &Plan) -> Result<Self, SlicecastError>;

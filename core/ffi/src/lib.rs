@@ -12,10 +12,12 @@
 //! There is one function a pipeline ([`slicecast_compact_lit`] and so on), which returns its description; what a program
 //! does not name is not linked. Pipelines named `_segments` classify the segment between two samples, by integrals that hold
 //! for every view: a view is turned by opening a stream of another direction over the same table. Pipelines named `_surfaces`
-//! draw isosurfaces with them, or alone; pipelines named `_depth` find where each ray meets the first of them.
+//! draw isosurfaces with them, or alone; pipelines named `_depth` find where each ray meets the first of them. Pipelines named `_rgba`
+//! render volumes whose voxels have a colour and an extinction of their own: no table.
 #![cfg_attr(target_os = "none", no_std)]
 
 mod clips;
+mod colours;
 mod error;
 mod instance;
 mod integrals;
@@ -24,6 +26,10 @@ mod stages;
 mod surfaces;
 
 pub use clips::{SLICECAST_CLIPS_WORDS, SlicecastClip, SlicecastClips, SlicecastCue};
+pub use colours::{
+    SlicecastMedium, slicecast_codes, slicecast_compact_lit_rgba, slicecast_compact_unlit_rgba,
+    slicecast_wide_lit_rgba, slicecast_wide_unlit_rgba,
+};
 pub use error::*;
 pub use instance::{
     SlicecastPipeline, slicecast_compact_depth, slicecast_compact_lit, slicecast_compact_lit_colour16,
@@ -44,7 +50,7 @@ use core::ffi::c_void;
 use crate::instance::{Handle, Header};
 
 /// Version of the structures in this header. Write it to `slicecast_scene.version`.
-pub const SLICECAST_VERSION: u32 = 5;
+pub const SLICECAST_VERSION: u32 = 6;
 
 /// Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 /// ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
@@ -191,7 +197,9 @@ pub unsafe extern "C" fn slicecast_clip(
 /// Takes the slice that is wanted next and folds every sample plane that it completes.
 ///
 /// `voxels`: `count` = `needs.slice_voxels` values of 0 to 4095, row after row; they are copied. To a scene that is cropped a
-/// slice may be given whole, as one that is not cropped takes it: what the box looks at is copied. Returns SLICECAST_OK,
+/// slice may be given whole, as one that is not cropped takes it: what the box looks at is copied. Pipelines of colours and
+/// extinctions take `count` = 4 * `needs.slice_voxels` codes: of each row the extinctions, 0 to 32767, and red, green and blue times
+/// extinction, none above it (`slicecast_codes`); of a cropped scene those of what the box looks at alone. Returns SLICECAST_OK,
 /// SLICECAST_COMPLETE if no slice is wanted any more, or an error code; the slice is then not taken, and a good one may
 /// follow.
 ///

@@ -12,6 +12,7 @@ use slicecast::table::ENTRIES;
 use slicecast::view::View;
 use slicecast::warp::Warp;
 
+use crate::colours::SlicecastMedium;
 use crate::error::{
     SLICECAST_BORDERS, SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH,
     SlicecastError,
@@ -64,6 +65,8 @@ pub struct SlicecastScene {
     pub surfaces: *const SlicecastSurface,
     /// How many they are.
     pub surface_count: usize,
+    /// The scale of extinctions; the pipelines of colours and extinctions need it and read no table, the others do not read it.
+    pub medium: SlicecastMedium,
 }
 
 impl SlicecastScene {

@@ -131,6 +131,7 @@ fn scene(direction: [i64; 3], lighting: &SlicecastLighting, integrals: &Slicecas
         integrals,
         surfaces: null(),
         surface_count: 0,
+        medium: SlicecastMedium::default(),
     }
 }
 
@@ -368,6 +369,7 @@ fn what_is_no_table_of_segments_is_refused_with_numbers() {
         integrals: null(),
         surfaces: null(),
         surface_count: 0,
+        medium: SlicecastMedium::default(),
         ..good
     };
     assert_eq!(open(&bare), (SLICECAST_NULL, 2, 0, 0, 0, 0));

@@ -29,10 +29,10 @@ use crate::tap::Tap;
 /// Alpha compositing of classified, perhaps shaded samples.
 #[derive(Clone, Debug)]
 pub struct Composite<P: Precision, C, S, O> {
-    precision: P,
-    classifier: C,
-    shader: S,
-    floor: ChannelOf<P>,
+    pub(super) precision: P,
+    pub(super) classifier: C,
+    pub(super) shader: S,
+    pub(super) floor: ChannelOf<P>,
     order: PhantomData<O>,
 }
 
@@ -209,7 +209,7 @@ where
 }
 
 /// A tap for one fold of several.
-fn again<'t>(tap: &'t mut Option<&mut dyn Tap>) -> Option<&'t mut dyn Tap> {
+pub(super) fn again<'t>(tap: &'t mut Option<&mut dyn Tap>) -> Option<&'t mut dyn Tap> {
     match tap {
         Some(tap) => Some(&mut **tap),
         None => None,
@@ -218,7 +218,7 @@ fn again<'t>(tap: &'t mut Option<&mut dyn Tap>) -> Option<&'t mut dyn Tap> {
 
 /// Whole rows through the driver, of which there is one copy for all pipelines.
 #[inline(never)]
-fn fold_rows(
+pub(super) fn fold_rows(
     rows: &mut WholeRows<'_, '_, dyn Source<i32> + '_>,
     slots: (&dyn ClassifierRows<i32>, &dyn ShaderRows<i32>),
     canvas: &mut dyn Canvas<i32>,

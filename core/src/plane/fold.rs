@@ -12,6 +12,7 @@ use super::clipped::Clipped;
 use super::extent::{Extent, around};
 use super::kernels::{ClassifierRows, ShaderRows};
 use super::scratch::BatchRows;
+use super::smooth;
 use super::source::Source;
 use crate::borders::WHOLE;
 use crate::classify::{Slab, Support};
@@ -233,6 +234,8 @@ pub(super) struct WholeRows<'s, 'w, S: ?Sized> {
     source: &'s mut S,
     rows: Range<u32>,
     reading: Option<&'s dyn Reading>,
+    /// Whether samples are of 27 voxels.
+    splines: bool,
     row: u32,
     from: usize,
 }
@@ -259,9 +262,16 @@ impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
             source,
             rows,
             reading,
+            splines: false,
             row: 0,
             from: 0,
         }
+    }
+
+    /// The same by splines.
+    #[inline(always)]
+    pub(super) fn by_splines(self) -> Self {
+        Self { splines: true, ..self }
     }
 
     #[inline(always)]
@@ -320,7 +330,11 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
                 continue;
             }
             let voxel_row = self.voxel_row();
-            let mut range = around(self.window, self.extent.voxel_rows(voxel_row));
+            let mut range = if self.splines {
+                smooth::around(self.window, self.extent, voxel_row)
+            } else {
+                around(self.window, self.extent.voxel_rows(voxel_row))
+            };
             if let Some((extent, window)) = self.front {
                 let rows = extent.voxel_rows(extent.voxel_row(self.row));
                 range = range.union(around(window, rows));

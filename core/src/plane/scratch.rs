@@ -31,6 +31,10 @@ pub enum Rows {
     UnlitSlabs,
     /// As [`Rows::Lit`], of two planes.
     LitSlabs,
+    /// As [`Rows::Unlit`], by splines.
+    Splines,
+    /// As [`Rows::Lit`], by splines.
+    LitSplines,
 }
 
 impl Rows {
@@ -47,6 +51,8 @@ impl Rows {
             Self::Modulated => 17,
             Self::UnlitSlabs => 10,
             Self::LitSlabs => 27,
+            Self::Splines => 9,
+            Self::LitSplines => 17,
         }
     }
 
@@ -190,6 +196,53 @@ pub(super) struct SmoothRows<'s, W> {
     pub(super) samples: &'s mut [W],
 }
 
+/// Rows of gradients by splines.
+pub(super) struct SlopeRows<'s, W> {
+    /// Slopes along z, of three voxel rows.
+    pub(super) z: [&'s mut [W]; 3],
+    /// What is made of them along y.
+    pub(super) y: &'s mut [W],
+}
+
+/// Rows of samples of values by splines.
+pub(super) struct SplineScratch<'s, W> {
+    pub(super) samples: SmoothRows<'s, W>,
+    /// Empty where there are no gradients.
+    pub(super) slopes: SlopeRows<'s, W>,
+    pub(super) batch: BatchRows<'s, W>,
+}
+
+impl<'s, W> SplineScratch<'s, W> {
+    /// Cuts memory as [`Scratch::cut`] does.
+    ///
+    /// # Errors
+    /// As [`Scratch::cut`].
+    #[inline]
+    pub(super) fn cut(memory: &'s mut [W], kind: Rows, width: u32, aligned: bool) -> Result<Self, ScratchError> {
+        let mut rest = Rest::of(memory, kind, width, aligned)?;
+        let lit = kind == Rows::LitSplines;
+        let mut row = |wanted: bool| -> &'s mut [W] { if wanted { rest.row() } else { &mut [] } };
+        Ok(Self {
+            samples: SmoothRows {
+                z: [row(true), row(true), row(true)],
+                y: row(true),
+                samples: row(true),
+            },
+            slopes: SlopeRows {
+                z: [row(lit), row(lit), row(lit)],
+                y: row(lit),
+            },
+            batch: BatchRows {
+                opacities: row(true),
+                colours: [row(true), row(true), row(true)],
+                g: [row(lit), row(lit), row(lit)],
+                r: row(lit),
+                magnitudes: &mut [],
+            },
+        })
+    }
+}
+
 /// Rows of samples of four channels.
 pub(super) struct ColourScratch<'s, W> {
     pub(super) runs: [RunRows<'s, W>; 4],
@@ -320,6 +373,31 @@ mod tests {
                 }
                 let given = needed - 1;
                 let refused = ColourScratch::cut(&mut vec![0i32; given], kind, width, true).err();
+                assert_eq!(refused, Some(ScratchError { needed, given }));
+            }
+        }
+    }
+
+    #[test]
+    fn splines_are_cut_as_counted() {
+        for kind in [Rows::Splines, Rows::LitSplines] {
+            for (width, spare) in [1, 2, 15, 64, 65]
+                .into_iter()
+                .flat_map(|width| [(width, 0), (width, 700)])
+            {
+                let needed = kind.len(width);
+                let mut memory = vec![0i32; needed + spare];
+                let SplineScratch { samples, slopes, batch } =
+                    SplineScratch::cut(&mut memory, kind, width, true).unwrap();
+                let rows = [&samples.z[..], &slopes.z, &batch.colours, &batch.g]
+                    .into_iter()
+                    .flatten();
+                let rest = [&samples.y, &samples.samples, &slopes.y, &batch.opacities, &batch.r];
+                let made: Vec<usize> = rows.chain(rest).map(|row| row.len()).filter(|len| *len > 0).collect();
+                assert!(made.iter().all(|len| *len == width as usize + 2));
+                assert_eq!(made.len() * (width as usize + 2), needed);
+                let given = needed - 1;
+                let refused = SplineScratch::cut(&mut vec![0i32; given], kind, width, true).err();
                 assert_eq!(refused, Some(ScratchError { needed, given }));
             }
         }

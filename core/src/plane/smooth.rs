@@ -1,4 +1,5 @@
-//! A source of samples by splines of second degree: rows between three slices, three rows and three columns.
+//! Sources of samples by splines of second degree: rows between three slices, three rows and three columns. [`Smooth`] makes samples, of
+//! values or of one channel of colours; [`Sloped`] makes the gradients of values besides.
 //!
 //! Beyond its faces the volume's outermost voxels are repeated. A sample that is held to the voxels lies at one of them.
 
@@ -6,18 +7,21 @@ use core::marker::PhantomData;
 use core::ops::Range;
 
 use super::extent::Extent;
-use super::scratch::SmoothRows;
-use super::source::NO_ROW;
+use super::scratch::{SlopeRows, SmoothRows};
+use super::source::{NO_ROW, Source, spaced};
+use crate::classify::Slab;
+use crate::format::Intensity;
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
-use crate::quadratic::{is_behind, weights, x_row, y_row, z_row};
+use crate::quadratic::{is_behind, slopes, weights, x_row, x_slope_row, y_row, y_slope_row, z_row, z_slope_row};
 use crate::rows::{part, part_mut, three};
+use crate::shade::Shader;
 use crate::slice::{RowRange, Slice, Window};
 
 /// Rows of samples of one plane. A row is named by the voxel row before its samples.
 pub(super) struct Smooth<'s, 'w, P, V> {
     extent: &'s Extent,
-    /// The slice nearest to the plane, and those before and behind it.
+    /// The slice before the one nearest to the plane, that one, and the one behind it.
     slices: [Slice<'w>; 3],
     /// Voxels interpolated along z, of three voxel rows, by their numbers modulo 3; a row has a place for one voxel beyond each end.
     z: [&'s mut [i32]; 3],
@@ -45,6 +49,26 @@ fn rows_about(extent: &Extent, row: i32) -> [i32; 3] {
     let last = extent.height - 1;
     // Not `clamp`, which may panic.
     three([at - 1, at, at + 1], |row| row.min(last).max(0))
+}
+
+/// Those of three rows, each in the place of its number modulo 3, that have these numbers.
+#[inline(always)]
+fn of_three<'r>([a, b, c]: &'r [&mut [i32]; 3], rows: [i32; 3]) -> [&'r [i32]; 3] {
+    three(rows, |row| match row.rem_euclid(3) {
+        0 => &**a,
+        1 => &**b,
+        _ => &**c,
+    })
+}
+
+/// Fills the places beyond both ends of a row with its outermost elements.
+#[inline(always)]
+fn repeat_ends(row: &mut [i32]) {
+    if let [before, inner @ .., after] = row
+        && let (Some(low), Some(high)) = (inner.first(), inner.last())
+    {
+        (*before, *after) = (*low, *high);
+    }
 }
 
 /// The range of the voxels about the samples behind a voxel row.
@@ -113,15 +137,9 @@ impl<'s, 'w, P: Precision, V: Lanes> Smooth<'s, 'w, P, V> {
         for row in rows {
             self.make_z(row);
         }
-        let [a, b, c] = &self.z;
-        let of = |row: i32| match row.rem_euclid(3) {
-            0 => &**a,
-            1 => &**b,
-            _ => &**c,
-        };
-        y_row::<V>(three(rows, of), weights(self.extent.y.weight), self.y);
-        let about = part(self.y, self.places());
-        x_row::<P, V>(self.precision, about, weights(self.extent.x.weight), self.samples);
+        let (p, places, Extent { x, y, .. }) = (self.precision, self.places(), self.extent);
+        y_row::<P, V>(p, of_three(&self.z, rows), weights(p, y.weight), self.y);
+        x_row::<P, V>(p, part(self.y, places), weights(p, x.weight), self.samples);
     }
 
     /// Makes the z interpolation of a voxel row.
@@ -137,12 +155,12 @@ impl<'s, 'w, P: Precision, V: Lanes> Smooth<'s, 'w, P, V> {
         *name = row;
         let voxels = three(self.slices, |slice| slice.row(row as usize));
         let inner = 1..out.len().saturating_sub(1);
-        z_row::<V>(voxels, weights(self.extent.z.weight), part_mut(out, inner));
-        if let [before, inner @ .., after] = &mut **out
-            && let (Some(low), Some(high)) = (inner.first(), inner.last())
-        {
-            (*before, *after) = (*low, *high);
-        }
+        z_row::<V>(
+            voxels,
+            weights(self.precision, self.extent.z.weight),
+            part_mut(out, inner),
+        );
+        repeat_ends(out);
     }
 }
 
@@ -155,5 +173,133 @@ impl<P: Precision, V: Lanes> Kernel for (MakeRow, &mut Smooth<'_, '_, P, V>, i32
     fn run(self) {
         let (_, source, row) = self;
         source.make_row(row);
+    }
+}
+
+/// Rows of samples of values, and of their gradients: those of the spline itself, of the same 27 voxels.
+pub(super) struct Sloped<'s, 'w, P, V, S> {
+    smooth: Smooth<'s, 'w, P, V>,
+    spacing: [Intensity; 3],
+    /// Slopes along z, of three voxel rows, as [`Smooth`] has its rows.
+    z: [&'s mut [i32]; 3],
+    z_row: [i32; 3],
+    /// What is made along y, on its way to x.
+    y: &'s mut [i32],
+    shader: PhantomData<S>,
+}
+
+impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sloped<'s, 'w, P, V, S> {
+    #[inline(always)]
+    pub(super) fn new(
+        precision: P,
+        extent: &'s Extent,
+        window: &Window<'w>,
+        spacing: [Intensity; 3],
+        (samples, SlopeRows { z, y }): (SmoothRows<'s, i32>, SlopeRows<'s, i32>),
+    ) -> Self {
+        let smooth = Smooth::new(precision, extent, window, samples);
+        let len = smooth.y.len();
+        Self {
+            smooth,
+            spacing,
+            z: three(z, |row| {
+                let len = len.min(row.len());
+                part_mut(row, 0..len)
+            }),
+            z_row: [NO_ROW; 3],
+            y,
+            shader: PhantomData,
+        }
+    }
+
+    /// Makes the slopes along z of a voxel row.
+    #[inline(always)]
+    fn make_z(&mut self, row: i32) {
+        let slot = row.rem_euclid(3) as usize;
+        let (Some(out), Some(name)) = (self.z.get_mut(slot), self.z_row.get_mut(slot)) else {
+            return;
+        };
+        if *name == row {
+            return;
+        }
+        *name = row;
+        let Smooth {
+            slices,
+            extent,
+            precision,
+            ..
+        } = &self.smooth;
+        let voxels = three(*slices, |slice| slice.row(row as usize));
+        let inner = 1..out.len().saturating_sub(1);
+        z_slope_row::<V>(voxels, slopes(*precision, extent.z.weight), part_mut(out, inner));
+        repeat_ends(out);
+    }
+
+    /// Makes the gradients of a span of the row that was made last.
+    #[inline(always)]
+    fn make_gradients(&mut self, row: i32, span: Range<usize>, [gx, gy, gz]: [&mut [i32]; 3]) {
+        let rows = rows_about(self.smooth.extent, row);
+        for row in rows {
+            self.make_z(row);
+        }
+        let Smooth {
+            extent,
+            precision: p,
+            z,
+            ..
+        } = &self.smooth;
+        let (p, Extent { x, y, .. }) = (*p, extent);
+        let first = self.smooth.places().start;
+        let about = first + span.start..first + span.end + 2;
+        x_slope_row::<P, V>(p, part(self.smooth.y, about.clone()), slopes(p, x.weight), gx);
+        let weights_x = weights(p, x.weight);
+        let along_y = part_mut(self.y, 0..about.len());
+        let values = three(of_three(z, rows), |row| part(row, about.clone()));
+        y_slope_row::<P, V>(p, values, slopes(p, y.weight), along_y);
+        x_row::<P, V>(p, along_y, weights_x, gy);
+        let values = three(of_three(&self.z, rows), |row| part(row, about.clone()));
+        y_row::<P, V>(p, values, weights(p, y.weight), along_y);
+        x_row::<P, V>(p, along_y, weights_x, gz);
+        spaced::<P, V>(p, [gx, gy, gz], self.spacing);
+    }
+}
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sloped<'_, '_, P, V, S> {
+    #[inline(always)]
+    fn make(&mut self, row: i32) {
+        self.smooth.make(row);
+    }
+
+    #[inline(always)]
+    fn slab(&self, _: i32) -> Slab<'_> {
+        Slab::of(self.smooth.samples())
+    }
+
+    #[inline(always)]
+    fn gradients(&mut self, row: i32, span: Range<usize>, _: Option<&[i32]>, out: [&mut [i32]; 3]) {
+        // Unlit pipelines have no such code.
+        if S::LIT {
+            V::enter((MakeGradients, self, row, span, out));
+        }
+    }
+}
+
+struct MakeGradients;
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Kernel
+    for (
+        MakeGradients,
+        &mut Sloped<'_, '_, P, V, S>,
+        i32,
+        Range<usize>,
+        [&mut [i32]; 3],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, source, row, span, out) = self;
+        source.make_gradients(row, span, out);
     }
 }

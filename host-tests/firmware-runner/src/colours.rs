@@ -8,7 +8,7 @@ use slicecast_engine::colours::Coloured;
 use slicecast_engine::frame::Layer;
 use slicecast_engine::rendering::in_memory_order;
 use slicecast_engine::simd::Simd;
-use slicecast_firmware_shared::scene::{colour_entry, colour_medium};
+use slicecast_firmware_shared::scene::{COLOUR_SCALE, colour_entry, colour_medium};
 use slicecast_firmware_shared::sum::Sum;
 use slicecast_pyramid::volume::{RgbaVolume, Voxels};
 use slicecast_scene::{PrecisionName, Scene};
@@ -31,6 +31,26 @@ pub struct Colours {
     places: u64,
     /// By precision and light.
     images: Vec<(PrecisionName, Kind, u32)>,
+}
+
+/// A scene's part of the C header: the scale of its extinctions, the voxels of a slice, and the sums of two images.
+///
+/// # Errors
+/// If the scene cannot be rendered.
+pub fn c(named: &Named) -> Result<String, Failure> {
+    let sum = |precision, kind| image(named, precision, kind).map(|(sum, _)| sum);
+    let (unlit, lit) = (
+        sum(PrecisionName::Compact, Kind::COMPACT_UNLIT)?,
+        sum(PrecisionName::Wide, Kind::COMPACT_LIT)?,
+    );
+    // No slice has more.
+    let [x, y, z] = named.volume.dims;
+    let most = (x * y).max(y * z).max(x * z);
+    let [mantissa, exponent] = COLOUR_SCALE;
+    Ok(format!(
+        "#define COLOUR_MEDIUM {{{mantissa}u, {exponent}u}}\n#define COLOUR_SLICE_VOXELS {most}\n\
+         #define COLOURS_COMPACT_UNLIT {unlit}u\n#define COLOURS_WIDE_LIT {lit}u\n"
+    ))
 }
 
 /// The sum of the image of a scene's entries.

@@ -21,6 +21,7 @@ use slicecast_volume::Volume;
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
 
+use crate::colours;
 use crate::shell::{Failure, fail};
 
 /// A scene on its volume.
@@ -359,16 +360,18 @@ impl Named {
         let faces = camera::crop(&cropped, self.volume.spacing).unwrap_or(Crop::NONE);
         let [low, high] = [faces.low, faces.high].map(|faces| list(&faces.map(Position::to_bits)));
         let uncropped = "0, {0, 0, 0}, {0, 0, 0}";
+        out.push_str(&colours::c(self)?);
         // Roots are the same in both.
-        for (scene, entries, borders) in [
-            ("scene", "entries", uncropped.to_owned()),
-            ("scene_wide", "entries_wide", uncropped.to_owned()),
-            ("scene_cropped", "entries", format!("1, {low}, {high}")),
+        for (scene, entries, borders, medium) in [
+            ("scene", "entries", uncropped.to_owned(), "{0, 0}"),
+            ("scene_wide", "entries_wide", uncropped.to_owned(), "{0, 0}"),
+            ("scene_cropped", "entries", format!("1, {low}, {high}"), "{0, 0}"),
+            ("scene_colours", "0", uncropped.to_owned(), "COLOUR_MEDIUM"),
         ] {
             let _ = writeln!(
                 out,
                 "static const SlicecastScene {scene} = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, 0, {borders}, {entries}, low_roots, \
-                 low_colours, &lighting, 0, 0, 0}};",
+                 low_colours, &lighting, 0, 0, 0, {medium}}};",
                 list(&self.volume.dims),
                 list(&n.direction),
                 list(&n.spacing),

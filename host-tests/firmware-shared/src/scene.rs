@@ -265,10 +265,14 @@ pub const fn colour_entry(code: u16) -> u32 {
     u32::from_le_bytes([byte, 255 - byte, (code as u8).wrapping_mul(5), byte])
 }
 
-/// Their scale: the largest extinction has an optical depth of 1/8 a step.
+/// Their scale, mantissa and exponent: the largest extinction has an optical depth of 1/8 a step.
+pub const COLOUR_SCALE: [u32; 2] = [1_073_774_593, 20];
+
+/// The same as core takes it.
 ///
 /// # Errors
 /// None: the scale is one.
 pub const fn colour_medium() -> Result<Medium, MediumError> {
-    Medium::new(1_073_774_593, 20)
+    let [mantissa, exponent] = COLOUR_SCALE;
+    Medium::new(mantissa, exponent)
 }

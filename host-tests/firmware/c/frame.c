@@ -36,6 +36,25 @@ static size_t whole_slice(const SlicecastPipeline *pipeline, const SlicecastScen
   return needs.slice_voxels;
 }
 
+/* The voxels of a slice as colours and extinctions: entries made of their values, a row at a time. */
+static const uint16_t *coloured(const uint16_t *slice, size_t width, size_t len, SlicecastError *error) {
+  static uint16_t codes[4 * COLOUR_SLICE_VOXELS];
+  static uint32_t entries[COLOUR_SLICE_VOXELS];
+  if (len > COLOUR_SLICE_VOXELS) {
+    return 0;
+  }
+  for (size_t i = 0; i < len; ++i) {
+    const uint32_t byte = slice[i] >> 4;
+    entries[i] = byte | (255 - byte) << 8 | (slice[i] * 5u & 255u) << 16 | byte << 24;
+  }
+  for (size_t i = 0; i < len; i += width) {
+    if (!check(slicecast_codes(entries + i, 0, width, codes + 4 * i, error), error)) {
+      return 0;
+    }
+  }
+  return codes;
+}
+
 static int frame(const char *name, const SlicecastPipeline *pipeline, const SlicecastScene *scene, size_t planes,
                  uint32_t expected) {
   SlicecastError error;
@@ -54,7 +73,13 @@ static int frame(const char *name, const SlicecastPipeline *pipeline, const Slic
   uint32_t number;
   const size_t len = whole_slice(pipeline, scene, needs.bytes);
   while (slicecast_wanted(stream, &number, &error) == SLICECAST_OK) {
-    if (!check(slicecast_push(stream, voxels + number * len, len, &error), &error)) {
+    const uint16_t *slice = voxels + number * len;
+    size_t count = len;
+    if (scene->medium.exponent != 0) {
+      slice = coloured(slice, needs.slice_width, len, &error);
+      count = 4 * len;
+    }
+    if (slice == 0 || !check(slicecast_push(stream, slice, count, &error), &error)) {
       return 0;
     }
   }
@@ -82,6 +107,8 @@ int main(void) {
   passed &= frame("small wide lit", slicecast_wide_lit_colour16(), &scene_wide, 0, WIDE_LIT);
   passed &= frame("small compact lit cropped", slicecast_compact_lit(), &scene_cropped, 0, CROPPED);
   passed &= frame("small compact lit clipped", slicecast_compact_lit(), &scene, sizeof clips / sizeof *clips, CLIPPED);
+  passed &= frame("small compact unlit colours", slicecast_compact_unlit_rgba(), &scene_colours, 0, COLOURS_COMPACT_UNLIT);
+  passed &= frame("small wide lit colours", slicecast_wide_lit_rgba(), &scene_colours, 0, COLOURS_WIDE_LIT);
   /* What C gets wrong comes back as a number. */
   SlicecastError error;
   passed &= slicecast_push((SlicecastStream *)memory, voxels, 1, &error) == SLICECAST_COMPLETE;

@@ -304,6 +304,20 @@ pub fn cropped(frame: Frame) -> Frame {
     }
 }
 
+/// The frame by splines, of which there are composited samples alone.
+pub fn splined(frame: Frame) -> Frame {
+    Frame {
+        splines: true,
+        blend: match frame.blend {
+            Blend::BackToFront => Blend::BackToFront,
+            _ => Blend::FrontToBack,
+        },
+        segments: None,
+        modulation: None,
+        ..frame
+    }
+}
+
 /// Any small frame, in `Compact`: the tests go through the precisions themselves.
 pub fn frame() -> impl Strategy<Value = Frame> {
     let borders = prop_oneof![2 => Just(Borders::Whole), 1 => Just(Borders::Cells), 1 => Just(Borders::Nodes)];
@@ -353,6 +367,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             blend,
             precision: PrecisionName::Compact,
             nearest: seed & 7 == 5,
+            splines: false,
             borders,
             // Two in five.
             crop: (seed % 5 < 2).then(|| box_of(seed.rotate_left(21))),

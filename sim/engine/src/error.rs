@@ -60,6 +60,12 @@ pub enum RenderError {
         "this command knows no reflectance maps, and the scene looks its light up in one ([reflectance]); expected a scene without"
     )]
     Mapped,
+    /// Splines, where samples are linear.
+    #[error(
+        "this command knows no samples by splines, and the scene asks for them (sampling.interpolation = \"quadratic\"); use \
+         --interpolation linear"
+    )]
+    Splines,
     /// Sums of samples, where single ones are known.
     #[error(
         "this command knows projections that keep a sample, and the scene sums samples up (render.blend average or additive); \

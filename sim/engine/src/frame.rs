@@ -2,7 +2,7 @@
 
 use slicecast::integral::Length;
 use slicecast::modulate::Modulation;
-use slicecast_scene::{Classification, Scene};
+use slicecast_scene::{Classification, Interpolation, Scene};
 use slicecast_volume::Volume;
 
 use crate::camera::{Setup, set_up};
@@ -64,7 +64,9 @@ impl<'a> Prepared<'a> {
     /// As [`Prepared::new`], and [`RenderError::Read`] if a file cannot be read.
     pub fn of(scene: &'a Scene, volume: &'a Volume, source: &dyn Source) -> Result<Self, RenderError> {
         let setup = set_up(scene, volume)?;
-        let automatic = scene.classification == Classification::Auto;
+        // Splines have samples alone.
+        let splines = scene.interpolation == Interpolation::Quadratic;
+        let automatic = scene.classification == Classification::Auto && !splines;
         let finest = if automatic {
             fineness::of(scene, volume, source)?
         } else {
@@ -73,6 +75,7 @@ impl<'a> Prepared<'a> {
         let segments = match scene.classification {
             Classification::Point => false,
             Classification::Integral | Classification::None => true,
+            Classification::Auto if splines => false,
             Classification::Auto => !scene.surfaces.is_empty() || finest.is_some_and(|finest| finest.is_missed()),
         };
         if segments && setup.plan.ends() < 2 {
@@ -124,14 +127,25 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// For what knows neither clip planes nor depth cueing nor modulation nor reflectance maps.
+    /// For what knows neither clip planes nor depth cueing nor modulation nor reflectance maps nor splines.
     ///
     /// # Errors
-    /// [`RenderError::Clipped`], [`RenderError::Modulated`] or [`RenderError::Mapped`] if the scene has one.
+    /// [`RenderError::Clipped`], [`RenderError::Modulated`], [`RenderError::Mapped`] or [`RenderError::Splines`] if the scene has one.
     pub fn check_unclipped(&self) -> Result<(), RenderError> {
         match self.setup.clips {
             Some(_) => Err(RenderError::Clipped),
-            None => self.check_unmodulated(),
+            None => self.check_unmodulated().and_then(|()| self.check_linear()),
+        }
+    }
+
+    /// For what knows no splines.
+    ///
+    /// # Errors
+    /// [`RenderError::Splines`] if the scene asks for them.
+    pub fn check_linear(&self) -> Result<(), RenderError> {
+        match self.scene.interpolation {
+            Interpolation::Quadratic => Err(RenderError::Splines),
+            Interpolation::Linear | Interpolation::Nearest => Ok(()),
         }
     }
 

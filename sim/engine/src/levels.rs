@@ -60,6 +60,9 @@ pub enum LevelsError {
     /// Labels.
     #[error("labels have no mean; expected --interpolation linear, and a volume that is no label map")]
     Nearest,
+    /// Splines, which reach across the borders of levels.
+    #[error("splines reach across the borders of levels; expected --interpolation linear")]
+    Splines,
     /// Samples or segments, chosen by how much neighbouring voxels differ.
     #[error("--classification auto would choose for each level; accepted with several levels: point, integral")]
     Automatic,
@@ -124,6 +127,10 @@ impl LevelsError {
                 interpolation: Interpolation::Nearest,
                 ..
             } => Err(Self::Nearest),
+            Scene {
+                interpolation: Interpolation::Quadratic,
+                ..
+            } => Err(Self::Splines),
             Scene {
                 classification: Classification::Auto,
                 ..

@@ -3,7 +3,7 @@
 use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
 use slicecast::modulate::{Modulated, Modulation};
-use slicecast::plane::{Composite, Pictured, Project};
+use slicecast::plane::{Composite, Pictured, Project, Splines};
 use slicecast::precision::Precision;
 #[doc(hidden)]
 pub use slicecast::precision::{Compact, Paper, Wide};
@@ -20,7 +20,7 @@ use crate::table::{Correction, Table, has_fine_colours};
 use crate::tiles::Geometry;
 #[doc(hidden)]
 pub use slicecast_scene::PrecisionName;
-use slicecast_scene::{AlphaCodeName, Blend, Scene};
+use slicecast_scene::{AlphaCodeName, Blend, Interpolation, Scene};
 use slicecast_volume::Mapping;
 
 /// Evaluates an expression with the precision of a name.
@@ -139,6 +139,9 @@ fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
         let shader = reflectance::of(&material.phong(precision)?, map)?;
         return Ok(shaded(precision, scene, table, shader, geometry));
     }
+    if scene.interpolation == Interpolation::Quadratic {
+        return splined(precision, scene, table, parameters, geometry);
+    }
     Ok(match scene.blend {
         Blend::FrontToBack => return composited(precision, scene, table, parameters, geometry, false),
         Blend::BackToFront => return composited(precision, scene, table, parameters, geometry, true),
@@ -182,6 +185,38 @@ where
             geometry,
             Composite::<_, _, _, BackToFront>::new(precision, classifier, Unlit),
         ),
+    })
+}
+
+/// Composited samples by splines.
+fn splined<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
+    precision: P,
+    scene: &Scene,
+    table: Expanded,
+    parameters: Parameters<'_>,
+    geometry: Geometry<'_>,
+) -> Result<Box<dyn Framing>, CameraError> {
+    let phong = parameters
+        .material
+        .map(|material| material.phong(precision))
+        .transpose()?;
+    Ok(match (scene.blend == Blend::BackToFront, phong) {
+        (true, Some(phong)) => under(
+            geometry,
+            Splines(Composite::<_, _, _, BackToFront>::new(precision, table, phong)),
+        ),
+        (true, None) => under(
+            geometry,
+            Splines(Composite::<_, _, _, BackToFront>::new(precision, table, Unlit)),
+        ),
+        (false, Some(phong)) => {
+            let pipeline = early(Composite::new(precision, table, phong), scene.early_termination);
+            under(geometry, Splines(pipeline))
+        }
+        (false, None) => {
+            let pipeline = early(Composite::new(precision, table, Unlit), scene.early_termination);
+            under(geometry, Splines(pipeline))
+        }
     })
 }
 

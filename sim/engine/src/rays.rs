@@ -1,6 +1,6 @@
 //! The pipeline's definitions, applied to one ray at a time: what every row kernel, layer and vector has to equal.
 //!
-//! Only core's scalar definitions are used: `position` and `middle`, `Side::part`, `fraction_of`, `trilinear`, `space`, `coarsen`, `normalise`, `Phong::shade`, `Mapped::shade`, `Modulated::shade` and `opacity`,
+//! Only core's scalar definitions are used: `position` and `middle`, `Side::part`, `fraction_of`, `trilinear`, `triquadratic`, `quadratic::gradient`, `space`, `coarsen`, `normalise`, `Phong::shade`, `Mapped::shade`, `Modulated::shade` and `opacity`,
 //! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`, `Sum::add`, `Projection::shown`. Which
 //! voxels they are given follows from the contract and is written here once more: no rows, no ring, no spans, no reuse.
 //! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
@@ -24,6 +24,7 @@ use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Depth, NO_DEPTH};
 use slicecast::precision::{Formats, Precision};
 use slicecast::project::{Extreme, Maximum, Minimum, Projection, Sum, pixel, resolve};
+use slicecast::quadratic::{self, triquadratic};
 use slicecast::shade::Phong;
 use slicecast::shade::map::Mapped;
 
@@ -34,7 +35,7 @@ use crate::image::BaseImage;
 use crate::reflectance;
 use crate::segments::Segments;
 use crate::table::AnyTable;
-use slicecast_scene::Blend;
+use slicecast_scene::{Blend, Interpolation};
 
 use crate::with_precision;
 
@@ -128,6 +129,8 @@ struct Rays<'a, P: Precision> {
     blend: Blend,
     additive: Sum,
     floor: ChannelOf<P>,
+    /// Whether samples are splines.
+    splines: bool,
 }
 
 /// A sample's cell along i, j, k.
@@ -203,6 +206,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             blend,
             additive: prepared.setup.additive,
             floor: Channel::from_bits(pixel.floor().bits().max(asked)),
+            splines: prepared.scene.interpolation == Interpolation::Quadratic,
         })
     }
 
@@ -638,7 +642,9 @@ impl<'a, P: Precision> Rays<'a, P> {
         let weights = cells.map(|c| c.weight);
         let at = |corners: Corners| trilinear(self.precision, corners, weights);
         let grid = &self.grid;
-        let [dx, dy, dz] = if INNER {
+        let [dx, dy, dz] = if self.splines {
+            quadratic::gradient(self.precision, grid.about(cells), weights)
+        } else if INNER {
             let ([i, j, k], here) = (grid.stride, grid.place(cells));
             [
                 at(grid.corners(here + i)) - at(grid.corners(here - i)),
@@ -665,6 +671,9 @@ impl<'a, P: Precision> Rays<'a, P> {
     /// The sample that is classified: voxels of the volume only; behind the last there is none and none is needed.
     #[inline(always)]
     fn sample<const INNER: bool>(&self, cells: Cells) -> i32 {
+        if self.splines {
+            return triquadratic(self.precision, self.grid.about(cells), cells.map(|c| c.weight));
+        }
         let corners = if INNER {
             self.grid.corners(self.grid.place(cells))
         } else {

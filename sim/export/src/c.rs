@@ -97,7 +97,7 @@ fn scene(numbers: &Numbers<'_>, name: &str, pipeline: &str) -> String {
         out,
         "
 /* The scene: version, dims, direction, spacing factors, planes and rays per voxel, interpolation, borders, crop box, table, lights;
-   no integrals: segments have a table of their own, which `slicecast table` writes; no surfaces. */
+   no integrals: segments have a table of their own, which `slicecast table` writes; no surfaces, no scale of extinctions. */
 static const SlicecastScene {lower} = {{
     SLICECAST_VERSION,
     {dims},
@@ -115,6 +115,7 @@ static const SlicecastScene {lower} = {{
     0,
     0,
     0,
+    {{0, 0}},
 }};
 
 /* Its pipeline: a call that gives the description. */

@@ -23,7 +23,7 @@ pub fn spacing_factors(spacing: [f64; 3]) -> [f64; 3] {
 
 /// Components smaller than this are rounding noise of the interpolation (eight corners of up to 2^14, each good to
 /// 2^-52 of itself) and count as zero: otherwise the centre of a symmetric object would get a random normal.
-const NOISE: f64 = 1.0 / (1_u64 << 34) as f64;
+pub(super) const NOISE: f64 = 1.0 / (1_u64 << 34) as f64;
 
 /// The voxel grid's central differences ([`Grid::central_difference`]), trilinearly interpolated at a position
 /// inside the volume. No spacing factors: code units per two voxels, along i, j, k. Components below 2^-34 are zero.

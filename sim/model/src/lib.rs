@@ -11,6 +11,7 @@
 //! | grid        | voxels in the frame (i, j, k), differences of neighbours   | section 4.3     |
 //! | interpolate | value at a position                                        | equations 13-14 |
 //! | gradient    | gradient at a position, normal                             | section 4.3     |
+//! | spline      | value and slopes by quadratic B-splines, in place of both  | de Boor         |
 //! | classify    | colour and opacity of a value, correction for the step     | equation 7      |
 //! | segment     | colour and opacity between two samples                     | Engel et al., 5, 6 |
 //! | clip        | what clip planes leave of a segment, and of a place          | Pfister et al. 1999 |
@@ -43,6 +44,7 @@ pub mod rays;
 mod render;
 mod segment;
 pub mod shade;
+pub mod spline;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]

@@ -11,6 +11,7 @@ use super::parts::{Crossing, Isosurface, Part, crossings, cut, pieces, surfaces}
 use super::rays::{Geometry, Lattice};
 use super::segment::Bins;
 use super::shade::Lights;
+use super::spline;
 use super::warp::ModelImage;
 use slicecast_scene::modulation::Modulation;
 use slicecast_scene::{Blend, Borders, Classification, Interpolation, Scene};
@@ -42,6 +43,8 @@ pub struct Model<'a> {
     blend: Blend,
     /// Whether samples lie at voxels.
     nearest: bool,
+    /// Whether they are splines.
+    splines: bool,
     segments: Segmented,
     surfaces: Vec<Isosurface>,
     /// Whether the volume is drawn, and not surfaces alone.
@@ -127,6 +130,7 @@ impl<'a> Model<'a> {
             lights: scene.lighting.as_ref().map(|l| Lights::new(l, &camera, &geometry)),
             blend: scene.blend,
             nearest: scene.interpolation == Interpolation::Nearest,
+            splines: scene.interpolation == Interpolation::Quadratic,
             segments: Segmented::Not,
             surfaces: surfaces(scene, &volume.mapping),
             with_volume: scene.classification != Classification::None,
@@ -311,6 +315,9 @@ impl<'a> Model<'a> {
 
     /// The value at a position inside the volume, code units.
     pub fn value_at(&self, position: [f64; 3]) -> f64 {
+        if self.splines {
+            return spline::value_at(&self.grid, position);
+        }
         value_at(&self.grid, position)
     }
 
@@ -319,9 +326,12 @@ impl<'a> Model<'a> {
         self.position(plane, u, v).map(|p| self.value_at(p))
     }
 
-    /// The interpolated central differences at a position inside the volume, without spacing factors: code units
-    /// per two voxels, along i, j, k.
+    /// The interpolated central differences at a position inside the volume, or twice the slopes of the spline there, without spacing
+    /// factors: code units per two voxels, along i, j, k.
     pub fn difference_at(&self, position: [f64; 3]) -> [f64; 3] {
+        if self.splines {
+            return spline::difference_at(&self.grid, position);
+        }
         difference_at(&self.grid, position)
     }
 

@@ -89,6 +89,7 @@ impl Scene {
         self.cueing()?;
         self.modulation()?;
         self.reflectance()?;
+        self.splines()?;
         self.colours()?;
         self.classification()?;
         self.surfaces()?;
@@ -120,6 +121,8 @@ impl Scene {
             "a scene of values, not of [colours]"
         } else if self.classification != Classification::Point {
             "render.classification \"point\", without surfaces: a segment has two gradients"
+        } else if self.interpolation == Interpolation::Quadratic {
+            "sampling.interpolation \"linear\" or \"nearest\""
         } else if self.lighting.is_none() && modulation.lights() {
             "[lighting]: without it there is no light to modulate, and opacity alone can be"
         } else {
@@ -142,6 +145,8 @@ impl Scene {
             "render.classification \"point\", without surfaces"
         } else if self.modulation.is_some() {
             "no [modulation], which weighs each light by itself"
+        } else if self.interpolation == Interpolation::Quadratic {
+            "sampling.interpolation \"linear\" or \"nearest\""
         } else if self.lighting.is_none() {
             "[lighting]: without it there is no light to look up"
         } else {
@@ -163,13 +168,19 @@ impl Scene {
         Ok(())
     }
 
+    /// Splines are of composited samples.
+    fn splines(&self) -> Result<(), FieldError> {
+        if self.interpolation != Interpolation::Quadratic || self.blend.is_composited() {
+            return Ok(());
+        }
+        let expected =
+            "\"linear\" or \"nearest\" under a projection, or render.blend \"front-to-back\" or \"back-to-front\"";
+        Err(FieldError::new("sampling.interpolation", "\"quadratic\"", expected))
+    }
+
     /// What classifies values has no place beside colours, nor what samples colours beside values.
     fn colours(&self) -> Result<(), FieldError> {
         let Some(colours) = self.colours else {
-            if self.interpolation == Interpolation::Quadratic {
-                let expected = "\"linear\" or \"nearest\": splines are of volumes of [colours]";
-                return Err(FieldError::new("sampling.interpolation", "\"quadratic\"", expected));
-            }
             return Ok(());
         };
         let Colours {
@@ -229,6 +240,9 @@ impl Scene {
         }
         if self.interpolation == Interpolation::Nearest {
             return refused("with nearest interpolation: between labels lie values that no voxel has");
+        }
+        if self.interpolation == Interpolation::Quadratic {
+            return refused("with quadratic interpolation: segments lie between linear samples");
         }
         Ok(())
     }

@@ -503,7 +503,7 @@ pub enum Interpolation {
     Linear,
     /// That of the nearest voxel: for labels, which are names.
     Nearest,
-    /// A spline of second degree about the nearest of 27 voxels, which smooths: for volumes of colours.
+    /// A spline of second degree about the nearest of 27 voxels, which smooths.
     Quadratic,
 }
 

@@ -252,6 +252,9 @@ impl Args {
                 "--converged: the integral is of values interpolated between voxels, and the scene samples the nearest one",
             ));
         }
+        if self.converged {
+            prepared.check_linear()?;
+        }
         let split = if self.converged {
             let split = with_bar("converging", |progress| {
                 on_threads(self.threads.count(), || split(&prepared, &comparison, progress))

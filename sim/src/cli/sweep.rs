@@ -136,6 +136,7 @@ impl Args {
                 let view = view?;
                 view.check_points()?;
                 view.check_unmodulated()?;
+                view.check_linear()?;
                 Ok(view.with_simd(self.threads.simd()))
             })
             .collect::<Result<_, RenderError>>()?;

@@ -73,6 +73,19 @@ impl<'a> Grid<'a> {
         i32::from(self.voxels[at as usize])
     }
 
+    /// The voxel nearest to a sample, halves up, and its neighbours, `[z][y][x]`; beyond a face the last one is repeated.
+    pub(super) fn about(&self, cells: Cells) -> [[[u16; 3]; 3]; 3] {
+        let [i, j, k] = cells.map(|c| {
+            if c.weight.to_bits() >= 0x8000 {
+                c.index + 1
+            } else {
+                c.index
+            }
+        });
+        let voxel = |place: [i32; 3]| self.voxel(place.map(|c| c.max(0))) as u16;
+        [-1, 0, 1].map(|z| [-1, 0, 1].map(|y| [-1, 0, 1].map(|x| voxel([i + x, j + y, k + z]))))
+    }
+
     /// The volume continued by one voxel along i and j. Further out only weights of 0 reach.
     pub(super) fn continued(&self, [i, j, k]: [i32; 3]) -> i32 {
         let [ni, nj, _] = self.last.map(|last| last + 1);

@@ -534,6 +534,10 @@ fn reflectance_maps_arrive_and_are_refused_where_there_are_none() {
             "`reflectance` is given, expected no [modulation]",
         ),
         (
+            "[reflectance]\nside = 8\n[sampling]\ninterpolation = \"quadratic\"",
+            "`reflectance` is given, expected sampling.interpolation",
+        ),
+        (
             "[reflectance]\nside = 8\n[render]\nclassification = \"integral\"",
             "`reflectance` is given, expected render.classification \"point\"",
         ),
@@ -543,6 +547,30 @@ fn reflectance_maps_arrive_and_are_refused_where_there_are_none() {
     }
     let unlit = with("[reflectance]\nside = 8").unwrap_err().to_string();
     assert!(unlit.contains("`reflectance` is given, expected [lighting]"), "{unlit}");
+}
+
+#[test]
+fn splines_arrive_and_are_refused_where_there_are_none() {
+    let splines = "[sampling]\ninterpolation = \"quadratic\"\n";
+    let read = with(splines).unwrap();
+    assert_eq!(read.interpolation, Interpolation::Quadratic);
+    for (lines, expected) in [
+        (
+            "[render]\nblend = \"maximum\"",
+            "`sampling.interpolation` is \"quadratic\", expected \"linear\" or \"nearest\" under a projection",
+        ),
+        (
+            "[render]\nclassification = \"integral\"",
+            "`render.classification` is \"integral\", expected \"point\" with quadratic interpolation",
+        ),
+        (
+            "[modulation]\nopacity = [[0, 0.25], [120.5, 1]]",
+            "`modulation` is given, expected sampling.interpolation \"linear\"",
+        ),
+    ] {
+        let error = with(&format!("{splines}{lines}")).unwrap_err().to_string();
+        assert!(error.contains(expected), "{lines}: {error}");
+    }
 }
 
 #[test]
@@ -584,6 +612,10 @@ fn surfaces_are_read_with_their_defaults() {
         (
             "[[surface]]\nvalue = 1\n[sampling]\ninterpolation = \"nearest\"",
             "no [[surface]], and \"point\" with nearest interpolation",
+        ),
+        (
+            "[[surface]]\nvalue = 1\n[sampling]\ninterpolation = \"quadratic\"",
+            "no [[surface]], and \"point\" with quadratic interpolation",
         ),
         (
             "[[surface]]\nvalue = 1\n[render]\nblend = \"maximum\"",
