@@ -19,7 +19,7 @@
 use core::ops::Range;
 
 use crate::crop::Faces;
-use crate::exp2::absorbed;
+use crate::exp2::{LIMIT, absorbed};
 use crate::format::{Opacity, Position, Step};
 use crate::lanes::{Lanes, Small, Wide as _, places};
 use crate::plan::Plan;
@@ -278,6 +278,33 @@ fn opacity_of_part<V: Lanes>(opacity: V, fraction: V) -> V {
     // A depth is a whole number of 2^-24: the part of a very thin step would round to more than the step.
     one.wrapping_sub(transparency.nonzero_then(left))
         .at_most_unsigned(opacity)
+}
+
+/// The opacity of a step that is so many times as long, `1 - (1 - a)^l`, 1.31, at least a: l in 3.20, 1 to
+/// [`LENGTH_MAX`](crate::perspective::LENGTH_MAX). What is transparent stays transparent, what is opaque opaque. This function is the
+/// definition.
+#[inline(always)]
+pub fn opacity_of_length<V: Lanes>(opacity: V, length: V) -> V {
+    let one = V::splat(i32::MIN);
+    let transparency = one.wrapping_sub(opacity);
+    let y = depth(transparency).product(length) + V::Wide::splat(1 << 22);
+    let y = y.shr_narrow(23).at_most_unsigned(V::splat(LIMIT as i32));
+    let left = transparency.nonzero_then(one.wrapping_sub(absorbed(y)));
+    opacity.nonzero_then(one.wrapping_sub(left.at_most_unsigned(transparency)))
+}
+
+/// Applies [`opacity_of_length`] along a row, of another length in each column.
+#[inline(always)]
+pub fn lengths_row<V: Lanes>(opacities: &mut [i32], lengths: &[i32]) {
+    let Some(lengths) = lengths.get(..opacities.len()) else {
+        return;
+    };
+    for at in places::<V>(opacities.len()) {
+        let opacity = V::load(opacities, at);
+        if !opacity.all_zero() {
+            opacity_of_length(opacity, V::load(lengths, at)).store(opacities, at);
+        }
+    }
 }
 
 /// [`opacity_of_fraction`] of one opacity.

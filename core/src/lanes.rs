@@ -113,6 +113,10 @@ pub trait Lanes:
     /// of two.
     fn look_up<const N: usize>(values: &[u32; N], samples: &[i32], at: usize, coding: Coding) -> [Self; 2];
 
+    /// The elements of a row at a place and these many behind it, each fewer than twice the number of lanes, with one lane none: two vectors
+    /// are loaded, and no memory is gathered. 0 behind the end of the row.
+    fn picked(row: &[i32], place: usize, offsets: Self) -> Self;
+
     /// Lanes 1 .. of this and the first of `next`: each lane's right neighbour.
     fn followed_by(self, next: Self) -> Self;
     /// Sum modulo 2^32.

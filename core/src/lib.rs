@@ -96,6 +96,7 @@ pub mod locate;
 mod log;
 pub mod modulate;
 pub mod normalise;
+pub mod perspective;
 pub mod plan;
 pub mod plane;
 pub mod precision;

@@ -9,6 +9,7 @@ mod rays;
 use crate::borders::Borders;
 use crate::crop::Faces;
 use crate::format::{Intensity, Step};
+use crate::perspective::{Eye, EyeError, Spread};
 use crate::plane::parts::{CELLS, Exact, NODES};
 use crate::view::{View, ratio};
 
@@ -78,6 +79,8 @@ pub struct Plan {
     offset: [i64; 2],
     step: [Step; 3],
     nearest: bool,
+    /// Whether rays come from an eye.
+    spreads: bool,
     /// `None`: whole borders.
     exact: Option<&'static Exact>,
 }
@@ -260,6 +263,7 @@ impl Plan {
             offset: [0; 2],
             step: [si, sj, Step::from_bits(ratio(1, 1, rate) as i64)],
             nearest: false,
+            spreads: false,
             exact,
         };
         if matches!(borders, Borders::Whole) {
@@ -270,6 +274,51 @@ impl Plan {
             plan.reach();
         }
         Ok(plan)
+    }
+
+    /// A plan of rays that spread from an eye ([`perspective`](crate::perspective)), with [`Borders::Whole`], and these rays, which a pipeline
+    /// in perspective has beside it ([`plane::Perspective`](crate::plane::Perspective)). Of the view only axis and
+    /// sense count. `rays_per_voxel` is of the last slice; all rays are of one phase.
+    ///
+    /// Base plane: the columns and rows of pixels in the last slice whose rays meet the volume in front of the eye.
+    ///
+    /// # Errors
+    /// [`EyeError`], with what is out of range.
+    pub fn perspective(
+        view: View,
+        dims: [u32; 3],
+        spacing: Spacing,
+        sampling: Sampling,
+        eye: Eye,
+    ) -> Result<(Self, Spread), EyeError> {
+        let plan = Self::whole(view.straight(), dims, spacing, sampling)?;
+        let rate = (sampling.rays_per_voxel, sampling.planes_per_voxel);
+        let spread = Spread::of(eye, plan.volume, plan.spacing, rate)?;
+        let plan = Self {
+            base: spread.base(),
+            sampling: Sampling {
+                rays_per_voxel: 1,
+                ..sampling
+            },
+            spreads: true,
+            ..plan
+        };
+        Ok((plan, spread))
+    }
+
+    /// Whether its rays come from an eye: those of the [`Spread`] that was made with it.
+    pub const fn spreads(&self) -> bool {
+        self.spreads
+    }
+
+    /// Elements of the longest row: voxels of a slice or, in perspective, pixels of the image if these are more.
+    pub const fn longest_row(&self) -> u32 {
+        let ([width, _, _], [columns, _]) = (self.dims, self.base);
+        if self.spreads && columns > width {
+            columns
+        } else {
+            width
+        }
     }
 
     /// The same plan with steps of fewer fraction bits, each rounded to nearest: for studies of what a machine loses that

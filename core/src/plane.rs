@@ -15,6 +15,7 @@
 //! | `clipped` | what clip planes leave of them |
 //! | `source`, `probe` | samples and gradients between the voxels, by rows and by vectors |
 //! | `slabs` | the same of two planes, for segments |
+//! | `spread` | rays that spread from an eye: their samples, gradients and steps |
 //! | `smooth` | samples and gradients by splines |
 //! | `splines` | compositing of such samples, of values |
 //! | `kernels` | row kernels of a classifier and a shader |
@@ -40,6 +41,7 @@ mod slabs;
 mod smooth;
 mod source;
 mod splines;
+mod spread;
 
 use core::fmt::Debug;
 use core::ops::Range;
@@ -51,6 +53,7 @@ pub use self::project::Project;
 pub use self::rgba::{Filter, Rgba, Trilinear, Triquadratic};
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
 pub use self::splines::Splines;
+pub use self::spread::Perspective;
 use crate::classify::Support;
 use crate::clip::Clipper;
 use crate::composite::{ChannelFormat, Pixel, Recurrence};
@@ -81,6 +84,8 @@ pub trait Pipeline: Sync {
     const SCRATCH: ScratchRows;
     /// Whether a plane is folded together with the one in front of it; the first plane then folds to nothing.
     const SLABS: bool = false;
+    /// Whether its rays spread from an eye: its plans are those of [`Plan::perspective`], and others' plans are not.
+    const SPREADS: bool = false;
     /// Whether planes go from the last to the first.
     const BACK_TO_FRONT: bool;
     /// Which voxel ranges can change the image; `None` where any can.
@@ -145,6 +150,7 @@ impl<L: Pipeline> Pipeline for &L {
     const SLICES: usize = L::SLICES;
     const SCRATCH: ScratchRows = L::SCRATCH;
     const SLABS: bool = L::SLABS;
+    const SPREADS: bool = L::SPREADS;
     const BACK_TO_FRONT: bool = L::BACK_TO_FRONT;
 
     fn support(&self) -> Option<Support> {
@@ -181,7 +187,8 @@ impl<L: Pipeline> Pipeline for &L {
     }
 }
 
-/// Words of scratch memory that a pipeline needs for slices of this width.
+/// Words of scratch memory that a pipeline needs for slices of this width; in perspective for rows of this length
+/// ([`Plan::longest_row`]).
 pub const fn scratch_len<L: Pipeline>(width: u32) -> usize {
     L::SCRATCH.len(width)
 }

@@ -26,6 +26,7 @@
 //! Sums saturate (8 lights of 1.0 each are allowed) and are clamped to 1. State: none.
 
 mod arithmetic;
+mod gaze;
 pub mod map;
 #[cfg(test)]
 mod tests;
@@ -39,9 +40,11 @@ use crate::normalise::Normal;
 use crate::precision::Precision;
 use crate::rows::three;
 
+use arithmetic::dot_with;
 pub(crate) use arithmetic::weighed;
-use arithmetic::{along, ambient, brighter, for_products, lit, lit_weighted, opposite, reflected_lanes, weighted};
+use arithmetic::{along, ambient, brighter, for_products, lit, lit_weighted, opposite, weighted};
 pub use arithmetic::{dot, dot_lanes, formed, formed_nearest, power, power_lanes, reflected};
+use gaze::{Gaze, Parallel, Spreading};
 
 /// The largest number of lights.
 pub const LIGHTS_MAX: usize = 8;
@@ -65,6 +68,18 @@ pub trait Shader<P: Precision>: Sync {
     /// Shades the colours of a row in place, so that its rows hold them. Rows of equal length: components of g, r, and
     /// colours (as the pixel takes them).
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>);
+
+    /// The same of rays that spread: with the unit vectors towards the eye, s1.30.
+    #[inline(always)]
+    fn shade_towards_row<V: Lanes>(
+        &self,
+        g: [&[i32]; 3],
+        r: &[i32],
+        _towards: [&[i32]; 3],
+        colours: &mut Colours<'_, i32>,
+    ) {
+        self.shade_row::<V>(g, r, colours);
+    }
 
     /// The same with the places of the gradients' magnitudes ([`magnitude`](crate::modulate::magnitude)).
     #[inline(always)]
@@ -186,7 +201,7 @@ pub struct Phong<P> {
 
 /// A light with the bits that a precision keeps.
 #[derive(Clone, Copy, Debug)]
-struct Source {
+pub(crate) struct Source {
     /// -L.
     away: [i32; 3],
     /// -H.
@@ -431,10 +446,27 @@ impl<P: Precision> Phong<P> {
         [red, green, blue].map(|[c]| c)
     }
 
+    /// Colour of a sample with this normal and classified colour, whose ray comes from an eye in this direction (a unit vector, s1.30).
+    /// This function is the definition: a row of one.
+    #[inline]
+    pub fn shade_towards(&self, normal: Normal, towards: [i32; 3], colour: [u32; 3]) -> [u32; 3] {
+        let [x, y, z] = normal.g.map(|c| [c]);
+        let [i, j, k] = towards.map(|c| [c]);
+        let [mut red, mut green, mut blue] = colour.map(|c| [c as i32]);
+        let mut colours = Colours {
+            one: None,
+            rows: [&mut red, &mut green, &mut blue],
+        };
+        let r = [normal.r as i32];
+        Shader::<P>::shade_towards_row::<i32>(self, [&x, &y, &z], &r, [&i, &j, &k], &mut colours);
+        [red, green, blue].map(|[c]| c as u32)
+    }
+
     /// Shades a row whose colours lie in these rows, in place.
     #[inline(always)]
-    fn shade_matter<V: Lanes, W: Weights, M: Matter>(
+    fn shade_matter<V: Lanes, G: Gaze, W: Weights, M: Matter>(
         &self,
+        gaze: G,
         weights: W,
         ([gx, gy, gz], r): ([&[i32]; 3], &[i32]),
         matter: M,
@@ -450,18 +482,19 @@ impl<P: Precision> Phong<P> {
         };
         let (normals, colour) = (Normals { g: [gx, gy, gz], r }, [red, green, blue]);
         match (V::COUNT > 1, self.grey) {
-            (true, true) => self.shade_row_by::<V, W, M, 2, 1>(weights, normals, matter, colour),
-            (true, false) => self.shade_row_by::<V, W, M, 2, 3>(weights, normals, matter, colour),
-            (false, true) => self.shade_row_by::<V, W, M, 1, 1>(weights, normals, matter, colour),
-            (false, false) => self.shade_row_by::<V, W, M, 1, 3>(weights, normals, matter, colour),
+            (true, true) => self.shade_row_by::<V, G, W, M, 2, 1>(gaze, weights, normals, matter, colour),
+            (true, false) => self.shade_row_by::<V, G, W, M, 2, 3>(gaze, weights, normals, matter, colour),
+            (false, true) => self.shade_row_by::<V, G, W, M, 1, 1>(gaze, weights, normals, matter, colour),
+            (false, false) => self.shade_row_by::<V, G, W, M, 1, 3>(gaze, weights, normals, matter, colour),
         }
     }
 
     /// Shades a row, `B` vectors at a time and each step on all of them: one chain of dependent operations as long as
     /// all steps would leave a processor waiting. `N` channels differ in their coefficients: 1 (grey light) or 3.
     #[inline(always)]
-    fn shade_row_by<V: Lanes, W: Weights, M: Matter, const B: usize, const N: usize>(
+    fn shade_row_by<V: Lanes, G: Gaze, W: Weights, M: Matter, const B: usize, const N: usize>(
         &self,
+        gaze: G,
         weights: W,
         normals: Normals<'_>,
         matter: M,
@@ -479,7 +512,7 @@ impl<P: Precision> Phong<P> {
                     *sum = [ambient::<P, V>(p, k), zero];
                 }
                 if reflection {
-                    *facing = normals.dot::<P, V>(p, at, self.away_from_viewer);
+                    *facing = gaze.facing::<P, V>(p, normals, at);
                 }
             }
             for light in &self.lights {
@@ -490,9 +523,9 @@ impl<P: Precision> Phong<P> {
                         continue;
                     }
                     *base = if reflection {
-                        reflected_lanes::<P, V>(p, *nv, nl, light.along)
+                        gaze.reflected::<P, V>(p, at, light, *nv, nl)
                     } else {
-                        nl.nonzero_then(normals.dot::<P, V>(p, at, light.away_from_half))
+                        nl.nonzero_then(gaze.half_way::<P, V>(p, normals, at, light))
                     };
                     let x = weights.diffuse(p, at, for_products::<P, V>(p, nl.narrow()));
                     for ([d, _], k) in sums.iter_mut().zip(light.diffuse) {
@@ -568,7 +601,7 @@ impl Matter for Coloured<'_> {
 
 /// Rows of normals.
 #[derive(Clone, Copy)]
-struct Normals<'a> {
+pub(crate) struct Normals<'a> {
     g: [&'a [i32]; 3],
     r: &'a [i32],
 }
@@ -577,13 +610,15 @@ impl Normals<'_> {
     /// [`dot_lanes`] of the normals at a place.
     #[inline(always)]
     fn dot<P: Precision, V: Lanes>(&self, p: P, at: usize, away: [i32; 3]) -> V::Wide {
+        self.dot_with::<P, V>(p, at, away.map(V::splat))
+    }
+
+    /// The same with another vector in each lane.
+    #[inline(always)]
+    fn dot_with<P: Precision, V: Lanes>(&self, p: P, at: usize, away: [V; 3]) -> V::Wide {
         let [x, y, z] = self.g;
-        dot_lanes::<P, V>(
-            p,
-            [V::load(x, at), V::load(y, at), V::load(z, at)],
-            V::load(self.r, at),
-            away,
-        )
+        let g = [V::load(x, at), V::load(y, at), V::load(z, at)];
+        dot_with::<P, V>(p, g, V::load(self.r, at), away)
     }
 }
 
@@ -611,9 +646,22 @@ impl<P: Precision> Shader<P> for Phong<P> {
     }
 
     #[inline(always)]
+    fn shade_towards_row<V: Lanes>(
+        &self,
+        g: [&[i32]; 3],
+        r: &[i32],
+        towards: [&[i32]; 3],
+        colours: &mut Colours<'_, i32>,
+    ) {
+        let classified = Classified(colours.one.take());
+        let [red, green, blue] = &mut colours.rows;
+        self.shade_matter::<V, _, _, _>(Spreading { towards }, Unweighed, (g, r), classified, [red, green, blue]);
+    }
+
+    #[inline(always)]
     fn shade_weighted_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], extinction: &[i32], colours: [&mut [i32]; 3]) {
         if let Some(extinction) = extinction.get(..r.len()) {
-            self.shade_matter::<V, _, _>(Unweighed, (g, r), Coloured(extinction), colours);
+            self.shade_matter::<V, _, _, _>(self.parallel(), Unweighed, (g, r), Coloured(extinction), colours);
         }
     }
 }
@@ -630,6 +678,14 @@ impl<P: Precision> Phong<P> {
     ) {
         let classified = Classified(colours.one.take());
         let [red, green, blue] = &mut colours.rows;
-        self.shade_matter::<V, _, _>(weights, (g, r), classified, [red, green, blue]);
+        self.shade_matter::<V, _, _, _>(self.parallel(), weights, (g, r), classified, [red, green, blue]);
+    }
+
+    /// The viewer of parallel rays.
+    #[inline(always)]
+    const fn parallel(&self) -> Parallel {
+        Parallel {
+            away: self.away_from_viewer,
+        }
     }
 }

@@ -57,7 +57,7 @@ impl Needs {
         Self {
             slices: L::SLICES * L::Voxel::WORDS * width as usize * height as usize,
             ranges: L::SLICES * height as usize,
-            scratch: scratch_len::<L>(width),
+            scratch: scratch_len::<L>(plan.longest_row()),
             image: rows_len::<L>(plan, rows).saturating_mul(plan.phases() as usize),
             element_bytes: size_of::<L::Element>(),
         }
@@ -144,6 +144,8 @@ pub enum StreamError {
     Complete,
     /// A slice has been taken; clip planes come before.
     Begun,
+    /// A plan in perspective and a pipeline of parallel rays, or the other way round.
+    Rays,
 }
 
 impl core::fmt::Display for StreamError {
@@ -162,6 +164,9 @@ impl core::fmt::Display for StreamError {
                 write!(f, "a band from row {first} to {end}; the image has rows 0 to {rows}")
             }
             Self::Slice(error) => error.fmt(f),
+            Self::Rays => {
+                f.write_str("a plan and a pipeline of which one is in perspective and the other has parallel rays")
+            }
             Self::Begun => f.write_str("clip planes after the first slice; they come before"),
             Self::Complete => f.write_str("all slices of the volume have been pushed"),
         }
@@ -200,7 +205,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// Begins a frame: checks the memory and clears the image.
     ///
     /// # Errors
-    /// [`StreamError::Memory`] for the first part that is too small.
+    /// [`StreamError::Memory`] for the first part that is too small, [`StreamError::Rays`].
     pub fn new(plan: Plan, pipeline: L, memory: Memory<'m, L::Element>) -> Result<Self, StreamError> {
         let [_, base_height] = plan.base();
         Self::band(plan, pipeline, memory, 0..base_height)
@@ -220,6 +225,9 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     ) -> Result<Self, StreamError> {
         let Range { start: first, end } = band;
         let [_, base_height] = plan.base();
+        if L::SPREADS != plan.spreads() {
+            return Err(StreamError::Rays);
+        }
         if first >= end || end > base_height {
             let rows = base_height;
             return Err(StreamError::Band { first, end, rows });

@@ -126,6 +126,15 @@ impl View {
         })
     }
 
+    /// The view along its major axis.
+    #[must_use]
+    pub const fn straight(self) -> Self {
+        Self {
+            lateral: [0; 2],
+            ..self
+        }
+    }
+
     /// The view from angles in radians, for a device that has no better source: azimuth about +z (0 looks along +y),
     /// elevation above the xy plane, and the voxel spacing along x, y, z. Sine and cosine are `micromath`'s (single
     /// precision, the same bits on every target); expect the direction to be off by up to 0.1 degrees. The host program works

@@ -112,6 +112,7 @@ impl ColourFrame {
                 material: self.material.clone(),
                 step_length: 1.0,
                 additive: ADDITIVE,
+                spread: None,
                 clips: clips(&plan, &self.clips, self.cue.as_ref()),
                 plan,
             },

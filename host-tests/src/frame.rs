@@ -10,6 +10,7 @@ use slicecast::cut::Cut;
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::integral::{Colours, Length};
 use slicecast::modulate::Modulation;
+use slicecast::perspective::{Eye, Spread};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::project::Sum;
 use slicecast::slice::Slice;
@@ -41,6 +42,8 @@ pub struct Frame {
     pub volume: Arc<Volume>,
     /// Viewing direction in voxel units, any scale; each component within +-2^30.
     pub direction: [i64; 3],
+    /// The eye of a frame in perspective, along the direction's major axis; `None` is a parallel one.
+    pub eye: Option<Eye>,
     /// Spacing factors along x, y, z, 1.15.
     pub factors: [u16; 3],
     /// Planes a voxel.
@@ -113,6 +116,7 @@ impl Frame {
         Self {
             volume,
             direction: [0, 0, 1],
+            eye: None,
             factors: [32768; 3],
             planes_per_voxel: 1,
             rays_per_voxel: 1,
@@ -171,6 +175,7 @@ impl Frame {
             crop: None,
             clips: Vec::new(),
             cueing: None,
+            perspective: None,
             modulation: None,
             reflectance: self.reflectance,
             surfaces: Vec::new(),
@@ -182,6 +187,11 @@ impl Frame {
     /// # Errors
     /// [`CameraError`] if core refuses the view or the sampling.
     pub fn plan(&self) -> Result<Plan, CameraError> {
+        Ok(self.rays()?.0)
+    }
+
+    /// The plan and, in perspective, its rays.
+    fn rays(&self) -> Result<(Plan, Option<Spread>), CameraError> {
         let view = View::new(self.direction.map(|c| Direction::from_bits(c << 28)))?;
         let dims = self.volume.dims.map(|side| side as u32);
         let spacing = Spacing(self.factors.map(Intensity::from_bits));
@@ -189,12 +199,16 @@ impl Frame {
             planes_per_voxel: self.planes_per_voxel,
             rays_per_voxel: self.rays_per_voxel,
         };
+        if let Some(eye) = self.eye {
+            let (plan, spread) = Plan::perspective(view, dims, spacing, sampling, eye)?;
+            return Ok((plan, Some(spread)));
+        }
         let plan = Plan::with_borders(view, dims, spacing, sampling, self.borders)?;
         let plan = match self.crop {
             None => plan,
             Some(crop) => plan.with_crop(crop)?,
         };
-        Ok(if self.nearest { plan.with_nearest() } else { plan })
+        Ok((if self.nearest { plan.with_nearest() } else { plan }, None))
     }
 
     /// The table as the engine has it.
@@ -271,7 +285,7 @@ impl Frame {
     /// # Panics
     /// If core refuses the frame: tests state frames that it takes.
     pub fn with_prepared<R>(&self, run: impl FnOnce(&Prepared<'_>, &[Slice<'_>]) -> R) -> R {
-        let plan = self.plan().expect("a frame that has a plan");
+        let (plan, spread) = self.rays().expect("a frame that has a plan");
         let scene = self.scene();
         let prepared = Prepared {
             scene: &scene,
@@ -281,6 +295,7 @@ impl Frame {
                 material: self.material.clone(),
                 step_length: 1.0,
                 additive: ADDITIVE,
+                spread,
                 clips: clips(&plan, &self.clips, self.cue.as_ref()),
                 plan,
             },

@@ -26,7 +26,7 @@ use slicecast_scene::{Blend, PrecisionName};
 use std::cell::Cell;
 use std::sync::Arc;
 
-use super::frames::{borders_of, crop, cropped, frame, light, splined};
+use super::frames::{borders_of, crop, cropped, frame, frame_in_perspective, light, splined};
 
 /// One tile for the whole base plane.
 const WHOLE: usize = 1 << 20;
@@ -119,6 +119,20 @@ proptest! {
 
     #[test]
     fn every_layer_follows_the_definitions(frame in frame()) {
+        for precision in PrecisionName::ALL {
+            if let Err(difference) = hold_together(&frame.in_precision(precision)) {
+                prop_assert!(false, "{}: {difference}", precision.name());
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(1000, 21))]
+
+    /// Rays from an eye.
+    #[test]
+    fn every_layer_follows_the_definitions_in_perspective(frame in frame_in_perspective()) {
         for precision in PrecisionName::ALL {
             if let Err(difference) = hold_together(&frame.in_precision(precision)) {
                 prop_assert!(false, "{}: {difference}", precision.name());

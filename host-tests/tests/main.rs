@@ -15,6 +15,7 @@ mod licences;
 mod lock_step;
 mod packages;
 mod parts;
+mod perspective;
 mod small;
 mod tolerance;
 mod vectors;

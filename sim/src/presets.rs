@@ -141,6 +141,7 @@ pub fn scene(name: &str, loaded: &Loaded, statistics: &Statistics, source: &dyn 
         crop: None,
         clips: Vec::new(),
         cueing: None,
+        perspective: None,
         modulation: None,
         reflectance: None,
         surfaces: Vec::new(),

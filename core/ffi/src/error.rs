@@ -261,6 +261,8 @@ impl From<StreamError> for SlicecastError {
             StreamError::Band { end, rows, .. } => Self::numbers(SLICECAST_BAND, rows.into(), end.into()),
             StreamError::Complete => Self::numbers(SLICECAST_COMPLETE, 0, 0),
             StreamError::Begun => Self::numbers(SLICECAST_BEGUN, 0, 0),
+            // No plan of this interface is in perspective.
+            StreamError::Rays => Self::numbers(SLICECAST_BAND, 0, 0),
             StreamError::Slice(SliceError::Voxel { row, column, value }) => Self {
                 row: row as u32,
                 column: column as u32,

@@ -350,3 +350,33 @@ fn base_planes_hold_the_box_and_no_more() {
     );
     assert_eq!(plan_of([0, 0], [2, 1, 2], [1, 1], Borders::Nodes), Err(PlanError::Thin));
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 20000, rng_seed: proptest::test_runner::RngSeed::Fixed(44), ..ProptestConfig::default() })]
+
+    /// Against real numbers; a step of its own length is left alone but for the rounding of a power.
+    #[test]
+    fn opacities_of_lengths_are_close(root in 0u32..=1 << 16, low in 0u32..=1 << 14, length in 1u32 << 20..(8 << 20) - 1) {
+        let opacity = ((root * (root >> 1)) + low).min(1 << 31);
+        let found = opacity_of_length(opacity as i32, length as i32) as u32;
+        let (a, l) = (f64::from(opacity) / 2147483648.0, f64::from(length) / 1048576.0);
+        let exact = (1.0 - (1.0 - a).powf(l)) * 2147483648.0;
+        let error = f64::from(found) - exact;
+        prop_assert!(error.abs() <= 100.0 * l, "{error} of {exact}, {opacity} {length}");
+        prop_assert!(found >= opacity);
+        prop_assert!(found == 0 || opacity > 0);
+        let (mut row, mut small) = ([opacity as i32, 0, opacity as i32], [opacity as i32, 0, opacity as i32]);
+        lengths_row::<i32>(&mut row, &[length as i32; 3]);
+        lengths_row::<Small>(&mut small, &[length as i32; 3]);
+        prop_assert_eq!(row, [found as i32, 0, found as i32]);
+        prop_assert_eq!(small, row);
+    }
+}
+
+#[test]
+fn what_is_opaque_stays_opaque_at_any_length() {
+    for length in [1 << 20, 3 << 20, (8 << 20) - 1] {
+        assert_eq!(opacity_of_length(i32::MIN, length), i32::MIN);
+        assert_eq!(opacity_of_length(0, length), 0);
+    }
+}

@@ -46,6 +46,10 @@ impl Lanes for i32 {
         [at(code), at(code + 1)]
     }
     #[inline(always)]
+    fn picked(row: &[i32], place: usize, _: Self) -> Self {
+        Self::load(row, place)
+    }
+    #[inline(always)]
     fn followed_by(self, next: Self) -> Self {
         next
     }

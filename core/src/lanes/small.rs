@@ -88,6 +88,10 @@ impl Lanes for Small {
         i32::look_up(values, samples, at, coding).map(Self)
     }
     #[inline(always)]
+    fn picked(row: &[i32], place: usize, _: Self) -> Self {
+        Self::load(row, place)
+    }
+    #[inline(always)]
     fn followed_by(self, next: Self) -> Self {
         next
     }

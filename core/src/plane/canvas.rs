@@ -4,7 +4,6 @@ use core::marker::PhantomData;
 use core::ops::Range;
 
 use super::blocks::Places;
-use super::extent::Extent;
 use crate::composite::{
     Channel, Colours, Dither, FrontToBack, Order, PixelRow, Recurrence, Weighted, fold_at, fold_row, fold_visible_row,
     fold_weighted_row,
@@ -79,7 +78,7 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
     pub(super) fn new(
         (first, data): (u32, &'a mut [R::Channel]),
         width: usize,
-        extent: &Extent,
+        columns: Range<usize>,
         plane: u32,
         (recurrence, floor): (R, R::Channel),
     ) -> Self {
@@ -87,7 +86,7 @@ impl<'a, R: Recurrence, O: Order, V: Lanes> Image<'a, R, O, V> {
             data,
             first,
             width,
-            columns: extent.columns.clone(),
+            columns,
             plane,
             dither: Dither::of_plane(plane),
             recurrence,

@@ -48,6 +48,12 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         }
     }
 
+    /// What it is made of, for the same over other rays.
+    #[inline(always)]
+    pub(super) const fn slots(&self) -> (P, &C, &S, ChannelOf<P>) {
+        (self.precision, &self.classifier, &self.shader, self.floor)
+    }
+
     /// Ends a ray when its transparency falls below `2^-bits` (which changes an 8-bit value by at most
     /// `255 * 2^-bits`), or at the precision's own floor if that is higher. Back to front no ray ends.
     #[must_use]
@@ -126,7 +132,7 @@ where
         let mut canvas = Image::<P::Pixel, O, V>::new(
             (first, rows.data),
             base_width,
-            extent,
+            extent.columns.clone(),
             plane.index,
             (precision.pixel(), self.floor),
         );

@@ -10,7 +10,7 @@ use super::Reading;
 use super::canvas::Canvas;
 use super::clipped::Clipped;
 use super::extent::{Extent, around};
-use super::kernels::{ClassifierRows, ShaderRows};
+use super::kernels::{Beside, ClassifierRows, ShaderRows};
 use super::scratch::BatchRows;
 use super::smooth;
 use super::source::Source;
@@ -63,6 +63,10 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
     fn visible(&mut self, canvas: &mut X, opacities: &mut [W]) -> Option<Range<usize>>;
     /// Their gradients, spaced; with their turns, those of crossings.
     fn gradients(&mut self, visible: Range<usize>, opacities: &[W], turns: Option<&[W]>, out: [&mut [W]; 3]);
+    /// The unit vectors from them towards the eye, where rays spread; else empty rows.
+    fn towards(&self, _visible: Range<usize>) -> [&[W]; 3] {
+        [&[]; 3]
+    }
     /// Multiplies their opacities by factors, if that is done before they are folded.
     fn weigh(&self, canvas: &X, visible: Range<usize>, opacities: &mut [W], factors: &[W]);
     /// Folds them into their pixels; factors, if there are any, are those of [`Batches::weigh`].
@@ -172,6 +176,7 @@ pub(super) fn fold<B, C, S, X>(
                         batches.gradients(visible.clone(), opacities, None, gradients);
                     }
                     let magnitudes = part_mut(magnitudes, 0..n);
+                    let towards = batches.towards(visible.clone());
                     if modulates {
                         shader.measure([&*gx, &*gy, &*gz], &mut *magnitudes);
                     }
@@ -179,9 +184,13 @@ pub(super) fn fold<B, C, S, X>(
                         see(*tap, Stage::Gradient, at, &[&mut *gx, &mut *gy, &mut *gz]);
                         shader.normalise([&mut *gx, &mut *gy, &mut *gz], &mut *r);
                         tap.row(Stage::Normal, at, &[&&*gx, &&*gy, &&*gz, &&*r]);
-                        shader.shade(([&*gx, &*gy, &*gz], &*r), &*magnitudes, &mut colours);
+                        let magnitudes = &*magnitudes;
+                        let beside = Beside { magnitudes, towards };
+                        shader.shade(([&*gx, &*gy, &*gz], &*r), beside, &mut colours);
                     } else {
-                        shader.normalise_and_shade(([gx, gy, gz], r), &*magnitudes, &mut colours);
+                        let magnitudes = &*magnitudes;
+                        let beside = Beside { magnitudes, towards };
+                        shader.normalise_and_shade(([gx, gy, gz], r), beside, &mut colours);
                     }
                     if cues {
                         batches.turn(visible.clone(), &mut colours);

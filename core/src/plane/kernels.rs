@@ -39,10 +39,24 @@ pub(super) trait ShaderRows<W> {
     fn factors(&self, magnitudes: &mut [W]) -> bool;
     /// Block-normalises gradients and makes their reciprocal lengths.
     fn normalise(&self, g: [&mut [W]; 3], r: &mut [W]);
-    /// Shades colours. Magnitudes are empty where none are read.
-    fn shade(&self, normals: ([&[W]; 3], &[W]), magnitudes: &[W], colours: &mut Colours<'_, W>);
+    /// Shades colours.
+    fn shade(&self, normals: ([&[W]; 3], &[W]), beside: Beside<'_, W>, colours: &mut Colours<'_, W>);
     /// Both, in one kernel.
-    fn normalise_and_shade(&self, normals: ([&mut [W]; 3], &mut [W]), magnitudes: &[W], colours: &mut Colours<'_, W>);
+    fn normalise_and_shade(
+        &self,
+        normals: ([&mut [W]; 3], &mut [W]),
+        beside: Beside<'_, W>,
+        colours: &mut Colours<'_, W>,
+    );
+}
+
+/// What shading reads besides normals and colours; rows that it does not read are empty.
+#[derive(Clone, Copy)]
+pub(super) struct Beside<'a, W> {
+    /// Of gradients.
+    pub(super) magnitudes: &'a [W],
+    /// Unit vectors towards the eye.
+    pub(super) towards: [&'a [W]; 3],
 }
 
 /// A classifier or shader in a precision, compiled for lanes.
@@ -229,18 +243,18 @@ impl<S: Shader<P>, P: Precision, V: Lanes> ShaderRows<i32> for Kernels<'_, S, P,
     }
 
     #[inline(always)]
-    fn shade(&self, (g, r): ([&[i32]; 3], &[i32]), magnitudes: &[i32], colours: &mut Colours<'_, i32>) {
-        V::enter((Shade, self, g, r, magnitudes, colours));
+    fn shade(&self, (g, r): ([&[i32]; 3], &[i32]), beside: Beside<'_, i32>, colours: &mut Colours<'_, i32>) {
+        V::enter((Shade, self, g, r, beside.magnitudes, colours));
     }
 
     #[inline(always)]
     fn normalise_and_shade(
         &self,
         (g, r): ([&mut [i32]; 3], &mut [i32]),
-        magnitudes: &[i32],
+        beside: Beside<'_, i32>,
         colours: &mut Colours<'_, i32>,
     ) {
-        V::enter((NormaliseAndShade, self, g, r, magnitudes, colours));
+        V::enter((NormaliseAndShade, self, g, r, beside.magnitudes, colours));
     }
 }
 
@@ -337,5 +351,69 @@ impl<S: Shader<P>, P: Precision, V: Lanes> Kernel
             normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
         }
         kernels.shaded([x, y, z], r, magnitudes, colours);
+    }
+}
+
+/// A shader of rays that spread, whose viewer is another in each column.
+pub(super) struct Towards<'a, S, P, V>(pub(super) Kernels<'a, S, P, V>);
+
+impl<S: Shader<P>, P: Precision, V: Lanes> ShaderRows<i32> for Towards<'_, S, P, V> {
+    #[inline(always)]
+    fn lit(&self) -> bool {
+        S::LIT
+    }
+
+    #[inline(always)]
+    fn modulates(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn measure(&self, _: [&[i32]; 3], _: &mut [i32]) {}
+
+    #[inline(always)]
+    fn factors(&self, _: &mut [i32]) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn normalise(&self, g: [&mut [i32]; 3], r: &mut [i32]) {
+        self.0.normalise(g, r);
+    }
+
+    #[inline(always)]
+    fn shade(&self, (g, r): ([&[i32]; 3], &[i32]), beside: Beside<'_, i32>, colours: &mut Colours<'_, i32>) {
+        V::enter((ShadeTowards, self, (g, r), beside.towards, colours));
+    }
+
+    #[inline(always)]
+    fn normalise_and_shade(
+        &self,
+        ([x, y, z], r): ([&mut [i32]; 3], &mut [i32]),
+        beside: Beside<'_, i32>,
+        colours: &mut Colours<'_, i32>,
+    ) {
+        self.0.normalise([&mut *x, &mut *y, &mut *z], r);
+        self.shade(([x, y, z], r), beside, colours);
+    }
+}
+
+struct ShadeTowards;
+
+impl<S: Shader<P>, P: Precision, V: Lanes> Kernel
+    for (
+        ShadeTowards,
+        &Towards<'_, S, P, V>,
+        ([&[i32]; 3], &[i32]),
+        [&[i32]; 3],
+        &mut Colours<'_, i32>,
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, Towards(kernels), (g, r), towards, colours) = self;
+        kernels.0.shade_towards_row::<V>(g, r, towards, colours);
     }
 }

@@ -231,7 +231,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
         let mut image = Image::<P::Pixel, FrontToBack, V>::new(
             (rows.first, &mut *rows.data),
             base_width,
-            extent,
+            extent.columns.clone(),
             plane.index,
             (precision.pixel(), self.floor),
         );

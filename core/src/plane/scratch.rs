@@ -31,6 +31,10 @@ pub enum Rows {
     UnlitSlabs,
     /// As [`Rows::Lit`], of two planes.
     LitSlabs,
+    /// As [`Rows::Unlit`], of rays that spread.
+    Spread,
+    /// As [`Rows::Lit`], of rays that spread.
+    LitSpread,
     /// As [`Rows::Unlit`], by splines.
     Splines,
     /// As [`Rows::Lit`], by splines.
@@ -51,6 +55,8 @@ impl Rows {
             Self::Modulated => 17,
             Self::UnlitSlabs => 10,
             Self::LitSlabs => 27,
+            Self::Spread => 12,
+            Self::LitSpread => 28,
             Self::Splines => 9,
             Self::LitSplines => 17,
         }
@@ -58,7 +64,7 @@ impl Rows {
 
     /// Whether gradients are made.
     const fn lit(self) -> bool {
-        matches!(self, Self::Lit | Self::Modulated | Self::LitSlabs)
+        matches!(self, Self::Lit | Self::Modulated | Self::LitSlabs | Self::LitSpread)
     }
 
     /// Whether two planes are sampled.
@@ -301,6 +307,70 @@ impl<'s, W> ColourScratch<'s, W> {
     }
 }
 
+/// Rows of a source of rays that spread.
+pub(super) struct SpreadScratch<'s, W> {
+    /// Voxels interpolated along z, of two voxel rows, or four where gradients are needed.
+    pub(super) z: [&'s mut [W]; 4],
+    /// The row inside a face, from which the row beyond it is made.
+    pub(super) inner: &'s mut [W],
+    /// The voxel rows interpolated along y: about the samples, one voxel before them and one behind.
+    pub(super) y: [&'s mut [W]; 3],
+    /// Derivatives along z, interpolated along z, of an even and an odd voxel row.
+    pub(super) derivatives: [&'s mut [W]; 2],
+    /// The same interpolated along y.
+    pub(super) derivative: &'s mut [W],
+    /// The place of the voxel before each column's sample, the weight of the next, the square of the ray's slope along i, the slope.
+    pub(super) cells: &'s mut [W],
+    pub(super) weights: &'s mut [W],
+    pub(super) squares: &'s mut [W],
+    pub(super) slopes: &'s mut [W],
+    pub(super) samples: &'s mut [W],
+    /// Lengths of steps.
+    pub(super) lengths: &'s mut [W],
+    /// Unit vectors towards the eye.
+    pub(super) towards: [&'s mut [W]; 3],
+}
+
+impl<'s, W> SpreadScratch<'s, W> {
+    /// Cuts memory as [`Scratch::cut`] does, into rows of the longer length of a slice's rows and the image's; and the rows of a batch.
+    ///
+    /// # Errors
+    /// As [`Scratch::cut`].
+    #[inline]
+    pub(super) fn cut(
+        memory: &'s mut [W],
+        kind: Rows,
+        longest: u32,
+        aligned: bool,
+    ) -> Result<(Self, BatchRows<'s, W>), ScratchError> {
+        let mut rest = Rest::of(memory, kind, longest, aligned)?;
+        let lit = kind.lit();
+        let mut row = |wanted: bool| -> &'s mut [W] { if wanted { rest.row() } else { &mut [] } };
+        let source = Self {
+            z: [row(true), row(true), row(lit), row(lit)],
+            inner: row(lit),
+            y: [row(true), row(lit), row(lit)],
+            derivatives: [row(lit), row(lit)],
+            derivative: row(lit),
+            cells: row(true),
+            weights: row(true),
+            squares: row(true),
+            slopes: row(lit),
+            samples: row(true),
+            lengths: row(true),
+            towards: [row(lit), row(lit), row(lit)],
+        };
+        let batch = BatchRows {
+            opacities: row(true),
+            colours: [row(true), row(true), row(true)],
+            g: [row(lit), row(lit), row(lit)],
+            r: row(lit),
+            magnitudes: &mut [],
+        };
+        Ok((source, batch))
+    }
+}
+
 /// Memory from which rows are cut.
 struct Rest<'s, W> {
     memory: &'s mut [W],
@@ -373,6 +443,29 @@ mod tests {
                 }
                 let given = needed - 1;
                 let refused = ColourScratch::cut(&mut vec![0i32; given], kind, width, true).err();
+                assert_eq!(refused, Some(ScratchError { needed, given }));
+            }
+        }
+    }
+
+    #[test]
+    fn rays_that_spread_are_cut_as_counted() {
+        for (kind, wanted) in [(Rows::Spread, 12), (Rows::LitSpread, 28)] {
+            for longest in [1, 2, 15, 64, 65] {
+                let needed = kind.len(longest);
+                for spare in [0, 1, 700] {
+                    let mut memory = vec![0i32; needed + spare];
+                    let (cut, batch) = SpreadScratch::cut(&mut memory, kind, longest, true).unwrap();
+                    let rows = cut.z.iter().chain(&cut.y).chain(&cut.derivatives).chain(&cut.towards);
+                    let rows = rows.chain([&cut.inner, &cut.derivative, &cut.cells, &cut.weights, &cut.squares]);
+                    let rows = rows.chain([&cut.slopes, &cut.samples, &cut.lengths, &batch.opacities, &batch.r]);
+                    let rows = rows.chain(&batch.colours).chain(&batch.g);
+                    let made: Vec<usize> = rows.map(|row| row.len()).filter(|len| *len > 0).collect();
+                    assert!(made.len() == wanted && made.iter().all(|len| *len == longest as usize + 2));
+                    assert_eq!(wanted * (longest as usize + 2), needed);
+                }
+                let given = needed - 1;
+                let refused = SpreadScratch::cut(&mut vec![0i32; given], kind, longest, true).err();
                 assert_eq!(refused, Some(ScratchError { needed, given }));
             }
         }

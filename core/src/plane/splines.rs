@@ -71,7 +71,7 @@ where
         let mut canvas = Image::<P::Pixel, O, V>::new(
             (first, data),
             base_width,
-            extent,
+            extent.columns.clone(),
             plane.index,
             (precision.pixel(), *floor),
         );

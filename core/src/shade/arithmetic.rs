@@ -5,6 +5,7 @@ use crate::format::Cosine;
 use crate::lanes::{Lanes, Wide as _};
 use crate::normalise::Normal;
 use crate::precision::{NormalForm, Power, Precision, Shading};
+use crate::rows::three;
 
 /// The normal N = -g r / 2^35 with its magnitudes truncated (towards zero, so that opposite gradients have opposite
 /// normals) to so many fraction bits, 1 to 15.
@@ -59,12 +60,17 @@ fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
 /// is -L, with the precision's bits ([`keep_vector`](super::keep_vector)): g points away from the normal.
 #[inline(always)]
 pub fn dot_lanes<P: Precision, V: Lanes>(p: P, g: [V; 3], r: V, away: [i32; 3]) -> V::Wide {
+    dot_with(p, g, r, three(away, V::splat))
+}
+
+/// [`dot_lanes`] with another vector in each lane.
+#[inline(always)]
+pub(super) fn dot_with<P: Precision, V: Lanes>(p: P, g: [V; 3], r: V, away: [V; 3]) -> V::Wide {
     let zero = V::splat(0);
     let [x, y, z] = g;
     let [ax, ay, az] = away;
     match p.formats().normal {
         NormalForm::Deferred if p.formats().shading.vector_bits() == 15 => {
-            let (ax, ay, az) = (V::splat(ax), V::splat(ay), V::splat(az));
             // |sum| <= sqrt(3) * 32767 * 32768 < 2^31 for unit vectors; wrapping keeps others from a panic.
             let sum = x.wrapping_mul(ax).wrapping_add(y.wrapping_mul(ay));
             let sum = sum.wrapping_add(z.wrapping_mul(az));
@@ -73,21 +79,20 @@ pub fn dot_lanes<P: Precision, V: Lanes>(p: P, g: [V; 3], r: V, away: [i32; 3]) 
             product.shr_to_one(19)
         }
         NormalForm::Deferred => {
-            let (ax, ay, az) = (V::splat(ax), V::splat(ay), V::splat(az));
             let sum = V::Wide::splat(1 << 8) + x.product_signed(ax) + y.product_signed(ay) + z.product_signed(az);
             // Nine bits make room for r: 37 and 21 bits fit 64.
             let product = sum.at_least_zero().shr(9).times(r) + V::Wide::splat(1 << 24);
             product.shr_to_one(25)
         }
         NormalForm::Formed(bits) => {
-            let (lx, ly, lz) = (V::splat(-ax), V::splat(-ay), V::splat(-az));
+            let (lx, ly, lz) = (zero - ax, zero - ay, zero - az);
             // bits + 15 fraction bits, truncated to 16.
             let [x, y, z] = formed(g, r, bits);
             let sum = ((x * lx) >> (bits - 1)) + ((y * ly) >> (bits - 1)) + ((z * lz) >> (bits - 1));
             V::Wide::of(sum.at_least(zero).at_most(V::splat(1 << 16)) << 15)
         }
         NormalForm::Nearest(bits) => {
-            let (lx, ly, lz) = (V::splat(-ax), V::splat(-ay), V::splat(-az));
+            let (lx, ly, lz) = (zero - ax, zero - ay, zero - az);
             // |sum| < 2^30 + 2^16 for unit vectors; wrapping keeps others from a panic.
             let [x, y, z] = formed_nearest(g, r, bits);
             let sum = x
@@ -135,6 +140,24 @@ pub(super) fn reflected_lanes<P: Precision, V: Lanes>(p: P, nv: V::Wide, nl: V::
     };
     // Neither cosine has more than 31 bits: their product is 0 only if one of them is. With V.L from 0 on, rl is 0 then.
     if vl < 0 { product.nonzero_then(rl) } else { rl }
+}
+
+/// [`reflected_lanes`] with another V.L in each lane.
+#[inline(always)]
+pub(super) fn reflected_with<P: Precision, V: Lanes>(p: P, nv: V::Wide, nl: V::Wide, vl: V::Wide) -> V::Wide {
+    // Bits that a shift without sign fills are shifted out again.
+    let (less, half, shift) = match p.formats().shading {
+        Shading::Rounded31 => (vl.shr(29).shl(30), 1 << 29, 30),
+        Shading::Rounded16 => (vl.shl(31), 1 << 29, 30),
+        Shading::Truncated16 => (vl.shr(14).shl(45), 0, 45),
+    };
+    let product = nv.low_product(nl);
+    let rl = (product + V::Wide::splat(half) - less).at_least_zero();
+    let rl = match p.formats().shading {
+        Shading::Truncated16 => rl.shr(shift).shl(15).at_most(V::Wide::splat(1 << 31)),
+        _ => rl.shr_to_one(shift),
+    };
+    product.nonzero_then(rl)
 }
 
 /// [`power_lanes`] of one cosine.

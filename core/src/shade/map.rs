@@ -128,7 +128,8 @@ pub fn fill<P: Precision>(phong: &Phong<P>, side: u32, map: &mut [u32]) -> Resul
         let sum = |specular| {
             let [mut red, mut green, mut blue] = [[0]; 3];
             let rows = [&mut red[..], &mut green, &mut blue];
-            phong.shade_matter::<i32, _, _>(Unweighed, ([&x, &y, &z], &[normal.r as i32]), Answer { specular }, rows);
+            let normals = ([&x[..], &y, &z], &[normal.r as i32][..]);
+            phong.shade_matter::<i32, _, _, _>(phong.parallel(), Unweighed, normals, Answer { specular }, rows);
             [red, green, blue].map(|[sum]| sum as u32)
         };
         let ([d0, d1, d2], [s0, s1, s2]) = (sum(false), sum(true));

@@ -10,6 +10,7 @@ mod faults;
 mod footprint;
 mod images;
 mod machines;
+mod perspective;
 mod proofs;
 mod reference;
 mod scenes;
@@ -29,6 +30,7 @@ use crate::colours::Colours;
 use crate::footprint::Footprint;
 use crate::images::{Case, Report, Workshop, execute, first_difference, parse};
 use crate::machines::{BUILT_ONLY, MACHINES, Machine};
+use crate::perspective::Perspective;
 use crate::reference::{Counts, Sums, reference};
 use crate::scenes::{Kind, Named};
 use crate::segments::Segments;
@@ -82,9 +84,11 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let references = references(&scenes)?;
     let segments = Segments::new(&scenes)?;
     let colours = Colours::new(&scenes)?;
+    let perspective = Perspective::new(&scenes)?;
     let mut source = scenes::source(&scenes, |named, kind| references[&(named.name, kind)].0.image)?;
     source.push_str(&segments.source()?);
     source.push_str(&colours.source());
+    source.push_str(&perspective.source());
     let workshop = Workshop {
         toolchain,
         scenes: directory.join("scenes.rs"),
@@ -122,7 +126,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     for machine in &machines {
         let renders_head = machine.name == exported::MACHINE;
-        let mut names = vec!["bits", "segments", "colours", "bands", "queue"];
+        let mut names = vec!["bits", "segments", "colours", "perspective", "bands", "queue"];
         names.extend(renders_head.then_some("exported"));
         let programs = workshop.images(machine, "release", &names)?;
         failed += bits(&programs, machine, &references)?;
@@ -137,6 +141,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         )?;
         failed += segments.check(&workshop, &programs, machine, &library)?;
         failed += colours.check(&programs, machine)?;
+        failed += perspective.check(&programs, machine)?;
         failed += proofs::prove(&workshop, machine, &library)?;
         failed += c::on_machine(&workshop, machine, &library)?;
         if renders_head {

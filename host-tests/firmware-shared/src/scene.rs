@@ -6,6 +6,7 @@ use slicecast::cut::CutError;
 use slicecast::extinction::{Medium, MediumError};
 use slicecast::format::{Coefficient, Direction, Intensity, Opacity, Step, Vector};
 use slicecast::integral::{Colours, Integral, IntegralError, Length};
+use slicecast::perspective::{Eye, EyeError, Spread};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::plane::Composite;
 use slicecast::precision::{Compact, Paper, Precision, Wide};
@@ -275,4 +276,24 @@ pub const COLOUR_SCALE: [u32; 2] = [1_073_774_593, 20];
 pub const fn colour_medium() -> Result<Medium, MediumError> {
     let [mantissa, exponent] = COLOUR_SCALE;
     Medium::new(mantissa, exponent)
+}
+
+/// The plan and the rays of a scene in perspective: along the axis and sense of its view, from an eye in front of a volume of 64 voxels.
+///
+/// # Errors
+/// [`EyeError`] if the volume is another.
+pub fn plan_in_perspective(parallel: &Plan) -> Result<(Plan, Spread), EyeError> {
+    let one = Vector::ONE;
+    Plan::perspective(
+        *parallel.view(),
+        parallel.view().restore(parallel.volume()),
+        Spacing(parallel.view().restore(parallel.spacing())),
+        parallel.sampling(),
+        Eye {
+            // 20.3, 36.6 and 100 voxels before the first slice.
+            position: [87_187_836_109, 157_195_803_034, -429_496_729_600].map(Step::from_bits),
+            low: [-one; 2],
+            high: [one; 2],
+        },
+    )
 }

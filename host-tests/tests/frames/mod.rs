@@ -6,8 +6,9 @@ use proptest::prelude::*;
 use slicecast::borders::Borders;
 use slicecast::clip::{Clip, Cue};
 use slicecast::crop::Crop;
-use slicecast::format::{Coefficient, Distance, Intensity, Opacity, Position, Vector};
+use slicecast::format::{Coefficient, Distance, Intensity, Opacity, Position, Step, Vector};
 use slicecast::modulate::{Factors, Modulation, NODES};
+use slicecast::perspective::{Eye, EyeError, SLOPE_MAX};
 use slicecast::plan::PlanError;
 use slicecast::shade::{Highlight, Light};
 use slicecast::surface::{Face, Surface, VALUE_MAX};
@@ -359,6 +360,7 @@ pub fn frame() -> impl Strategy<Value = Frame> {
         cropped(Frame {
             volume: Arc::new(volume(dims, filling, seed)),
             direction,
+            eye: None,
             factors,
             planes_per_voxel,
             rays_per_voxel,
@@ -384,5 +386,79 @@ pub fn frame() -> impl Strategy<Value = Frame> {
             early_termination,
             segments,
         })
+    })
+}
+
+/// An eye about or in a volume of these sides: on voxel planes, between them, far away; and slopes of which some see nothing.
+fn eye_of(seed: u64, sides: [u32; 3]) -> Eye {
+    let mut random = Random::new(seed);
+    let mut pick = |low: i64, high: i64| low + i64::from(random.below((high - low + 1) as u32));
+    let position = sides.map(|side| {
+        let side = i64::from(side);
+        let whole = match pick(0, 3) {
+            0 => pick(0, side),
+            1 => pick(-2 * side, 3 * side),
+            _ => pick(-2, side),
+        };
+        let part = match pick(0, 2) {
+            0 => 0,
+            1 => 1 << 31,
+            _ => pick(0, u32::MAX.into()),
+        };
+        Step::from_bits((whole << 32) + part)
+    });
+    let most = i64::from(SLOPE_MAX.to_bits());
+    let mut slopes = || {
+        let (a, b) = match pick(0, 2) {
+            0 => (-most, most),
+            1 => (-(1 << 30), 1 << 30),
+            _ => (pick(-most, most), pick(-most, most)),
+        };
+        [a.min(b), a.max(b)].map(|bits| Vector::from_bits(bits as i32))
+    };
+    let ([low_i, high_i], [low_j, high_j]) = (slopes(), slopes());
+    Eye {
+        position,
+        low: [low_i, low_j],
+        high: [high_i, high_j],
+    }
+}
+
+/// Any small frame in perspective that sees something.
+pub fn frame_in_perspective() -> impl Strategy<Value = Frame> {
+    (frame(), any::<u64>()).prop_map(|(frame, seed)| {
+        let composited = frame.blend.is_composited();
+        let parallel = Frame {
+            borders: Borders::Whole,
+            crop: None,
+            clips: Vec::new(),
+            cue: None,
+            modulation: None,
+            reflectance: None,
+            segments: None,
+            nearest: false,
+            blend: if composited { frame.blend } else { Blend::FrontToBack },
+            ..frame
+        };
+        let view = parallel.plan().expect("a frame that has a plan");
+        let sides = view.volume();
+        let seeing = |seed: u64, factors| {
+            let frame = Frame {
+                eye: Some(eye_of(seed, sides)),
+                factors,
+                ..parallel.clone()
+            };
+            match frame.plan() {
+                Ok(_) => Some(frame),
+                Err(CameraError::Eye(EyeError::Nothing | EyeError::Length)) => None,
+                Err(error) => panic!("{error}: {frame:?}"),
+            }
+        };
+        // Most spacings are cubic after some tries.
+        let tries = (0..).map(|turn| {
+            let factors = if turn < 3 { parallel.factors } else { [32768; 3] };
+            seeing(seed.wrapping_add(turn), factors)
+        });
+        tries.flatten().next().expect("an eye that sees something")
     })
 }

@@ -77,6 +77,7 @@ pub fn fog(volume: &Volume, fog: Fog) -> Scene {
         crop: None,
         clips: Vec::new(),
         cueing: None,
+        perspective: None,
         modulation: None,
         reflectance: None,
         surfaces: Vec::new(),

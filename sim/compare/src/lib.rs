@@ -5,6 +5,7 @@ pub mod exchange;
 pub mod explain;
 pub mod image;
 pub mod lockstep;
+pub mod perspective;
 pub mod stages;
 pub mod statistics;
 

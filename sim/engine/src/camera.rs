@@ -6,6 +6,7 @@ use slicecast::borders;
 use slicecast::clip::{Clip, ClipError, Clips, Cue};
 use slicecast::crop::Crop;
 use slicecast::format::{Coefficient, Direction, Distance, Intensity, Position, Step, Vector};
+use slicecast::perspective::{EyeError, Spread};
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
 use slicecast::project::{SHIFT_MAX, Sum};
@@ -38,6 +39,14 @@ pub enum CameraError {
         /// The spacing given, in its own unit.
         spacing: [f64; 3],
     },
+    /// A view in perspective, where rays are parallel.
+    #[error(
+        "this command draws parallel views, and the scene is in perspective ([view] projection); expected a scene without --fov and --eye"
+    )]
+    InPerspective,
+    /// The eye of a view in perspective.
+    #[error("the view in perspective: {0}")]
+    Eye(#[from] EyeError),
     /// Clip planes.
     #[error("the clip planes: {0}")]
     Clip(#[from] ClipError),
@@ -64,7 +73,7 @@ pub const SPACING: RangeInclusive<f64> = 1e-100..=1e100;
 pub const SPACING_RATIO_MAX: f64 = 32768.0;
 
 /// Refuses spacings that leave no view.
-fn check_spacing(spacing: [f64; 3]) -> Result<(), CameraError> {
+pub(crate) fn check_spacing(spacing: [f64; 3]) -> Result<(), CameraError> {
     let least = spacing.iter().copied().fold(f64::INFINITY, f64::min);
     let fits = |s: &f64| SPACING.contains(s) && *s <= SPACING_RATIO_MAX * least;
     if spacing.iter().all(fits) {
@@ -94,6 +103,9 @@ pub fn view(scene: &Scene, spacing: [f64; 3]) -> Result<View, CameraError> {
 /// # Errors
 /// [`CameraError`] for a spacing, a view or a sampling rate that the pipeline does not take.
 pub fn plan(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> Result<Plan, CameraError> {
+    if scene.perspective.is_some() {
+        return Err(CameraError::InPerspective);
+    }
     let view = view(scene, spacing)?;
     let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
     let factor = |s: f64| Intensity::from_bits((smallest / s * 32768.0).round() as u16);
@@ -384,6 +396,8 @@ pub struct Setup {
     pub plan: Plan,
     /// Clip planes, if there are any.
     pub clips: Option<Clips>,
+    /// The rays of a plan in perspective.
+    pub spread: Option<Spread>,
     /// The picture.
     pub picture: Picture,
     /// Lights; `None` is an unlit scene.
@@ -439,6 +453,7 @@ pub fn set_up(scene: &Scene, volume: impl Into<Shape>) -> Result<Setup, CameraEr
         additive: additive(step_length(scene, &plan, spacing), dims, spacing),
         step_length: step_length(scene, &plan, spacing),
         clips: clips(scene, &plan, spacing)?,
+        spread: None,
         plan,
     })
 }

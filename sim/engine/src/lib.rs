@@ -17,6 +17,7 @@ pub mod modulation;
 pub mod occupancy;
 pub mod oriented;
 pub mod parts;
+pub mod perspective;
 pub mod picture;
 pub mod pipelines;
 pub mod rays;

@@ -3,7 +3,8 @@
 use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
 use slicecast::modulate::{Modulated, Modulation};
-use slicecast::plane::{Composite, Pictured, Project, Splines};
+use slicecast::perspective::Spread;
+use slicecast::plane::{Composite, Perspective, Pictured, Project, Splines};
 use slicecast::precision::Precision;
 #[doc(hidden)]
 pub use slicecast::precision::{Compact, Paper, Wide};
@@ -71,6 +72,8 @@ pub struct Parameters<'a> {
     pub modulation: Option<&'a Modulation>,
     /// What an additive projection makes of a sum.
     pub additive: Sum,
+    /// The rays of a plan in perspective.
+    pub spread: Option<&'a Spread>,
 }
 
 impl<'a> Parameters<'a> {
@@ -80,6 +83,7 @@ impl<'a> Parameters<'a> {
             material: setup.material.as_ref(),
             modulation,
             additive: setup.additive,
+            spread: setup.spread.as_ref(),
         }
     }
 }
@@ -132,6 +136,9 @@ fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     parameters: Parameters<'_>,
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, CameraError> {
+    if let Some(spread) = parameters.spread {
+        return in_perspective(precision, scene, table, (parameters.material, spread), geometry);
+    }
     if let (true, Some(modulation)) = (scene.blend.is_composited(), parameters.modulation) {
         return modulated(precision, scene, table, (parameters.material, modulation), geometry);
     }
@@ -185,6 +192,37 @@ where
             geometry,
             Composite::<_, _, _, BackToFront>::new(precision, classifier, Unlit),
         ),
+    })
+}
+
+/// Composited samples of rays from an eye.
+fn in_perspective<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
+    precision: P,
+    scene: &Scene,
+    table: Expanded,
+    (material, spread): (Option<&Material>, &Spread),
+    geometry: Geometry<'_>,
+) -> Result<Box<dyn Framing>, CameraError> {
+    let back_to_front = scene.blend == Blend::BackToFront;
+    Ok(match material {
+        Some(material) if back_to_front => {
+            let phong = material.phong(precision)?;
+            let pipeline = Composite::<_, _, _, BackToFront>::new(precision, table, phong);
+            under(geometry, Perspective::new(pipeline, *spread))
+        }
+        None if back_to_front => {
+            let pipeline = Composite::<_, _, _, BackToFront>::new(precision, table, Unlit);
+            under(geometry, Perspective::new(pipeline, *spread))
+        }
+        Some(material) => {
+            let pipeline = Composite::new(precision, table, material.phong(precision)?);
+            let pipeline = early(pipeline, scene.early_termination);
+            under(geometry, Perspective::new(pipeline, *spread))
+        }
+        None => {
+            let pipeline = early(Composite::new(precision, table, Unlit), scene.early_termination);
+            under(geometry, Perspective::new(pipeline, *spread))
+        }
     })
 }
 

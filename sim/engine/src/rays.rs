@@ -10,7 +10,7 @@ mod clips;
 mod grid;
 
 use rayon::prelude::*;
-use slicecast::borders::{Borders, Part, Side, WHOLE, about_k, along_k, fraction_of};
+use slicecast::borders::{Borders, Part, Side, WHOLE, about_k, along_k, fraction_of, opacity_of_length};
 use slicecast::classify::Classifier;
 use slicecast::clip::{ClipPlane, Clips, CuePlane, Remainder, halves};
 use slicecast::composite::{Channel, Dither, Pixel, Recurrence, settle};
@@ -20,6 +20,7 @@ use slicecast::interpolate::trilinear;
 use slicecast::locate::{Cell, cell, middle, position, settled};
 use slicecast::modulate::Modulated;
 use slicecast::normalise::{Normal, normalise};
+use slicecast::perspective::{ALONG_K, Spread, Way, square};
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Depth, NO_DEPTH};
 use slicecast::precision::{Formats, Precision};
@@ -118,6 +119,7 @@ pub fn depths(prepared: &Prepared<'_>) -> Result<Option<Vec<u32>>, CameraError> 
 struct Rays<'a, P: Precision> {
     precision: P,
     plan: &'a Plan,
+    spread: Option<&'a Spread>,
     clips: &'a [ClipPlane],
     cue: Option<&'a CuePlane>,
     grid: Grid<'a>,
@@ -149,6 +151,28 @@ struct Located {
     fraction: u32,
     /// What clip planes leave of that; `None` is nothing.
     left: Option<Remainder>,
+    /// In perspective.
+    way: Option<Direction>,
+}
+
+/// The direction of a ray from an eye.
+#[derive(Clone, Copy)]
+struct Direction {
+    /// The length of its steps.
+    length: i32,
+    /// Towards the eye.
+    towards: [i32; 3],
+}
+
+impl Direction {
+    fn of(spread: &Spread, ray: &Ray) -> Self {
+        let [i, j] = [(0, ray.column), (1, ray.row)].map(|(axis, pixel)| spread.slope(axis, pixel));
+        let way = Way::of([square(i), square(j)]);
+        Self {
+            length: way.length(),
+            towards: [i, j, ALONG_K].map(|slope| way.towards(slope)),
+        }
+    }
 }
 
 /// What counts of a segment: its ends, and which part of it that is.
@@ -198,6 +222,7 @@ impl<'a, P: Precision> Rays<'a, P> {
             precision,
             grid: Grid::of(prepared.volume, plan),
             plan,
+            spread: prepared.setup.spread.as_ref(),
             clips: prepared.setup.clips.as_ref().map_or(&[], Clips::planes),
             cue: prepared.setup.clips.as_ref().and_then(Clips::cue),
             table: prepared.table.classifier(),
@@ -297,6 +322,9 @@ impl<'a, P: Precision> Rays<'a, P> {
     #[inline(always)]
     fn locate<W: Witness>(&self, ray: &Ray, step: u32, witness: &mut W) -> Option<Located> {
         let index = self.index(step);
+        if let Some(spread) = self.spread {
+            return self.locate_in_perspective(spread, ray, step, witness);
+        }
         let positions = match self.segments {
             None => self.positions(ray, index),
             Some(_) => self.cut(ray, index, 0),
@@ -322,6 +350,7 @@ impl<'a, P: Precision> Rays<'a, P> {
                 visit,
                 fraction: part.length(),
                 left,
+                way: None,
             });
         }
         if self.plan.borders() == Borders::Whole {
@@ -333,6 +362,7 @@ impl<'a, P: Precision> Rays<'a, P> {
                 visit,
                 fraction: WHOLE,
                 left,
+                way: None,
             });
         }
         let part = |axis: usize, pixel| Side::of(self.plan, ray.start[axis], axis, index).part(pixel);
@@ -344,6 +374,46 @@ impl<'a, P: Precision> Rays<'a, P> {
             visit,
             fraction,
             left: self.left(ray, index, false, part),
+            way: None,
+        })
+    }
+
+    /// [`Rays::locate`] of a ray from an eye.
+    fn locate_in_perspective<W: Witness>(
+        &self,
+        spread: &Spread,
+        ray: &Ray,
+        step: u32,
+        witness: &mut W,
+    ) -> Option<Located> {
+        let index = self.index(step);
+        let [_, _, sk] = self.plan.step();
+        let z = position(Step::ZERO, sk, index);
+        let lines = spread.lines(index);
+        let at = [lines[0].exact(ray.column), lines[1].exact(ray.row)];
+        let visit = Visit {
+            step,
+            phase: 0,
+            row: ray.row,
+            column: ray.column,
+            part: 0,
+        };
+        // A plane has no place of its own along i and j.
+        witness.location(step, 0, [0, 0, z.to_bits()]);
+        if index < spread.first_plane() {
+            return None;
+        }
+        let sides = at.iter().zip(self.grid.last);
+        let inside = sides
+            .into_iter()
+            .all(|(at, last)| (0..=i64::from(last) << 16).contains(at));
+        inside.then(|| Located {
+            cells: [at[0], at[1], z.to_bits().into()].map(|at| cell(Position::from_bits(at as i32))),
+            front: None,
+            visit,
+            fraction: WHOLE,
+            left: Some(Remainder::WHOLE),
+            way: Some(Direction::of(spread, ray)),
         })
     }
 
@@ -502,6 +572,7 @@ impl<'a, P: Precision> Rays<'a, P> {
                 visit: at,
                 fraction,
                 left,
+                way,
             } = located;
             if !W::EVERYTHING && left.is_none() {
                 continue;
@@ -536,6 +607,10 @@ impl<'a, P: Precision> Rays<'a, P> {
                     }
                     None => fraction_of(fraction_of(self.table.opacity(p, sample), fraction), left.weight()),
                 };
+                let opacity = way.map_or(opacity, |way| {
+                    let bits = opacity_of_length(opacity.to_bits() as i32, way.length);
+                    Opacity::from_bits(bits as u32)
+                });
                 if !W::EVERYTHING && opacity.to_bits() == 0 {
                     continue;
                 }
@@ -569,7 +644,10 @@ impl<'a, P: Precision> Rays<'a, P> {
                     let shaded = match (&self.modulated, &self.mapped, &self.phong) {
                         (Some(modulated), ..) => modulated.shade(gradient, normal, colour),
                         (None, Some(mapped), _) => mapped.shade(gradient, colour),
-                        (None, None, Some(phong)) => phong.shade(normal, colour),
+                        (None, None, Some(phong)) => match way {
+                            Some(way) => phong.shade_towards(normal, way.towards, colour),
+                            None => phong.shade(normal, colour),
+                        },
                         (None, None, None) => colour,
                     };
                     (gradient, normal, self.turned(ray, self.index(step), shaded))

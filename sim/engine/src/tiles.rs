@@ -176,10 +176,9 @@ struct Sizes {
 impl Sizes {
     /// Of a pipeline's tiles, with room for rows that begin with a line of the cache.
     fn of<L: Pipeline>(plan: &Plan) -> Self {
-        let [slice_width, _, _] = plan.dims();
         Self {
             row_len: L::CHANNELS * plan.base()[0] as usize,
-            scratch_len: blocks_scratch_len::<L>(slice_width.max(1024) + 32),
+            scratch_len: blocks_scratch_len::<L>(plan.longest_row().max(1024) + 32),
             kept_len: 0,
         }
     }

@@ -20,6 +20,7 @@
 //! | composite   | samples into pixels                                        | equations 4, 6  |
 //! | warp        | base plane into the viewer's image                         |                 |
 //! | render      | one ray, all rays                                          |                 |
+//! | perspective | the same of rays from an eye                               | equation 7      |
 //! | absorb      | rays through volumes of colour and extinction | Kraus and Bürger, section 3.4 |
 //! | levels      | rays through boxes of several levels | LaMar, section 4 |
 //! | pyramid     | volumes of half the voxels                                 | Kraus and Bürger, section 4 |
@@ -39,6 +40,7 @@ pub mod interpolate;
 mod levels;
 mod modulation;
 mod parts;
+pub mod perspective;
 pub mod pyramid;
 pub mod rays;
 mod render;

@@ -92,6 +92,21 @@ impl Lights {
         }
     }
 
+    /// The same lights with the viewer elsewhere: V, a unit vector.
+    #[must_use]
+    pub fn seen_from(&self, viewer: [f64; 3]) -> Self {
+        let seen = |light: &ResolvedLight| ResolvedLight {
+            half: unit(add(light.direction, viewer)),
+            viewer_dot: dot(viewer, light.direction),
+            ..*light
+        };
+        Self {
+            viewer,
+            lights: self.lights.iter().map(seen).collect(),
+            ..self.clone()
+        }
+    }
+
     /// What one light does on a surface of normal N (unit, or zero: then nothing).
     pub fn terms(&self, light: &ResolvedLight, normal: [f64; 3]) -> LightTerms {
         let n_l = dot(normal, light.direction);

@@ -74,6 +74,7 @@ pub(super) fn scene_along(forward: [f64; 3], opacities: &[(f64, f64)]) -> Scene 
         crop: None,
         clips: Vec::new(),
         cueing: None,
+        perspective: None,
         modulation: None,
         reflectance: None,
         surfaces: Vec::new(),

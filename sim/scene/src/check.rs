@@ -17,6 +17,8 @@ pub const TURN: RangeInclusive<f64> = -360.0..=360.0;
 pub const ELEVATION: RangeInclusive<f64> = -90.0..=90.0;
 /// Pixels along a side of the image.
 pub const IMAGE_SIDE: RangeInclusive<i64> = 1..=16384;
+/// Field of view from the top of a picture to its bottom, degrees.
+pub const FOV: RangeInclusive<f64> = 5.0..=120.0;
 /// Magnification.
 pub const ZOOM: RangeInclusive<f64> = 0.01..=100.0;
 /// Colours, opacities, coefficients.
@@ -75,6 +77,7 @@ impl Scene {
     /// [`FieldError`] names the first field that is out of range, its value and the range.
     pub fn check(&self) -> Result<(), FieldError> {
         view(&self.view)?;
+        self.perspective()?;
         image(&self.image)?;
         sampling(self.sampling)?;
         transfer(&self.transfer)?;
@@ -94,6 +97,45 @@ impl Scene {
         self.classification()?;
         self.surfaces()?;
         self.lighting.as_ref().map_or(Ok(()), lighting)
+    }
+
+    /// In perspective there are samples, composited, of the whole volume.
+    fn perspective(&self) -> Result<(), FieldError> {
+        let Some(perspective) = &self.perspective else {
+            return Ok(());
+        };
+        number("view.fov", perspective.fov, FOV)?;
+        if let Some(eye) = perspective.eye.filter(|eye| !eye.is_near()) {
+            let shown = format!("{:?}", eye.at);
+            return Err(FieldError::new("view.eye", shown, "three numbers from -1e9 to 1e9"));
+        }
+        let segments = !matches!(self.classification, Classification::Point) || !self.surfaces.is_empty();
+        for (field, known, expected) in [
+            ("sampling.borders", self.borders == Borders::Whole, "\"whole\""),
+            (
+                "sampling.interpolation",
+                self.interpolation == Interpolation::Linear,
+                "\"linear\"",
+            ),
+            ("crop", self.crop.is_none(), "no crop box"),
+            ("clip", self.clips.is_empty(), "no clip planes"),
+            ("cueing", self.cueing.is_none(), "no depth cueing"),
+            ("modulation", self.modulation.is_none(), "no modulation"),
+            ("reflectance", self.reflectance.is_none(), "no reflectance map"),
+            ("colours", self.colours.is_none(), "a volume of one value a voxel"),
+            ("render.classification", !segments, "\"point\", without surfaces"),
+            (
+                "render.blend",
+                self.blend.is_composited(),
+                "\"front-to-back\" or \"back-to-front\"",
+            ),
+        ] {
+            if !known {
+                let expected = format!("{expected}: a view in perspective knows no other");
+                return Err(FieldError::new(field, "given", expected));
+            }
+        }
+        Ok(())
     }
 
     fn cueing(&self) -> Result<(), FieldError> {

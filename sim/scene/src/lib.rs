@@ -15,6 +15,7 @@ pub mod file;
 pub mod import;
 pub mod materials;
 pub mod modulation;
+pub mod perspective;
 pub mod reflectance;
 pub mod transfer;
 
@@ -25,6 +26,8 @@ use serde::{Deserialize, Serialize};
 pub struct Scene {
     /// Where the viewer stands.
     pub view: View,
+    /// Rays from an eye; `None` is a parallel view.
+    pub perspective: Option<perspective::Perspective>,
     /// The viewer's image.
     pub image: Image,
     /// How densely rays and planes sample the volume.

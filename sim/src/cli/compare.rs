@@ -6,15 +6,21 @@ use serde::Serialize;
 use slicecast_compare::colours::{CONVERGED, compare_colours, compare_sampling};
 use slicecast_compare::exchange;
 use slicecast_compare::image::ImageFigures;
+use slicecast_compare::perspective::compare as in_perspective;
 use slicecast_compare::stages::StageReport;
 use slicecast_compare::statistics::Figures;
 use slicecast_compare::{Comparison, ModelPositions, Split, compare, split};
 use slicecast_engine::colours::Coloured;
+use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
+use slicecast_engine::perspective::InPerspective;
 use slicecast_engine::threads::on_threads;
 use slicecast_laboratory::texture::{self, Texture8};
 use slicecast_pyramid::volume::RgbaVolume;
+use slicecast_scene::perspective::Perspective;
 use slicecast_scene::{AlphaCodeName, Interpolation, LookupName, Scene};
+
+use slicecast_volume::Volume;
 
 use super::Failure;
 use super::colours::{ColourArgs, LevelArgs};
@@ -126,9 +132,9 @@ pub fn figured<'a>(prepared: &'a Prepared<'_>, comparison: &'a Comparison, posit
     }
 }
 
-/// The figures of a volume of colour and extinction as JSON.
+/// The figures of a picture as JSON: of a volume of colour and extinction, or in perspective.
 #[derive(Serialize)]
-struct ColourFigures<'a> {
+struct PictureFigures<'a> {
     volume: &'a str,
     precision: &'static str,
     image: ImageFigures,
@@ -174,20 +180,41 @@ impl Args {
                 compare_colours(&prepared, self.positions(), progress)
             })
         })??;
-        let name = scene.precision.name();
+        self.say(scene, &volume.name, [comparison.image, comparison.picture])
+    }
+
+    /// Compares a view in perspective with the model, at exact positions.
+    fn compare_in_perspective(&self, scene: &Scene, perspective: &Perspective, volume: &Volume) -> Result<(), Failure> {
+        if self.converged || self.npy.is_some() {
+            let message = "--converged, --npy: are of parallel views, and the scene is in perspective";
+            return Err(Failure::input(message));
+        }
+        let prepared = InPerspective::new(scene, perspective, volume).map_err(RenderError::from)?;
+        let prepared = prepared.with_simd(self.threads.simd());
+        let comparison = with_bar("comparing", |progress| {
+            on_threads(self.threads.count(), || {
+                in_perspective(scene, volume, &prepared, progress)
+            })
+        })??;
+        self.say(scene, &volume.name, [comparison.image, comparison.picture])
+    }
+
+    /// Says how far base plane and picture are from the model's.
+    fn say(&self, scene: &Scene, volume: &str, [image, picture]: [ImageFigures; 2]) -> Result<(), Failure> {
+        let precision = scene.precision.name();
         println!(
             "{}",
             tables::images(&[
-                (format!("{name}, base plane"), comparison.image),
-                (format!("{name}, picture"), comparison.picture),
+                (format!("{precision}, base plane"), image),
+                (format!("{precision}, picture"), picture),
             ])
         );
         if let Some(path) = &self.json {
-            let figures = ColourFigures {
-                volume: &volume.name,
-                precision: name,
-                image: comparison.image,
-                picture: comparison.picture,
+            let figures = PictureFigures {
+                volume,
+                precision,
+                image,
+                picture,
             };
             let text = serde_json::to_string_pretty(&figures).map_err(Failure::machine)?;
             write_file(path, self.force, text.as_bytes())?;
@@ -223,6 +250,9 @@ impl Args {
         self.sampled.check_none(&loaded.volume.name)?;
         let chosen = self.scene.choose(&self.volume, &loaded)?;
         let scene = &chosen.scene;
+        if let Some(perspective) = &scene.perspective {
+            return self.compare_in_perspective(scene, perspective, &loaded.volume);
+        }
         let prepared = Prepared::new(scene, &loaded.volume)?.with_simd(self.threads.simd());
         if !self.texture8.is_empty() {
             return self.compare_textures(&prepared);

@@ -96,6 +96,11 @@ impl PictureArgs {
         self.finish.is_plain()
     }
 
+    /// The size asked for.
+    pub const fn size(&self) -> Option<[u32; 2]> {
+        self.size
+    }
+
     /// Puts the options in the place of the scene's fields.
     pub fn apply(&self, scene: &mut Scene) {
         if let Some(Background::Colour(colour)) = self.finish.background {

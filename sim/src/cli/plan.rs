@@ -82,6 +82,7 @@ impl Args {
             material: lights.as_ref(),
             modulation: modulation.as_ref(),
             additive: Sum::Average,
+            spread: None,
         };
         let with_volume = scene.classification != Classification::None;
         let rendering = if with_volume && scene.classification != Classification::Integral {

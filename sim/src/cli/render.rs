@@ -15,6 +15,7 @@ use slicecast_engine::levels::budget::{Limits, Losses};
 use slicecast_engine::levels::tree::Tree;
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::parts::{Cut, Reading};
+use slicecast_engine::perspective::{InPerspective, sharp};
 use slicecast_engine::rendering::Progress;
 use slicecast_engine::shard::Shard;
 use slicecast_engine::source::Source;
@@ -22,6 +23,8 @@ use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::Scene;
+use slicecast_scene::perspective::Perspective;
+use slicecast_volume::Volume;
 use slicecast_volume::on_disk::OnDisk;
 use slicecast_volume::open::Loaded;
 
@@ -39,6 +42,9 @@ use crate::raster::{Raster, png, rgb_png};
 use crate::slab::thicken;
 use crate::{legend, shards, visibility};
 
+/// Pixels along both sides of a picture in perspective of which nothing states a size.
+const IN_PERSPECTIVE: u32 = 512;
+
 /// Render a volume to a PNG picture.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
@@ -47,6 +53,7 @@ use crate::{legend, shards, visibility};
   slicecast render scan.nrrd --background none --depth 16 -o - | other-program
   slicecast render angiogram.nrrd --scene mip -o vessels.png
   slicecast render --surface 200 --surface -300,#e0a080,0.3 -o skin-over-skull.png --depth-map depth.png
+  slicecast render --fov 60 --eye 32,32,40 -o from-within.png
   slicecast render large.nrrd --memory 1GiB --scene bone.toml -o large.png
   slicecast render large.nrrd --budget 256MiB --scene bone.toml -o preview.png
   slicecast render colours.nrrd --alpha-distance 1 --precision wide -o colours.png
@@ -134,6 +141,9 @@ impl Args {
             None => self.scene.choose(&self.volume, &loaded)?,
         };
         self.picture.apply(&mut chosen.scene);
+        if let Some(perspective) = chosen.scene.perspective {
+            return self.render_in_perspective(target, chosen.scene, &perspective, &loaded.volume);
+        }
         let legend = match &target {
             Some(target) => self.legend(target, &chosen, &loaded)?,
             None => Vec::new(),
@@ -275,6 +285,54 @@ impl Args {
             eprintln!("warning: the picture shows nothing: no ray meets a voxel with an opacity");
         }
         self.write(&target, &self.picture.raster(&scene, &prepared.setup.picture, frame))
+    }
+
+    /// Renders a view in perspective.
+    fn render_in_perspective(
+        &self,
+        target: Option<Target>,
+        mut scene: Scene,
+        perspective: &Perspective,
+        volume: &Volume,
+    ) -> Result<(), Failure> {
+        let refused = [
+            ("--memory", self.memory.is_some()),
+            ("--budget", !self.budget.is_empty()),
+            ("--depth-map", self.depth_map.is_some()),
+        ];
+        let refused = refused.into_iter().find(|(_, given)| *given).map(|(option, _)| option);
+        let target = match (target, refused) {
+            (Some(target), None) => target,
+            (_, option) => {
+                let option = option.unwrap_or("--shard");
+                return Err(Failure::input(format!(
+                    "{option}: is of parallel views, and the scene is in perspective"
+                )));
+            }
+        };
+        let [rays, _] = self.scene.sampling_stated();
+        scene.image.size = Some(self.picture.size().or(scene.image.size).unwrap_or([IN_PERSPECTIVE; 2]));
+        if !rays {
+            scene.sampling.rays_per_voxel = sharp(&scene, perspective, volume)?;
+            if scene.sampling.rays_per_voxel > 1 {
+                let rays = scene.sampling.rays_per_voxel;
+                eprintln!("sampling: --rays {rays} per voxel of the farthest slice, for a sharp picture");
+            }
+        }
+        let prepared = InPerspective::new(&scene, perspective, volume).map_err(RenderError::from)?;
+        let prepared = prepared.with_simd(self.threads.simd());
+        let frame = with_bar("rendering", |progress| {
+            on_threads(self.threads.count(), || prepared.render(self.layer(), progress))
+        })??;
+        let BaseImage {
+            planes: [.., transparency],
+            one,
+            ..
+        } = &frame.base;
+        if transparency.iter().all(|left| left == one) {
+            eprintln!("warning: the picture shows nothing: no ray from the eye meets a sample with an opacity");
+        }
+        self.write(&target, &self.picture.raster(&scene, &prepared.picture(), frame))
     }
 
     /// The file of a shard, found fit to be written before there is anything to write.

@@ -313,6 +313,23 @@ impl Lanes for Avx2 {
         [Self(value), Self(next)]
     }
     #[inline(always)]
+    fn picked(row: &[i32], place: usize, offsets: Self) -> Self {
+        let (near, far) = (Self::load(row, place), Self::load(row, place + Self::COUNT));
+        Self(avx2!({
+            // Of the offset three bits count; the next one says of which vector.
+            let (near, far) = (
+                _mm256_permutevar8x32_epi32(near.0, offsets.0),
+                _mm256_permutevar8x32_epi32(far.0, offsets.0),
+            );
+            let is_far = _mm256_slli_epi32::<28>(offsets.0);
+            _mm256_castps_si256(_mm256_blendv_ps(
+                _mm256_castsi256_ps(near),
+                _mm256_castsi256_ps(far),
+                _mm256_castsi256_ps(is_far),
+            ))
+        }))
+    }
+    #[inline(always)]
     fn followed_by(self, next: Self) -> Self {
         // The middle: upper half of this, lower half of the next.
         let middle = avx2!(_mm256_permute2x128_si256::<0x21>(self.0, next.0));

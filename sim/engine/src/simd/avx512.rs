@@ -314,6 +314,11 @@ impl Lanes for Avx512 {
         [Self(value), Self(next)]
     }
     #[inline(always)]
+    fn picked(row: &[i32], place: usize, offsets: Self) -> Self {
+        let (near, far) = (Self::load(row, place), Self::load(row, place + Self::COUNT));
+        Self(avx512!(_mm512_permutex2var_epi32(near.0, offsets.0, far.0)))
+    }
+    #[inline(always)]
     fn followed_by(self, next: Self) -> Self {
         Self(avx512!(_mm512_alignr_epi32::<1>(next.0, self.0)))
     }

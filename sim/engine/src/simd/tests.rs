@@ -49,7 +49,7 @@ impl<V: Lanes> Kernel for Results<'_, V> {
 impl Rows {
     #[inline(always)]
     fn results<V: Lanes>(&self) -> Vec<Vec<i32>> {
-        const OPERATIONS: usize = 48;
+        const OPERATIONS: usize = 49;
         let n = self.any.len();
         let mut out = vec![vec![0; n]; OPERATIONS];
         let values: Neighboured = std::array::from_fn(|code| (code as u32).wrapping_mul(2_654_435_761));
@@ -59,6 +59,12 @@ impl Rows {
             offset: (by * 1057 % 0x8000) as i32,
             bits: by & 15,
         };
+        // At most one apart, as the cells of rays that spread.
+        let cells = self.other.iter().scan(0, |cell, bits| {
+            *cell += bits & 1;
+            Some(*cell)
+        });
+        let cells: Vec<i32> = cells.collect();
         // Rows of other types, of which the last elements are not to be touched.
         let behind = [1, 2, 3];
         let mut narrow: Vec<u16> = self.voxels.iter().copied().chain(behind).collect();
@@ -131,6 +137,11 @@ impl Rows {
                     ^ flag(V::splat(0).all_zero() != alike.any_at_least(by << 26)),
                 v.shr_to_one(by.max(1)).nonzero_then(w).narrow() ^ w.nonzero_then(v).narrow(),
                 weight.product16_31(one.at_most_unsigned(V::splat(2_147_418_113)), 0x7fff_8000),
+                V::picked(
+                    &self.any,
+                    cells[at] as usize + (by & 3) as usize,
+                    V::load(&cells, at).wrapping_sub(V::splat(cells[at])),
+                ),
             ];
             for (row, lanes) in out.iter_mut().zip(results) {
                 lanes.store(row, at);

@@ -13,6 +13,7 @@ pub mod gradients;
 pub mod gradual;
 pub mod levels;
 pub mod location;
+pub mod perspective;
 pub mod sampling;
 pub(crate) mod scenes;
 pub mod segments;
@@ -119,7 +120,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 15] = [
+    let groups: [Group; 16] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -127,6 +128,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         sphere::cases,
         transfer::cases,
         views::cases,
+        perspective::cases,
         sampling::cases,
         segments::cases,
         surfaces::cases,

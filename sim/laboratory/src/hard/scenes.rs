@@ -59,6 +59,7 @@ pub fn scene(points: &[(f64, f64)]) -> Scene {
         crop: None,
         clips: Vec::new(),
         cueing: None,
+        perspective: None,
         modulation: None,
         reflectance: None,
         surfaces: Vec::new(),

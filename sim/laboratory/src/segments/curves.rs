@@ -130,6 +130,7 @@ fn scene(transfer: TransferFunction) -> Scene {
         crop: None,
         clips: Vec::new(),
         cueing: None,
+        perspective: None,
         modulation: None,
         reflectance: None,
         surfaces: Vec::new(),

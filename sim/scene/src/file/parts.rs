@@ -12,6 +12,7 @@ use crate::colour::Colour;
 use crate::crop::{Crop, CropUnit, parse_range};
 use crate::cueing::Cueing;
 use crate::modulation::Modulation;
+use crate::perspective::{Eye, FOV, Perspective, Projection};
 use crate::reflectance::{Filter, Reflectance, SIDES};
 use crate::{
     AlphaCodeName, Blend, Borders, Classification, ColourOpacity, Colours, Face, Frame, Highlight, Image,
@@ -49,6 +50,11 @@ struct ViewPart {
     azimuth: Option<f64>,
     elevation: Option<f64>,
     roll: Option<f64>,
+    #[serde(default)]
+    projection: Projection,
+    fov: Option<f64>,
+    eye: Option<[f64; 3]>,
+    unit: Option<ClipUnit>,
 }
 
 #[derive(Default, Deserialize)]
@@ -233,11 +239,14 @@ impl SceneFile {
         };
         let pieces = self.render.pieces.unwrap_or(1);
         let pieces = u32::try_from(pieces).map_err(|_| FieldError::new("render.pieces", pieces, PIECES))?;
+        let perspective = self.view.perspective(self.sampling.borders)?;
+        let whole = perspective.map(|_| Borders::Whole);
         Ok(Scene {
             view: self.view.into_view(),
+            perspective,
             image: self.image.into_image()?,
             interpolation: self.sampling.interpolation.unwrap_or_default(),
-            borders: self.sampling.borders.unwrap_or_default(),
+            borders: whole.or(self.sampling.borders).unwrap_or_default(),
             crop: self.crop.map(CropPart::into_crop).transpose()?,
             clips: self.clip.into_iter().map(ClipPart::into_clip).collect(),
             cueing: self.cueing.map(CueingPart::into_cueing).transpose()?,
@@ -278,6 +287,30 @@ impl ColoursPart {
 }
 
 impl ViewPart {
+    /// Rays from an eye, whose borders are whole.
+    fn perspective(&self, borders: Option<Borders>) -> Result<Option<Perspective>, FieldError> {
+        if self.projection == Projection::Parallel {
+            let stated = [
+                ("view.fov", self.fov.is_some()),
+                ("view.eye", self.eye.is_some()),
+                ("view.unit", self.unit.is_some()),
+            ];
+            return match stated.into_iter().find(|(_, stated)| *stated) {
+                Some((field, _)) => Err(FieldError::new(field, "given", "view.projection \"perspective\"")),
+                None => Ok(None),
+            };
+        }
+        if borders.is_some_and(|borders| borders != Borders::Whole) {
+            let expected = "\"whole\", or nothing: in perspective borders are whole";
+            return Err(FieldError::new("sampling.borders", "exact", expected));
+        }
+        let unit = self.unit.unwrap_or_default();
+        Ok(Some(Perspective {
+            fov: self.fov.unwrap_or(FOV),
+            eye: self.eye.map(|at| Eye { at, unit }),
+        }))
+    }
+
     fn into_view(self) -> View {
         let default = View::default();
         View {

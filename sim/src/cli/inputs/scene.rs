@@ -10,6 +10,7 @@ use slicecast_scene::crop::Crop;
 use slicecast_scene::cueing::Cueing;
 use slicecast_scene::import::Shading;
 use slicecast_scene::modulation::Modulated;
+use slicecast_scene::perspective::{Eye, FOV, Perspective};
 use slicecast_scene::reflectance::Reflectance;
 use slicecast_scene::{
     AlphaCodeName, Blend, Borders, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
@@ -183,6 +184,14 @@ pub struct SceneArgs {
     /// Height of the viewer, degrees, from --view if it is given; without it, the scene's.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = number_in(check::ELEVATION))]
     elevation: Option<f64>,
+    /// Rays from an eye, and the field of view from the top of the picture to its bottom, degrees, 5 to 120: a view in perspective, of
+    /// samples, with whole borders; without it and --eye, the scene's, which is parallel if it says nothing else.
+    #[arg(long, value_name = "DEGREES", value_parser = number_in(check::FOV))]
+    fov: Option<f64>,
+    /// Where the eye is, in voxels (0 is the centre of the first) or, with :mm behind it, in the unit of the spacing: 64,-200,30 or
+    /// 12.5,40,60:mm, outside the volume or in it; without it, the scene's, or outside, where the whole volume is seen.
+    #[arg(long, value_name = "X,Y,Z", value_parser = Eye::parse, allow_hyphen_values = true)]
+    eye: Option<Eye>,
     #[command(flatten)]
     look: LookArgs,
 }
@@ -404,6 +413,17 @@ impl SceneArgs {
                 BordersArg::Cells => Borders::Cells,
                 BordersArg::Nodes => Borders::Nodes,
             };
+        }
+        if self.fov.is_some() || self.eye.is_some() {
+            let own = scene.perspective;
+            scene.perspective = Some(Perspective {
+                fov: self.fov.or(own.map(|own| own.fov)).unwrap_or(FOV),
+                eye: self.eye.or(own.and_then(|own| own.eye)),
+            });
+            // Exact ones that are asked for are refused.
+            if self.borders.is_none() {
+                scene.borders = Borders::Whole;
+            }
         }
         if self.crop.is_some() {
             scene.crop = self.crop;

@@ -1,0 +1,673 @@
+//! Perspective: rays that spread from an eye, through the same stages as parallel ones.
+//!
+//! A row of the image lies in one place between two voxel rows of a plane, so that z and y interpolation are those of parallel rays: rows
+//! with one weight. Along x each column has a cell and a weight of its own, the same in all rows of a plane; voxels are gathered there.
+//! Opacities are those of a step along k, brought to the length of the ray's own step.
+
+use core::marker::PhantomData;
+use core::ops::Range;
+
+use super::canvas::{Canvas, Image};
+use super::composite::Composite;
+use super::extent::around;
+use super::fold::{Batches, fold};
+use super::kept::Kept;
+use super::kernels::{ClassifierRows, Kernels, ShaderRows, Towards};
+use super::scratch::{self, BatchRows, ScratchError, SpreadScratch};
+use super::source::{NO_ROW, derivatives, spaced};
+use super::{At, ChannelOf, Pipeline, Rows};
+use crate::borders::lengths_row;
+use crate::classify::{Classifier, Slab, Support};
+use crate::composite::{Colours, Order, Pixel};
+use crate::format::{Intensity, Weight};
+use crate::interpolate::{cut, extend_row, lerp_x, lerp_y, z_difference_row, z_row};
+use crate::lanes::{Kernel, Lanes, places};
+use crate::locate::{Cell, Plane, cell};
+use crate::perspective::{ALONG_K, Line, Spread, Way, square};
+use crate::plan::Plan;
+use crate::precision::Precision;
+use crate::rows::{part, part_mut, three};
+use crate::shade::Shader;
+use crate::slice::{Code12, Window};
+use crate::tap::{Beam, Tap};
+
+/// [`Composite`] of rays that spread from an eye: points, whole borders, no modulation. It folds planes of the plan that was made with its
+/// rays ([`Plan::perspective`]), and nothing of others.
+#[derive(Clone, Debug)]
+pub struct Perspective<P: Precision, C, S, O> {
+    pipeline: Composite<P, C, S, O>,
+    spread: Spread,
+}
+
+impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Perspective<P, C, S, O> {
+    /// The same pipeline over these rays.
+    pub const fn new(pipeline: Composite<P, C, S, O>, spread: Spread) -> Self {
+        Self { pipeline, spread }
+    }
+}
+
+/// Rows of samples of rays that spread, of one plane.
+trait Spreads<W> {
+    /// The voxel row before the samples of a row of the image.
+    fn voxel_row(&self, row: u32) -> i32;
+    /// Makes the samples of a row of the image.
+    fn make(&mut self, row: u32);
+    /// Those that were made last.
+    fn samples(&self) -> &[W];
+    /// Brings opacities to the lengths of their steps.
+    fn lengthen(&self, opacities: &mut [W]);
+    /// Gradients of a span of the row that was made last, spaced, and the unit vectors towards the eye.
+    fn gradients(&mut self, span: Range<usize>, out: [&mut [W]; 3]);
+    /// Those vectors.
+    fn towards(&self, span: Range<usize>) -> [&[W]; 3];
+}
+
+/// A plane's rows on their way.
+struct Source<'s, 'w, P, V, S> {
+    window: &'s Window<'w>,
+    /// Columns of the image that have a sample.
+    columns: Range<usize>,
+    spread: &'s Spread,
+    /// Rows of the image.
+    line: Line,
+    z: Weight,
+    spacing: [Intensity; 3],
+    rows: SpreadScratch<'s, i32>,
+    /// Which voxel rows have been interpolated along z.
+    z_row: [i32; 4],
+    derivative_row: [usize; 2],
+    /// The row that was made last.
+    row: u32,
+    /// The voxel row before its samples, and the weight of the next.
+    at: Cell,
+    /// Columns of voxels that samples and gradients look at.
+    voxels: Range<usize>,
+    precision: P,
+    kinds: PhantomData<(V, S)>,
+}
+
+/// A derivative row that none is.
+const NONE: usize = usize::MAX;
+
+impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Source<'s, 'w, P, V, S> {
+    #[inline(always)]
+    fn new(
+        precision: P,
+        (plan, spread, plane): (&Plan, &'s Spread, &Plane),
+        [across, line]: [Line; 2],
+        columns: Range<usize>,
+        window: &'s Window<'w>,
+        rows: SpreadScratch<'s, i32>,
+    ) -> Self {
+        let width = window.near.width();
+        let mut slopes = rows.slopes.iter_mut();
+        let places = rows.cells.iter_mut().zip(&mut *rows.weights).zip(&mut *rows.squares);
+        let mut ends: Option<[usize; 2]> = None;
+        for (column, ((place, weight), own)) in columns.clone().zip(places) {
+            let at = cell(across.at(column as u32));
+            let slope = spread.slope(0, column as u32);
+            *place = at.index.max(0);
+            *weight = cut(precision, at.weight);
+            *own = square(slope);
+            if let Some(place) = slopes.next() {
+                *place = slope;
+            }
+            let index = at.index.max(0) as usize;
+            let [first, _] = ends.unwrap_or([index; 2]);
+            ends = Some([first, index]);
+        }
+        let [first, last] = ends.unwrap_or([0; 2]);
+        Self {
+            window,
+            columns,
+            spread,
+            line,
+            z: cell(plane.z).weight,
+            spacing: plan.spacing(),
+            rows,
+            z_row: [NO_ROW; 4],
+            derivative_row: [NONE; 2],
+            row: 0,
+            at: Cell {
+                index: 0,
+                weight: Weight::ZERO,
+            },
+            voxels: first.saturating_sub(1)..(last + 3).min(width),
+            precision,
+            kinds: PhantomData,
+        }
+    }
+
+    /// Where a voxel row's interpolation along z lies.
+    #[inline(always)]
+    fn slot(row: i32) -> usize {
+        (row & if S::LIT { 3 } else { 1 }) as usize
+    }
+
+    /// Places of the voxels that are looked at, with those beyond faces, in a row.
+    #[inline(always)]
+    fn places(&self) -> Range<usize> {
+        let Range { start, end } = self.voxels;
+        let width = self.window.near.width();
+        start + usize::from(start > 0)..end + 1 + usize::from(end == width)
+    }
+
+    /// Makes the z interpolation of a voxel row; in lit scenes also of one beyond each face.
+    #[inline(always)]
+    fn make_z(&mut self, row: i32) {
+        let slot = Self::slot(row);
+        let (Some(out), Some(name)) = (self.rows.z.get_mut(slot), self.z_row.get_mut(slot)) else {
+            return;
+        };
+        if *name == row {
+            return;
+        }
+        *name = row;
+        let (near, far) = (self.window.near, self.window.far_or_near());
+        let (width, last) = (near.width(), near.height() as i32 - 1);
+        let voxels = self.voxels.clone();
+        let own = voxels.start + 1..voxels.end + 1;
+        let edge = row.min(last).max(0);
+        let of = |row: i32| {
+            let (near, far) = (near.row(row as usize), far.row(row as usize));
+            (part(near, voxels.clone()), part(far, voxels.clone()))
+        };
+        let (near_row, far_row) = of(edge);
+        z_row::<P, V>(self.precision, near_row, far_row, self.z, part_mut(out, own.clone()));
+        if edge != row {
+            // One row beyond a face: twice the edge less the row inside it.
+            let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
+            let (near_row, far_row) = of(inner);
+            let inner = part_mut(self.rows.inner, own.clone());
+            z_row::<P, V>(self.precision, near_row, far_row, self.z, inner);
+            extend_row(part_mut(out, own.clone()), part(self.rows.inner, own));
+        }
+        // One voxel beyond a face that the samples come near to, likewise.
+        let place = |row: &[i32], place: usize| row.get(place).copied().unwrap_or(0);
+        if voxels.start == 0 {
+            let beyond = 2 * place(out, 1) - place(out, if width > 1 { 2 } else { 1 });
+            if let Some(out) = out.first_mut() {
+                *out = beyond;
+            }
+        }
+        if voxels.end == width {
+            let beyond = 2 * place(out, width) - place(out, if width > 1 { width - 1 } else { width });
+            if let Some(out) = out.get_mut(width + 1) {
+                *out = beyond;
+            }
+        }
+    }
+
+    /// Makes a voxel row's interpolation along y, between it and the next, in one of three rows.
+    #[inline(always)]
+    fn make_y(&mut self, row: i32, number: usize) {
+        let height = self.window.near.height() as i32;
+        let beyond = if S::LIT { height } else { height - 1 };
+        // Behind the last row there is none; its weight is zero.
+        let next = if row < beyond { row + 1 } else { row };
+        self.make_z(row);
+        self.make_z(next);
+        let places = self.places();
+        let SpreadScratch { z, y, .. } = &mut self.rows;
+        let pick = |row: i32| z.get(Self::slot(row)).map_or(&[][..], |z| part(z, places.clone()));
+        let (a, b) = (pick(row), pick(next));
+        let Some(out) = y.get_mut(number) else { return };
+        along_y::<P, V>(self.precision, [a, b], self.at.weight, part_mut(out, places.clone()));
+    }
+
+    #[inline(always)]
+    fn make_row(&mut self, row: u32) {
+        (self.row, self.at) = (row, cell(self.line.at(row)));
+        self.make_y(self.at.index, 0);
+        let (n, all) = (self.columns.len(), 0..self.window.near.width() + 2);
+        let SpreadScratch {
+            y: [y, ..],
+            cells,
+            weights,
+            squares,
+            samples,
+            lengths,
+            ..
+        } = &mut self.rows;
+        let (y, cells, weights) = (part(y, all), part(cells, 0..n), part(weights, 0..n));
+        let down = V::splat(square(self.spread.slope(1, row)));
+        let (samples, lengths) = (part_mut(samples, 0..n), part_mut(lengths, 0..n));
+        for at in places::<V>(n) {
+            let (first, offsets) = cells_at::<V>(cells, at);
+            let (a, b) = (V::picked(y, first + 1, offsets), V::picked(y, first + 2, offsets));
+            lerp_x(self.precision, a, b, V::load(weights, at)).store(samples, at);
+            Way::of([V::load(squares, at), down]).length().store(lengths, at);
+        }
+    }
+
+    /// Makes the z interpolation of a voxel row's derivatives along z.
+    #[inline(always)]
+    fn make_derivatives(&mut self, row: usize) {
+        let slot = row & 1;
+        let (Some(out), Some(name)) = (self.rows.derivatives.get_mut(slot), self.derivative_row.get_mut(slot)) else {
+            return;
+        };
+        if *name == row {
+            return;
+        }
+        *name = row;
+        let voxels = self.voxels.clone();
+        let (near, far) = derivatives(self.window, row);
+        let (near, far) = (near.columns(voxels.clone()), far.columns(voxels.clone()));
+        let own = voxels.start + 1..voxels.end + 1;
+        z_difference_row::<P, V>(self.precision, near, far, self.z, part_mut(out, own.clone()));
+        // Read with a weight of 0 only.
+        if let Some(out) = out.get_mut(own.end) {
+            *out = 0;
+        }
+    }
+
+    #[inline(always)]
+    fn make_gradients(&mut self, span: Range<usize>, [gx, gy, gz]: [&mut [i32]; 3]) {
+        let (p, at) = (self.precision, self.at);
+        self.make_y(at.index - 1, 1);
+        self.make_y(at.index + 1, 2);
+        let last = self.window.near.height() as i32 - 1;
+        let [this, next] = [at.index, at.index + 1].map(|row| row.min(last).max(0) as usize);
+        self.make_derivatives(this);
+        self.make_derivatives(next);
+        let voxels = self.voxels.start + 1..self.voxels.end + 2;
+        let down = self.spread.slope(1, self.row);
+        let SpreadScratch {
+            y: [y, above, below],
+            derivatives,
+            derivative,
+            cells,
+            weights,
+            squares,
+            slopes,
+            towards: [ti, tj, tk],
+            ..
+        } = &mut self.rows;
+        let pick = |row: usize| {
+            derivatives
+                .get(row & 1)
+                .map_or(&[][..], |row| part(row, voxels.clone()))
+        };
+        let (a, b) = (pick(this), pick(next));
+        along_y::<P, V>(p, [a, b], at.weight, part_mut(derivative, voxels.clone()));
+        let all = 0..self.window.near.width() + 2;
+        let [y, above, below] = [y, above, below].map(|row| part(row, all.clone()));
+        let derivative = part(derivative, all);
+        let (cells, weights) = (part(cells, span.clone()), part(weights, span.clone()));
+        let (squares, slopes) = (part(squares, span.clone()), part(slopes, span.clone()));
+        let [ti, tj, tk] = [ti, tj, tk].map(|row| part_mut(row, span.clone()));
+        let (down, down_square) = (V::splat(down), V::splat(square(down)));
+        for at in places::<V>(cells.len()) {
+            let (w, (first, offsets)) = (V::load(weights, at), cells_at::<V>(cells, at));
+            let between = |row: &[i32], beside: usize| {
+                let place = first + beside;
+                let (a, b) = (V::picked(row, place, offsets), V::picked(row, place + 1, offsets));
+                lerp_x(p, a, b, w)
+            };
+            (between(y, 2) - between(y, 0)).store(gx, at);
+            (between(below, 1) - between(above, 1)).store(gy, at);
+            between(derivative, 1).store(gz, at);
+            let way = Way::of([V::load(squares, at), down_square]);
+            way.towards(V::load(slopes, at)).store(ti, at);
+            way.towards(down).store(tj, at);
+            way.towards(V::splat(ALONG_K)).store(tk, at);
+        }
+        spaced::<P, V>(p, [gx, gy, gz], self.spacing);
+    }
+}
+
+/// The first of the cells `at ..`, and how far behind it they lie: pixels are at most a voxel apart, and what is behind the
+/// last cell is not stored.
+#[inline(always)]
+fn cells_at<V: Lanes>(cells: &[i32], at: usize) -> (usize, V) {
+    let first = cells.get(at).copied().unwrap_or(0);
+    (first as usize, V::load(cells, at).wrapping_sub(V::splat(first)))
+}
+
+/// y interpolation between two rows.
+#[inline(always)]
+fn along_y<P: Precision, V: Lanes>(p: P, [a, b]: [&[i32]; 2], weight: Weight, out: &mut [i32]) {
+    let w = V::splat(cut(p, weight));
+    for at in places::<V>(out.len()) {
+        lerp_y::<P, V, false>(p, V::load(a, at), V::load(b, at), w).store(out, at);
+    }
+}
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Spreads<i32> for Source<'_, '_, P, V, S> {
+    #[inline(always)]
+    fn voxel_row(&self, row: u32) -> i32 {
+        cell(self.line.at(row)).index
+    }
+
+    #[inline(always)]
+    fn make(&mut self, row: u32) {
+        V::enter((MakeRow, self, row));
+    }
+
+    #[inline(always)]
+    fn samples(&self) -> &[i32] {
+        part(self.rows.samples, 0..self.columns.len())
+    }
+
+    #[inline(always)]
+    fn lengthen(&self, opacities: &mut [i32]) {
+        V::enter((Lengthen, PhantomData::<V>, opacities, &*self.rows.lengths));
+    }
+
+    #[inline(always)]
+    fn gradients(&mut self, span: Range<usize>, out: [&mut [i32]; 3]) {
+        // Unlit pipelines have no such code.
+        if S::LIT {
+            V::enter((MakeGradients, self, span, out));
+        }
+    }
+
+    #[inline(always)]
+    fn towards(&self, span: Range<usize>) -> [&[i32]; 3] {
+        three(self.rows.towards.each_ref(), |row| part(row, span.clone()))
+    }
+}
+
+struct MakeRow;
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Kernel for (MakeRow, &mut Source<'_, '_, P, V, S>, u32) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, source, row) = self;
+        source.make_row(row);
+    }
+}
+
+struct MakeGradients;
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Kernel
+    for (
+        MakeGradients,
+        &mut Source<'_, '_, P, V, S>,
+        Range<usize>,
+        [&mut [i32]; 3],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, source, span, out) = self;
+        source.make_gradients(span, out);
+    }
+}
+
+struct Lengthen;
+
+impl<V: Lanes> Kernel for (Lengthen, PhantomData<V>, &mut [i32], &[i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, opacities, lengths) = self;
+        lengths_row::<V>(opacities, lengths);
+    }
+}
+
+/// Whole rows, one after the other: a row is left out when all its rays have terminated or all voxels around it are transparent.
+struct SpreadRows<'s, 'w, S: ?Sized> {
+    plane: &'s Plane,
+    /// Columns of the image that have a sample.
+    columns: Range<usize>,
+    window: &'s Window<'w>,
+    support: Support,
+    source: &'s mut S,
+    rows: Range<u32>,
+    row: u32,
+    from: usize,
+}
+
+impl<'s, 'w, S: ?Sized> SpreadRows<'s, 'w, S> {
+    #[inline(always)]
+    fn new(
+        plane: &'s Plane,
+        columns: Range<usize>,
+        window: &'s Window<'w>,
+        support: Support,
+        source: &'s mut S,
+        rows: Range<u32>,
+    ) -> Self {
+        Self {
+            plane,
+            columns,
+            window,
+            support,
+            source,
+            rows,
+            row: 0,
+            from: 0,
+        }
+    }
+}
+
+impl<X: Canvas<i32> + ?Sized, S: Spreads<i32> + ?Sized> Batches<i32, X> for SpreadRows<'_, '_, S> {
+    const WHOLE_ROWS: bool = true;
+
+    #[inline(always)]
+    fn next(&mut self, canvas: &mut X) -> Option<usize> {
+        loop {
+            self.row = self.rows.next()?;
+            if canvas.finished(self.row) {
+                continue;
+            }
+            let (row, last) = (self.source.voxel_row(self.row), self.window.near.height() as i32 - 1);
+            let rows = [row, row + 1].map(|row| row.min(last).max(0) as usize);
+            if self.support.meets(around(self.window, rows.into())) {
+                self.source.make(self.row);
+                self.from = 0;
+                return Some(self.columns.len());
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn slab(&self) -> Slab<'_> {
+        Slab::of(self.source.samples())
+    }
+
+    #[inline(always)]
+    fn keep(&mut self) {}
+
+    #[inline(always)]
+    fn again(&mut self) {
+        self.from = 0;
+    }
+
+    /// No plane cuts them, but they are longer than steps along k.
+    #[inline(always)]
+    fn clip<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, opacities: &mut [i32]) {
+        self.source.lengthen(opacities);
+    }
+
+    #[inline(always)]
+    fn clip_colours<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, _: Range<usize>, _: [&mut [i32]; 3]) {}
+
+    #[inline(always)]
+    fn clip_turns<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, _: Range<usize>, _: &mut [i32]) {}
+
+    #[inline(always)]
+    fn cues(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn turn(&self, _: Range<usize>, _: &mut Colours<'_, i32>) {}
+
+    #[inline(always)]
+    fn visible(&mut self, canvas: &mut X, opacities: &mut [i32]) -> Option<Range<usize>> {
+        if self.from >= opacities.len() {
+            return None;
+        }
+        let span = canvas.visible(self.row, opacities, self.from)?;
+        self.from = span.end;
+        Some(span)
+    }
+
+    #[inline(always)]
+    fn gradients(&mut self, visible: Range<usize>, _: &[i32], _: Option<&[i32]>, out: [&mut [i32]; 3]) {
+        self.source.gradients(visible, out);
+    }
+
+    #[inline(always)]
+    fn towards(&self, visible: Range<usize>) -> [&[i32]; 3] {
+        self.source.towards(visible)
+    }
+
+    #[inline(always)]
+    fn weigh(&self, canvas: &X, visible: Range<usize>, opacities: &mut [i32], factors: &[i32]) {
+        canvas.weigh(part_mut(opacities, visible), factors);
+    }
+
+    #[inline(always)]
+    fn fold(
+        &mut self,
+        canvas: &mut X,
+        visible: Range<usize>,
+        colours: &Colours<'_, i32>,
+        opacities: &[i32],
+        _: Option<&[i32]>,
+    ) {
+        canvas.fold(self.row, visible.clone(), colours, part(opacities, visible));
+    }
+
+    #[inline(always)]
+    fn beam(&self, offset: usize, part: u32) -> Option<Beam<'_>> {
+        Some(Beam {
+            plane: self.plane,
+            row: self.row,
+            column: (self.columns.start + offset) as u32,
+            part,
+        })
+    }
+}
+
+/// Rows that spread through the driver, of which there is one copy for all pipelines.
+#[inline(never)]
+fn fold_spread(
+    rows: &mut SpreadRows<'_, '_, dyn Spreads<i32> + '_>,
+    slots: (&dyn ClassifierRows<i32>, &dyn ShaderRows<i32>),
+    canvas: &mut dyn Canvas<i32>,
+    memory: BatchRows<'_, i32>,
+    tap: Option<&mut dyn Tap>,
+) {
+    fold(rows, slots, canvas, memory, tap);
+}
+
+impl<P, C, S, O> Pipeline for Perspective<P, C, S, O>
+where
+    P: Precision,
+    C: Classifier<P>,
+    S: Shader<P>,
+    O: Order,
+{
+    type Precision = P;
+    type Voxel = Code12;
+    type Element = ChannelOf<P>;
+    const CHANNELS: usize = 4;
+    const SLICES: usize = if S::LIT { 4 } else { 2 };
+    const SCRATCH: scratch::Rows = if S::LIT {
+        scratch::Rows::LitSpread
+    } else {
+        scratch::Rows::Spread
+    };
+    const SPREADS: bool = true;
+    const BACK_TO_FRONT: bool = O::BACK_TO_FRONT;
+
+    fn support(&self) -> Option<Support> {
+        self.pipeline.support()
+    }
+
+    fn precision(&self) -> P {
+        self.pipeline.precision()
+    }
+
+    fn empty(&self, channel: usize) -> ChannelOf<P> {
+        self.pipeline.empty(channel)
+    }
+
+    #[inline(always)]
+    fn fold<V: Lanes>(
+        &self,
+        at: &At<'_>,
+        rows: Rows<'_, ChannelOf<P>>,
+        scratch: &mut [i32],
+        _: Option<&mut Kept<'_>>,
+        mut tap: Option<&mut dyn Tap>,
+    ) -> Result<(), ScratchError> {
+        const {
+            assert!(
+                !C::SLABS && !S::MODULATES,
+                "in perspective samples are classified, and not modulated"
+            )
+        };
+        let (plan, plane, window) = (at.plan, &at.plane, &at.window);
+        let memory = SpreadScratch::cut(scratch, Self::SCRATCH, plan.longest_row(), !V::SMALL)?;
+        if let Some(tap) = &mut tap {
+            tap.plane(plane);
+        }
+        let spread = &self.spread;
+        let ([width, height, _], [base_width, base_height]) = (plan.dims(), plan.base());
+        // What lies behind the eye or about it, and what is another plan's.
+        if plane.index < spread.first_plane() || !plan.spreads() || spread.base() != plan.base() {
+            return Ok(());
+        }
+        let lines = spread.lines(plane.index);
+        let [across, down] = &lines;
+        let (columns, met) = (across.inside(width, base_width), down.inside(height, base_height));
+        let Some(count) = rows.data.len().checked_div(4 * base_width as usize) else {
+            return Ok(());
+        };
+        let (columns, end) = (columns.start as usize..columns.end as usize, rows.first + count as u32);
+        let met = met.start.max(rows.first)..met.end.min(end);
+        if columns.is_empty() || met.is_empty() {
+            return Ok(());
+        }
+        let (precision, classifier, shader, floor) = self.pipeline.slots();
+        let mut canvas = Image::<P::Pixel, O, V>::new(
+            (rows.first, rows.data),
+            base_width as usize,
+            columns.clone(),
+            plane.index,
+            (precision.pixel(), floor),
+        );
+        let support = classifier.support();
+        let classifier = Kernels::<C, P, V>::of(classifier, precision);
+        let shader = Towards(Kernels::<S, P, V>::of(shader, precision));
+        let (source_rows, mut batch) = memory;
+        batch.opacities = part_mut(batch.opacities, 0..columns.len());
+        let mut source = Source::<P, V, S>::new(
+            precision,
+            (plan, spread, plane),
+            lines,
+            columns.clone(),
+            window,
+            source_rows,
+        );
+        if V::SMALL {
+            let mut rows = SpreadRows::new(plane, columns, window, support, &mut source, met);
+            fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+        } else {
+            let source: &mut dyn Spreads<i32> = &mut source;
+            let mut rows = SpreadRows::new(plane, columns, window, support, source, met);
+            fold_spread(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn finished<V: Lanes>(&self, plan: &Plan, data: &[ChannelOf<P>]) -> bool {
+        self.pipeline.finished::<V>(plan, data)
+    }
+
+    fn pixel(&self, row: &[ChannelOf<P>], column: usize) -> Pixel<ChannelOf<P>> {
+        self.pipeline.pixel(row, column)
+    }
+}
