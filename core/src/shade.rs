@@ -610,7 +610,8 @@ impl Normals<'_> {
     /// [`dot_lanes`] of the normals at a place.
     #[inline(always)]
     fn dot<P: Precision, V: Lanes>(&self, p: P, at: usize, away: [i32; 3]) -> V::Wide {
-        self.dot_with::<P, V>(p, at, away.map(V::splat))
+        let [ax, ay, az] = away;
+        self.dot_with::<P, V>(p, at, [V::splat(ax), V::splat(ay), V::splat(az)])
     }
 
     /// The same with another vector in each lane.

@@ -233,9 +233,8 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Source<'s, 'w, P, V, S> {
         let down = V::splat(square(self.spread.slope(1, row)));
         let (samples, lengths) = (part_mut(samples, 0..n), part_mut(lengths, 0..n));
         for at in places::<V>(n) {
-            let (first, offsets) = cells_at::<V>(cells, at);
-            let (a, b) = (V::picked(y, first + 1, offsets), V::picked(y, first + 2, offsets));
-            lerp_x(self.precision, a, b, V::load(weights, at)).store(samples, at);
+            let here = cells_at::<V>(cells, at);
+            between::<P, V>(self.precision, y, here, 1, V::load(weights, at)).store(samples, at);
             Way::of([V::load(squares, at), down]).length().store(lengths, at);
         }
     }
@@ -299,15 +298,10 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Source<'s, 'w, P, V, S> {
         let [ti, tj, tk] = [ti, tj, tk].map(|row| part_mut(row, span.clone()));
         let (down, down_square) = (V::splat(down), V::splat(square(down)));
         for at in places::<V>(cells.len()) {
-            let (w, (first, offsets)) = (V::load(weights, at), cells_at::<V>(cells, at));
-            let between = |row: &[i32], beside: usize| {
-                let place = first + beside;
-                let (a, b) = (V::picked(row, place, offsets), V::picked(row, place + 1, offsets));
-                lerp_x(p, a, b, w)
-            };
-            (between(y, 2) - between(y, 0)).store(gx, at);
-            (between(below, 1) - between(above, 1)).store(gy, at);
-            between(derivative, 1).store(gz, at);
+            let (w, here) = (V::load(weights, at), cells_at::<V>(cells, at));
+            (between::<P, V>(p, y, here, 2, w) - between::<P, V>(p, y, here, 0, w)).store(gx, at);
+            (between::<P, V>(p, below, here, 1, w) - between::<P, V>(p, above, here, 1, w)).store(gy, at);
+            between::<P, V>(p, derivative, here, 1, w).store(gz, at);
             let way = Way::of([V::load(squares, at), down_square]);
             way.towards(V::load(slopes, at)).store(ti, at);
             way.towards(down).store(tj, at);
@@ -323,6 +317,14 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Source<'s, 'w, P, V, S> {
 fn cells_at<V: Lanes>(cells: &[i32], at: usize) -> (usize, V) {
     let first = cells.get(at).copied().unwrap_or(0);
     (first as usize, V::load(cells, at).wrapping_sub(V::splat(first)))
+}
+
+/// x interpolation between the places `beside` those of cells and the next ones.
+#[inline(always)]
+fn between<P: Precision, V: Lanes>(p: P, row: &[i32], (first, offsets): (usize, V), beside: usize, w: V) -> V {
+    let place = first + beside;
+    let (a, b) = (V::picked(row, place, offsets), V::picked(row, place + 1, offsets));
+    lerp_x(p, a, b, w)
 }
 
 /// y interpolation between two rows.

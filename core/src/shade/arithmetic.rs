@@ -5,7 +5,6 @@ use crate::format::Cosine;
 use crate::lanes::{Lanes, Wide as _};
 use crate::normalise::Normal;
 use crate::precision::{NormalForm, Power, Precision, Shading};
-use crate::rows::three;
 
 /// The normal N = -g r / 2^35 with its magnitudes truncated (towards zero, so that opposite gradients have opposite
 /// normals) to so many fraction bits, 1 to 15.
@@ -60,7 +59,8 @@ fn nearest_component<V: Lanes>(g: V, r: V, bits: u32) -> V {
 /// is -L, with the precision's bits ([`keep_vector`](super::keep_vector)): g points away from the normal.
 #[inline(always)]
 pub fn dot_lanes<P: Precision, V: Lanes>(p: P, g: [V; 3], r: V, away: [i32; 3]) -> V::Wide {
-    dot_with(p, g, r, three(away, V::splat))
+    let [ax, ay, az] = away;
+    dot_with(p, g, r, [V::splat(ax), V::splat(ay), V::splat(az)])
 }
 
 /// [`dot_lanes`] with another vector in each lane.

@@ -4,7 +4,6 @@ use super::arithmetic::{reflected_lanes, reflected_with};
 use super::{Normals, Source};
 use crate::lanes::{Lanes, Wide as _};
 use crate::precision::Precision;
-use crate::rows::three;
 
 /// Where the viewer is.
 pub(crate) trait Gaze: Copy {
@@ -50,15 +49,44 @@ impl Spreading<'_> {
     /// V with the precision's bits, to nearest.
     #[inline(always)]
     fn kept<P: Precision, V: Lanes>(self, p: P, at: usize) -> [V; 3] {
+        let [x, y, z] = self.towards;
         let cut = 30 - p.formats().shading.vector_bits();
-        three(self.towards, |row| {
-            if cut == 0 {
-                V::load(row, at)
-            } else {
-                (V::load(row, at) + V::splat(1 << cut >> 1)) >> cut
-            }
-        })
+        [
+            rounded(V::load(x, at), cut),
+            rounded(V::load(y, at), cut),
+            rounded(V::load(z, at), cut),
+        ]
     }
+}
+
+/// Without so many low bits, to nearest.
+#[inline(always)]
+fn rounded<V: Lanes>(c: V, cut: u32) -> V {
+    if cut == 0 {
+        c
+    } else {
+        (c + V::splat(1 << cut >> 1)) >> cut
+    }
+}
+
+/// The vector that points the other way.
+#[inline(always)]
+fn opposite<V: Lanes>([x, y, z]: [V; 3]) -> [V; 3] {
+    let zero = V::splat(0);
+    [zero - x, zero - y, zero - z]
+}
+
+/// Half of a vector and of the opposite of another.
+#[inline(always)]
+fn half<V: Lanes>([x, y, z]: [V; 3], [ax, ay, az]: [V; 3]) -> [V; 3] {
+    let one = V::splat(1);
+    [(x - ax + one) >> 1, (y - ay + one) >> 1, (z - az + one) >> 1]
+}
+
+/// The same vector in all lanes.
+#[inline(always)]
+fn splat<V: Lanes>([x, y, z]: [i32; 3]) -> [V; 3] {
+    [V::splat(x), V::splat(y), V::splat(z)]
 }
 
 /// a . b of vectors, with twice their fraction bits.
@@ -70,24 +98,25 @@ fn product<V: Lanes>([ax, ay, az]: [V; 3], [bx, by, bz]: [V; 3]) -> V::Wide {
 impl Gaze for Spreading<'_> {
     #[inline(always)]
     fn facing<P: Precision, V: Lanes>(self, p: P, normals: Normals<'_>, at: usize) -> V::Wide {
-        normals.dot_with::<P, V>(p, at, three(self.kept(p, at), |c: V| V::splat(0) - c))
+        normals.dot_with::<P, V>(p, at, opposite(self.kept(p, at)))
     }
 
     #[inline(always)]
     fn reflected<P: Precision, V: Lanes>(self, p: P, at: usize, light: &Source, nv: V::Wide, nl: V::Wide) -> V::Wide {
-        let light = three(light.away, |c| V::splat(0) - V::splat(c));
-        reflected_with::<P, V>(p, nv, nl, product(self.kept(p, at), light))
+        reflected_with::<P, V>(
+            p,
+            nv,
+            nl,
+            product(self.kept::<P, V>(p, at), opposite(splat(light.away))),
+        )
     }
 
     /// With h = (L + V) / 2, which is as long as the cosine of half the angle between them: `(N . h) / |h|`, at most 1. No vector H is
     /// formed.
     #[inline(always)]
     fn half_way<P: Precision, V: Lanes>(self, p: P, normals: Normals<'_>, at: usize, light: &Source) -> V::Wide {
-        let [x, y, z] = self.kept::<P, V>(p, at);
-        let [ax, ay, az] = light.away;
-        let half = |v: V, away: i32| (v - V::splat(away) + V::splat(1)) >> 1;
-        let h = [half(x, ax), half(y, ay), half(z, az)];
-        let nh = normals.dot_with::<P, V>(p, at, three(h, |c: V| V::splat(0) - c));
+        let h: [V; 3] = half(self.kept(p, at), splat(light.away));
+        let nh = normals.dot_with::<P, V>(p, at, opposite(h));
         let bits = 2 * p.formats().shading.vector_bits();
         let square = product(h, h);
         // 30 fraction bits; at most 1 and what rounding adds.
