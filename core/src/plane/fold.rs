@@ -180,16 +180,16 @@ pub(super) fn fold<B, C, S, X>(
                     if modulates {
                         shader.measure([&*gx, &*gy, &*gz], &mut *magnitudes);
                     }
+                    let beside = Beside {
+                        magnitudes: &*magnitudes,
+                        towards,
+                    };
                     if let (Some(tap), Some(at)) = (&mut tap, batches.beam(visible.start, part)) {
                         see(*tap, Stage::Gradient, at, &[&mut *gx, &mut *gy, &mut *gz]);
                         shader.normalise([&mut *gx, &mut *gy, &mut *gz], &mut *r);
                         tap.row(Stage::Normal, at, &[&&*gx, &&*gy, &&*gz, &&*r]);
-                        let magnitudes = &*magnitudes;
-                        let beside = Beside { magnitudes, towards };
                         shader.shade(([&*gx, &*gy, &*gz], &*r), beside, &mut colours);
                     } else {
-                        let magnitudes = &*magnitudes;
-                        let beside = Beside { magnitudes, towards };
                         shader.normalise_and_shade(([gx, gy, gz], r), beside, &mut colours);
                     }
                     if cues {

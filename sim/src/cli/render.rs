@@ -53,7 +53,7 @@ const IN_PERSPECTIVE: u32 = 512;
   slicecast render scan.nrrd --background none --depth 16 -o - | other-program
   slicecast render angiogram.nrrd --scene mip -o vessels.png
   slicecast render --surface 200 --surface -300,#e0a080,0.3 -o skin-over-skull.png --depth-map depth.png
-  slicecast render --fov 60 --eye 32,32,40 -o from-within.png
+  slicecast render --scene ct-bone --fov 120 --eye 32,20,34 -o within.png
   slicecast render large.nrrd --memory 1GiB --scene bone.toml -o large.png
   slicecast render large.nrrd --budget 256MiB --scene bone.toml -o preview.png
   slicecast render colours.nrrd --alpha-distance 1 --precision wide -o colours.png
