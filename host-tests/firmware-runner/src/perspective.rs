@@ -11,7 +11,7 @@ use slicecast_engine::rendering::in_memory_order;
 use slicecast_engine::simd::Simd;
 use slicecast_firmware_shared::scene::plan_in_perspective;
 use slicecast_firmware_shared::sum::Sum;
-use slicecast_scene::{PrecisionName, Scene};
+use slicecast_scene::PrecisionName;
 
 use crate::images::{execute, parse};
 use crate::line;
@@ -27,16 +27,13 @@ pub struct Perspective {
     /// Of the parallel view, and in perspective.
     places: [u64; 2],
     /// By precision and light.
-    images: Vec<(PrecisionName, Kind, u32)>,
+    images: Vec<(Kind, u32)>,
 }
 
 /// The sum of the image of a scene in perspective, and the places of samples in a parallel view and in perspective.
-fn image(named: &Named, precision: PrecisionName, kind: Kind) -> Result<(u32, [u64; 2]), Failure> {
+fn image(named: &Named, kind: Kind) -> Result<(u32, [u64; 2]), Failure> {
     let words = |error: &dyn std::error::Error| Failure(format!("{}, perspective: {error}", named.name));
-    let scene = Scene {
-        precision,
-        ..named.of_kind(kind)
-    };
+    let scene = named.of_kind(kind);
     let mut prepared = Prepared::new(&scene, &named.volume).map_err(|e| words(&e))?;
     let parallel = places(&prepared.setup.plan);
     let (plan, spread) = plan_in_perspective(&prepared.setup.plan).map_err(|e| words(&e))?;
@@ -70,11 +67,14 @@ impl Perspective {
             return fail("there is no dense scene");
         };
         let (mut images, mut places) = (Vec::new(), [0; 2]);
-        for kind in [Kind::COMPACT_UNLIT, Kind::COMPACT_LIT] {
+        for lit in [false, true] {
             for precision in [PrecisionName::Compact, PrecisionName::Wide] {
-                let (sum, counts) = image(dense, precision, kind)?;
-                images.push((precision, kind, sum));
-                places = counts;
+                let is_wanted = |kind: &Kind| kind.lit == lit && kind.precision() == precision;
+                for kind in Kind::all().filter(is_wanted) {
+                    let (sum, counts) = image(dense, kind)?;
+                    images.push((kind, sum));
+                    places = counts;
+                }
             }
         }
         Ok(Self {
@@ -86,7 +86,7 @@ impl Perspective {
 
     /// Rust source of the sums.
     pub fn source(&self) -> String {
-        let images: Vec<u32> = self.images.iter().map(|(_, _, image)| *image).collect();
+        let images: Vec<u32> = self.images.iter().map(|(_, image)| *image).collect();
         let mut out = String::new();
         let _ = writeln!(
             out,
@@ -103,9 +103,9 @@ impl Perspective {
         let finished = execute(machine, &programs.join("perspective"), true)?;
         let report = parse(&finished.out)?;
         let mut failed = 0;
-        for (precision, kind, host) in self.images.iter().copied() {
+        for (kind, host) in self.images.iter().copied() {
             let case = |way: &str| {
-                let name = format!("{way} {} {} {}", self.scene, precision.name(), kind.shading());
+                let name = format!("{way} {} {}", self.scene, kind.name());
                 report.cases.iter().find(|case| case.name == name)
             };
             let (Some(parallel), Some(perspective)) = (case("parallel"), case("perspective")) else {
@@ -119,7 +119,7 @@ impl Perspective {
             let verdict = (image != host).then(|| format!("found {image:08x}"));
             failed += line(
                 machine,
-                &format!("perspective {} {} {}", self.scene, precision.name(), kind.shading()),
+                &format!("perspective {} {}", self.scene, kind.name()),
                 &format!("{host:08x}"),
                 verdict,
             );

@@ -148,7 +148,7 @@ fn way(volume: &Volume, eye: [f64; 3], direction: [f64; 3]) -> f64 {
     (to - from).max(0.0) * length.sqrt()
 }
 
-/// Homogeneous fog from within: what is left of the light depends on a ray's way to the face alone, through all facets alike.
+/// Homogeneous fog from within: what is left of the light depends on a ray's way to the face alone, through all frames about the eye alike.
 fn homogeneous(size: Size) -> Result<Case, RenderError> {
     let side = match size {
         Size::Full => 33,
@@ -156,7 +156,7 @@ fn homogeneous(size: Size) -> Result<Case, RenderError> {
     };
     let mut case = Case::new(
         "perspective",
-        "homogeneous fog from its middle, 120 degrees, five facets, 16 planes per voxel",
+        "homogeneous fog from its middle, 120 degrees, 16 planes per voxel",
         "largest error of the picture, as a length, voxels",
         0.0,
         "what is left of the light is exp(-way to the face): whole borders leave up to a step at each end, where a voxel has 16",
