@@ -1,0 +1,386 @@
+//! Samples, gradients and steps of one plane of rays that spread.
+
+use core::marker::PhantomData;
+use core::ops::Range;
+
+use super::super::scratch::SpreadScratch;
+use super::super::source::{NO_ROW, derivatives, spaced};
+use crate::borders::lengths_row;
+use crate::format::{Intensity, Weight};
+use crate::interpolate::{cut, extend_row, lerp_x, lerp_y, z_difference_row, z_row};
+use crate::lanes::{Kernel, Lanes, places};
+use crate::locate::{Cell, Plane, cell};
+use crate::perspective::{ALONG_K, Line, Spread, Way, square};
+use crate::plan::Plan;
+use crate::precision::Precision;
+use crate::rows::{part, part_mut, three};
+use crate::shade::Shader;
+use crate::slice::Window;
+
+/// Rows of samples of rays that spread, of one plane.
+pub(super) trait Spreads<W> {
+    /// The voxel row before the samples of a row of the image.
+    fn voxel_row(&self, row: u32) -> i32;
+    /// Makes the samples of a row of the image.
+    fn make(&mut self, row: u32);
+    /// Those that were made last.
+    fn samples(&self) -> &[W];
+    /// Brings opacities to the lengths of their steps.
+    fn lengthen(&self, opacities: &mut [W]);
+    /// Gradients of a span of the row that was made last, spaced, and the unit vectors towards the eye.
+    fn gradients(&mut self, span: Range<usize>, out: [&mut [W]; 3]);
+    /// Those vectors.
+    fn towards(&self, span: Range<usize>) -> [&[W]; 3];
+}
+
+/// A plane's rows on their way.
+pub(super) struct Source<'s, 'w, P, V, S> {
+    window: &'s Window<'w>,
+    /// Columns of the image that have a sample.
+    columns: Range<usize>,
+    spread: &'s Spread,
+    /// Rows of the image.
+    line: Line,
+    z: Weight,
+    spacing: [Intensity; 3],
+    rows: SpreadScratch<'s, i32>,
+    /// Which voxel rows have been interpolated along z.
+    z_row: [i32; 4],
+    derivative_row: [usize; 2],
+    /// The row that was made last.
+    row: u32,
+    /// The voxel row before its samples, and the weight of the next.
+    at: Cell,
+    /// Columns of voxels that samples and gradients look at.
+    voxels: Range<usize>,
+    precision: P,
+    kinds: PhantomData<(V, S)>,
+}
+
+/// A derivative row that none is.
+const NONE: usize = usize::MAX;
+
+impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Source<'s, 'w, P, V, S> {
+    #[inline(always)]
+    pub(super) fn new(
+        precision: P,
+        (plan, spread, plane): (&Plan, &'s Spread, &Plane),
+        [across, line]: [Line; 2],
+        columns: Range<usize>,
+        window: &'s Window<'w>,
+        rows: SpreadScratch<'s, i32>,
+    ) -> Self {
+        let width = window.near.width();
+        let mut slopes = rows.slopes.iter_mut();
+        let places = rows.cells.iter_mut().zip(&mut *rows.weights).zip(&mut *rows.squares);
+        let mut ends: Option<[usize; 2]> = None;
+        for (column, ((place, weight), own)) in columns.clone().zip(places) {
+            let at = cell(across.at(column as u32));
+            let slope = spread.slope(0, column as u32);
+            *place = at.index.max(0);
+            *weight = cut(precision, at.weight);
+            *own = square(slope);
+            if let Some(place) = slopes.next() {
+                *place = slope;
+            }
+            let index = at.index.max(0) as usize;
+            let [first, _] = ends.unwrap_or([index; 2]);
+            ends = Some([first, index]);
+        }
+        let [first, last] = ends.unwrap_or([0; 2]);
+        Self {
+            window,
+            columns,
+            spread,
+            line,
+            z: cell(plane.z).weight,
+            spacing: plan.spacing(),
+            rows,
+            z_row: [NO_ROW; 4],
+            derivative_row: [NONE; 2],
+            row: 0,
+            at: Cell {
+                index: 0,
+                weight: Weight::ZERO,
+            },
+            voxels: first.saturating_sub(1)..(last + 3).min(width),
+            precision,
+            kinds: PhantomData,
+        }
+    }
+
+    /// Where a voxel row's interpolation along z lies.
+    #[inline(always)]
+    fn slot(row: i32) -> usize {
+        (row & if S::LIT { 3 } else { 1 }) as usize
+    }
+
+    /// Places of the voxels that are looked at, with those beyond faces, in a row.
+    #[inline(always)]
+    fn places(&self) -> Range<usize> {
+        let Range { start, end } = self.voxels;
+        let width = self.window.near.width();
+        start + usize::from(start > 0)..end + 1 + usize::from(end == width)
+    }
+
+    /// Makes the z interpolation of a voxel row; in lit scenes also of one beyond each face.
+    #[inline(always)]
+    fn make_z(&mut self, row: i32) {
+        let slot = Self::slot(row);
+        let (Some(out), Some(name)) = (self.rows.z.get_mut(slot), self.z_row.get_mut(slot)) else {
+            return;
+        };
+        if *name == row {
+            return;
+        }
+        *name = row;
+        let (near, far) = (self.window.near, self.window.far_or_near());
+        let (width, last) = (near.width(), near.height() as i32 - 1);
+        let voxels = self.voxels.clone();
+        let own = voxels.start + 1..voxels.end + 1;
+        let edge = row.min(last).max(0);
+        let of = |row: i32| {
+            let (near, far) = (near.row(row as usize), far.row(row as usize));
+            (part(near, voxels.clone()), part(far, voxels.clone()))
+        };
+        let (near_row, far_row) = of(edge);
+        z_row::<P, V>(self.precision, near_row, far_row, self.z, part_mut(out, own.clone()));
+        if edge != row {
+            // One row beyond a face: twice the edge less the row inside it.
+            let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
+            let (near_row, far_row) = of(inner);
+            let inner = part_mut(self.rows.inner, own.clone());
+            z_row::<P, V>(self.precision, near_row, far_row, self.z, inner);
+            extend_row(part_mut(out, own.clone()), part(self.rows.inner, own));
+        }
+        // One voxel beyond a face that the samples come near to, likewise.
+        let place = |row: &[i32], place: usize| row.get(place).copied().unwrap_or(0);
+        if voxels.start == 0 {
+            let beyond = 2 * place(out, 1) - place(out, if width > 1 { 2 } else { 1 });
+            if let Some(out) = out.first_mut() {
+                *out = beyond;
+            }
+        }
+        if voxels.end == width {
+            let beyond = 2 * place(out, width) - place(out, if width > 1 { width - 1 } else { width });
+            if let Some(out) = out.get_mut(width + 1) {
+                *out = beyond;
+            }
+        }
+    }
+
+    /// Makes a voxel row's interpolation along y, between it and the next, in one of three rows.
+    #[inline(always)]
+    fn make_y(&mut self, row: i32, number: usize) {
+        let height = self.window.near.height() as i32;
+        let beyond = if S::LIT { height } else { height - 1 };
+        // Behind the last row there is none; its weight is zero.
+        let next = if row < beyond { row + 1 } else { row };
+        self.make_z(row);
+        self.make_z(next);
+        let places = self.places();
+        let SpreadScratch { z, y, .. } = &mut self.rows;
+        let pick = |row: i32| z.get(Self::slot(row)).map_or(&[][..], |z| part(z, places.clone()));
+        let (a, b) = (pick(row), pick(next));
+        let Some(out) = y.get_mut(number) else { return };
+        along_y::<P, V>(self.precision, [a, b], self.at.weight, part_mut(out, places.clone()));
+    }
+
+    #[inline(always)]
+    fn make_row(&mut self, row: u32) {
+        (self.row, self.at) = (row, cell(self.line.at(row)));
+        self.make_y(self.at.index, 0);
+        let (n, all) = (self.columns.len(), 0..self.window.near.width() + 2);
+        let SpreadScratch {
+            y: [y, ..],
+            cells,
+            weights,
+            squares,
+            samples,
+            lengths,
+            ..
+        } = &mut self.rows;
+        let (y, cells, weights) = (part(y, all), part(cells, 0..n), part(weights, 0..n));
+        let down = V::splat(square(self.spread.slope(1, row)));
+        let (samples, lengths) = (part_mut(samples, 0..n), part_mut(lengths, 0..n));
+        for at in places::<V>(n) {
+            let here = cells_at::<V>(cells, at);
+            between::<P, V>(self.precision, y, here, 1, V::load(weights, at)).store(samples, at);
+            Way::of([V::load(squares, at), down]).length().store(lengths, at);
+        }
+    }
+
+    /// Makes the z interpolation of a voxel row's derivatives along z.
+    #[inline(always)]
+    fn make_derivatives(&mut self, row: usize) {
+        let slot = row & 1;
+        let (Some(out), Some(name)) = (self.rows.derivatives.get_mut(slot), self.derivative_row.get_mut(slot)) else {
+            return;
+        };
+        if *name == row {
+            return;
+        }
+        *name = row;
+        let voxels = self.voxels.clone();
+        let (near, far) = derivatives(self.window, row);
+        let (near, far) = (near.columns(voxels.clone()), far.columns(voxels.clone()));
+        let own = voxels.start + 1..voxels.end + 1;
+        z_difference_row::<P, V>(self.precision, near, far, self.z, part_mut(out, own.clone()));
+        // Read with a weight of 0 only.
+        if let Some(out) = out.get_mut(own.end) {
+            *out = 0;
+        }
+    }
+
+    #[inline(always)]
+    fn make_gradients(&mut self, span: Range<usize>, [gx, gy, gz]: [&mut [i32]; 3]) {
+        let (p, at) = (self.precision, self.at);
+        self.make_y(at.index - 1, 1);
+        self.make_y(at.index + 1, 2);
+        let last = self.window.near.height() as i32 - 1;
+        let [this, next] = [at.index, at.index + 1].map(|row| row.min(last).max(0) as usize);
+        self.make_derivatives(this);
+        self.make_derivatives(next);
+        let voxels = self.voxels.start + 1..self.voxels.end + 2;
+        let down = self.spread.slope(1, self.row);
+        let SpreadScratch {
+            y: [y, above, below],
+            derivatives,
+            derivative,
+            cells,
+            weights,
+            squares,
+            slopes,
+            towards: [ti, tj, tk],
+            ..
+        } = &mut self.rows;
+        let pick = |row: usize| {
+            derivatives
+                .get(row & 1)
+                .map_or(&[][..], |row| part(row, voxels.clone()))
+        };
+        let (a, b) = (pick(this), pick(next));
+        along_y::<P, V>(p, [a, b], at.weight, part_mut(derivative, voxels.clone()));
+        let all = 0..self.window.near.width() + 2;
+        let [y, above, below] = [y, above, below].map(|row| part(row, all.clone()));
+        let derivative = part(derivative, all);
+        let (cells, weights) = (part(cells, span.clone()), part(weights, span.clone()));
+        let (squares, slopes) = (part(squares, span.clone()), part(slopes, span.clone()));
+        let [ti, tj, tk] = [ti, tj, tk].map(|row| part_mut(row, span.clone()));
+        let (down, down_square) = (V::splat(down), V::splat(square(down)));
+        for at in places::<V>(cells.len()) {
+            let (w, here) = (V::load(weights, at), cells_at::<V>(cells, at));
+            (between::<P, V>(p, y, here, 2, w) - between::<P, V>(p, y, here, 0, w)).store(gx, at);
+            (between::<P, V>(p, below, here, 1, w) - between::<P, V>(p, above, here, 1, w)).store(gy, at);
+            between::<P, V>(p, derivative, here, 1, w).store(gz, at);
+            let way = Way::of([V::load(squares, at), down_square]);
+            way.towards(V::load(slopes, at)).store(ti, at);
+            way.towards(down).store(tj, at);
+            way.towards(V::splat(ALONG_K)).store(tk, at);
+        }
+        spaced::<P, V>(p, [gx, gy, gz], self.spacing);
+    }
+}
+
+/// The first of the cells `at ..`, and how far behind it they lie: pixels are at most a voxel apart, and what is behind the
+/// last cell is not stored.
+#[inline(always)]
+fn cells_at<V: Lanes>(cells: &[i32], at: usize) -> (usize, V) {
+    let first = cells.get(at).copied().unwrap_or(0);
+    (first as usize, V::load(cells, at).wrapping_sub(V::splat(first)))
+}
+
+/// x interpolation between the places `beside` those of cells and the next ones.
+#[inline(always)]
+fn between<P: Precision, V: Lanes>(p: P, row: &[i32], (first, offsets): (usize, V), beside: usize, w: V) -> V {
+    let place = first + beside;
+    let (a, b) = (V::picked(row, place, offsets), V::picked(row, place + 1, offsets));
+    lerp_x(p, a, b, w)
+}
+
+/// y interpolation between two rows.
+#[inline(always)]
+fn along_y<P: Precision, V: Lanes>(p: P, [a, b]: [&[i32]; 2], weight: Weight, out: &mut [i32]) {
+    let w = V::splat(cut(p, weight));
+    for at in places::<V>(out.len()) {
+        lerp_y::<P, V, false>(p, V::load(a, at), V::load(b, at), w).store(out, at);
+    }
+}
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Spreads<i32> for Source<'_, '_, P, V, S> {
+    #[inline(always)]
+    fn voxel_row(&self, row: u32) -> i32 {
+        cell(self.line.at(row)).index
+    }
+
+    #[inline(always)]
+    fn make(&mut self, row: u32) {
+        V::enter((MakeRow, self, row));
+    }
+
+    #[inline(always)]
+    fn samples(&self) -> &[i32] {
+        part(self.rows.samples, 0..self.columns.len())
+    }
+
+    #[inline(always)]
+    fn lengthen(&self, opacities: &mut [i32]) {
+        V::enter((Lengthen, PhantomData::<V>, opacities, &*self.rows.lengths));
+    }
+
+    #[inline(always)]
+    fn gradients(&mut self, span: Range<usize>, out: [&mut [i32]; 3]) {
+        // Unlit pipelines have no such code.
+        if S::LIT {
+            V::enter((MakeGradients, self, span, out));
+        }
+    }
+
+    #[inline(always)]
+    fn towards(&self, span: Range<usize>) -> [&[i32]; 3] {
+        three(self.rows.towards.each_ref(), |row| part(row, span.clone()))
+    }
+}
+
+struct MakeRow;
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Kernel for (MakeRow, &mut Source<'_, '_, P, V, S>, u32) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, source, row) = self;
+        source.make_row(row);
+    }
+}
+
+struct MakeGradients;
+
+impl<P: Precision, V: Lanes, S: Shader<P>> Kernel
+    for (
+        MakeGradients,
+        &mut Source<'_, '_, P, V, S>,
+        Range<usize>,
+        [&mut [i32]; 3],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, source, span, out) = self;
+        source.make_gradients(span, out);
+    }
+}
+
+struct Lengthen;
+
+impl<V: Lanes> Kernel for (Lengthen, PhantomData<V>, &mut [i32], &[i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, opacities, lengths) = self;
+        lengths_row::<V>(opacities, lengths);
+    }
+}
