@@ -9,7 +9,7 @@
 //! | light, coefficients | 8 | before the frame; ambient and diffuse, no specular |
 //! | place of a sample | 8 fraction bits | the pipeline's own place, to nearest |
 //! | filtered texel | 4 x 8 | exact sum of eight, rounded once |
-//! | colour times light, opacity, transparency | 8 | a [`Product`](arithmetic::Product) each |
+//! | colour times light, opacity, transparency | 8 | a [`Product`] each |
 //! | frame buffer | 4 x 8 | equations 4 and 6, saturating |
 //!
 //! What is made before the frame is made in f64 and rounded, as programs of that time did; what hardware does for each sample is in
