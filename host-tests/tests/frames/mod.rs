@@ -315,6 +315,7 @@ pub fn splined(frame: Frame) -> Frame {
         },
         segments: None,
         modulation: None,
+        reflectance: None,
         ..frame
     }
 }
