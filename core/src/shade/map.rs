@@ -236,7 +236,10 @@ impl<M: AsRef<[u32]> + Sync, P: Precision> Mapped<M, P> {
             let [second, third] = if self.grey {
                 [first; 2]
             } else {
-                [1, 2].map(|c| self.answer(part_of(map, c, channel), place))
+                [
+                    self.answer(part_of(map, 1, channel), place),
+                    self.answer(part_of(map, 2, channel), place),
+                ]
             };
             let [r, g, b] = matter.colour([red, green, blue], at);
             matter.lit::<P, V>(self.precision, at, r, first).store(red, at);
@@ -249,20 +252,16 @@ impl<M: AsRef<[u32]> + Sync, P: Precision> Mapped<M, P> {
     #[inline(always)]
     fn answer<V: Lanes>(&self, entries: &[u32], place: Place<V>) -> [V; 2] {
         let side = self.side as i32;
-        let halves = |offset: i32| {
-            let entry = gathered(entries, place.index + V::splat(offset));
-            [entry & V::splat(0xffff), entry.shr_unsigned(16)]
-        };
+        let index = place.index;
         let [diffuse, specular] = match self.filter {
-            Filter::Nearest => halves(0),
+            Filter::Nearest => halves(entries, index),
             Filter::Bilinear => {
-                let ([d0, s0], [d1, s1]) = (halves(0), halves(1));
-                let ([d2, s2], [d3, s3]) = (halves(side), halves(side + 1));
-                let [a, b] = place.weights;
-                let between = |first: V, second: V, third: V, fourth: V| {
-                    first.mix(second, a, 15).mix(third.mix(fourth, a, 15), b, 15)
-                };
-                [between(d0, d1, d2, d3), between(s0, s1, s2, s3)]
+                let [d0, s0] = halves(entries, index);
+                let [d1, s1] = halves(entries, index + V::splat(1));
+                let [d2, s2] = halves(entries, index + V::splat(side));
+                let [d3, s3] = halves(entries, index + V::splat(side + 1));
+                let weights = place.weights;
+                [between([d0, d1, d2, d3], weights), between([s0, s1, s2, s3], weights)]
             }
         };
         match self.precision.formats().shading {
@@ -276,6 +275,19 @@ impl<M: AsRef<[u32]> + Sync, P: Precision> Mapped<M, P> {
 #[inline(always)]
 fn part_of(map: &[u32], number: usize, channel: usize) -> &[u32] {
     map.get(number * channel..(number + 1) * channel).unwrap_or(&[])
+}
+
+/// Diffuse and specular light of the entries at these places.
+#[inline(always)]
+fn halves<V: Lanes>(entries: &[u32], index: V) -> [V; 2] {
+    let entry = gathered(entries, index);
+    [entry & V::splat(0xffff), entry.shr_unsigned(16)]
+}
+
+/// Between four entries, by weights along a and b.
+#[inline(always)]
+fn between<V: Lanes>([first, second, third, fourth]: [V; 4], [a, b]: [V; 2]) -> V {
+    first.mix(second, a, 15).mix(third.mix(fourth, a, 15), b, 15)
 }
 
 /// Entries at these places.
@@ -317,26 +329,26 @@ impl<V: Lanes> Place<V> {
         // No gradient has no reciprocal, and the first entry.
         let m = length.at_least(V::splat(1 << 14));
         let reciprocal = (m << 12).reciprocal();
-        let place = |c: V| (c + m).product(reciprocal).shr_narrow(25) * V::splat(side - 1);
-        let (a, b) = (place(a), place(b));
+        let a = (a + m).product(reciprocal).shr_narrow(25) * V::splat(side - 1);
+        let b = (b + m).product(reciprocal).shr_narrow(25) * V::splat(side - 1);
         let face = (along_y & V::splat(2)) | (along_z & V::splat(4)) | ((major >> 31) & V::splat(1));
-        let (nodes, weights) = match filter {
+        let ([u, v], [along_u, along_v]) = match filter {
             Filter::Nearest => {
-                let nearest = |p: V| (p + V::splat(1 << 15)) >> 16;
-                ([nearest(a), nearest(b)], [V::splat(0); 2])
+                let half = V::splat(1 << 15);
+                ([(a + half) >> 16, (b + half) >> 16], [V::splat(0); 2])
             }
             Filter::Bilinear => {
-                let node = |p: V| (p >> 16).at_most(V::splat(side - 2));
-                let weight = |p: V, node: V| ((p - (node << 16)) >> 1).at_most(V::splat((1 << 15) - 1));
-                let [u, v] = [node(a), node(b)];
-                ([u, v], [weight(a, u), weight(b, v)])
+                let (last, most) = (V::splat(side - 2), V::splat((1 << 15) - 1));
+                let (u, v) = ((a >> 16).at_most(last), (b >> 16).at_most(last));
+                let along_u = ((a - (u << 16)) >> 1).at_most(most);
+                let along_v = ((b - (v << 16)) >> 1).at_most(most);
+                ([u, v], [along_u, along_v])
             }
         };
-        let [u, v] = nodes;
         let index = (face * V::splat(side) + v) * V::splat(side) + u + V::splat(1);
         Self {
             index: length.nonzero_then(index),
-            weights: weights.map(|weight| length.nonzero_then(weight)),
+            weights: [length.nonzero_then(along_u), length.nonzero_then(along_v)],
         }
     }
 }
