@@ -248,16 +248,6 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_> {
         }
     }
 
-    fn clip_colours<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, _: Range<usize>, _: [&mut [i32]; 3]) {}
-
-    fn clip_turns<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, _: Range<usize>, _: &mut [i32]) {}
-
-    fn cues(&self) -> bool {
-        false
-    }
-
-    fn turn(&self, _: Range<usize>, _: &mut Colours<'_, i32>) {}
-
     fn keep(&mut self) {
         let Places { rows, columns, .. } = &self.places;
         let [front, back] = &self.samples;

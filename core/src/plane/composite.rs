@@ -48,12 +48,6 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Composite<P, C, S, 
         }
     }
 
-    /// What it is made of, for the same over other rays.
-    #[inline(always)]
-    pub(super) const fn slots(&self) -> (P, &C, &S, ChannelOf<P>) {
-        (self.precision, &self.classifier, &self.shader, self.floor)
-    }
-
     /// Ends a ray when its transparency falls below `2^-bits` (which changes an 8-bit value by at most
     /// `255 * 2^-bits`), or at the precision's own floor if that is higher. Back to front no ray ends.
     #[must_use]

@@ -34,10 +34,10 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
     /// The samples of the batch, and those in front of them where segments are classified.
     fn slab(&self) -> Slab<'_, W>;
     /// Says that the batch is gone through several times, part by part.
-    fn keep(&mut self);
+    fn keep(&mut self) {}
     /// Begins another part of a batch that was kept.
     fn again(&mut self);
-    /// Leaves of the opacities of a part what clip planes leave of the segments.
+    /// Leaves of the opacities of a part what clip planes leave of the segments; where rays spread, brings them to the lengths of steps.
     fn clip<C: ClassifierRows<W> + ?Sized>(&self, classifier: &C, part: u32, opacities: &mut [W]);
     /// Makes the colours of visible segments those of what is left of them.
     fn clip_colours<C: ClassifierRows<W> + ?Sized>(
@@ -46,7 +46,9 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
         part: u32,
         visible: Range<usize>,
         colours: [&mut [W]; 3],
-    );
+    ) {
+        let _ = (classifier, part, visible, colours);
+    }
     /// Makes the turns of visible crossings those of what is left of their segments.
     fn clip_turns<C: ClassifierRows<W> + ?Sized>(
         &self,
@@ -54,11 +56,15 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
         part: u32,
         visible: Range<usize>,
         turns: &mut [W],
-    );
+    ) {
+        let _ = (classifier, part, visible, turns);
+    }
     /// Whether colours turn with depth.
-    fn cues(&self) -> bool;
+    fn cues(&self) -> bool {
+        false
+    }
     /// Turns the colours of visible segments.
-    fn turn(&self, visible: Range<usize>, colours: &mut Colours<'_, W>);
+    fn turn(&self, _visible: Range<usize>, _colours: &mut Colours<'_, W>) {}
     /// The next visible samples of the batch, side by side.
     fn visible(&mut self, canvas: &mut X, opacities: &mut [W]) -> Option<Range<usize>>;
     /// Their gradients, spaced; with their turns, those of crossings.
@@ -436,9 +442,6 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
             clipped.turn(self.row, visible.start, [red, green, blue]);
         }
     }
-
-    #[inline(always)]
-    fn keep(&mut self) {}
 
     #[inline(always)]
     fn again(&mut self) {

@@ -106,32 +106,14 @@ impl<X: Canvas<i32> + ?Sized, S: Spreads<i32> + ?Sized> Batches<i32, X> for Spre
     }
 
     #[inline(always)]
-    fn keep(&mut self) {}
-
-    #[inline(always)]
     fn again(&mut self) {
         self.from = 0;
     }
 
-    /// No plane cuts them, but they are longer than steps along k.
     #[inline(always)]
     fn clip<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, opacities: &mut [i32]) {
         self.source.lengthen(opacities);
     }
-
-    #[inline(always)]
-    fn clip_colours<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, _: Range<usize>, _: [&mut [i32]; 3]) {}
-
-    #[inline(always)]
-    fn clip_turns<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, _: Range<usize>, _: &mut [i32]) {}
-
-    #[inline(always)]
-    fn cues(&self) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn turn(&self, _: Range<usize>, _: &mut Colours<'_, i32>) {}
 
     #[inline(always)]
     fn visible(&mut self, canvas: &mut X, opacities: &mut [i32]) -> Option<Range<usize>> {
@@ -262,13 +244,20 @@ where
         if columns.is_empty() || met.is_empty() {
             return Ok(());
         }
-        let (precision, classifier, shader, floor) = self.pipeline.slots();
+        let Composite {
+            precision,
+            classifier,
+            shader,
+            floor,
+            ..
+        } = &self.pipeline;
+        let precision = *precision;
         let mut canvas = Image::<P::Pixel, O, V>::new(
             (rows.first, rows.data),
             base_width as usize,
             columns.clone(),
             plane.index,
-            (precision.pixel(), floor),
+            (precision.pixel(), *floor),
         );
         let support = classifier.support();
         let classifier = Kernels::<C, P, V>::of(classifier, precision);
