@@ -3,10 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use slicecast::perspective::Spread;
-use slicecast::plan::Plan;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::oriented::Turned;
+use slicecast_engine::perspective::samples;
 use slicecast_engine::rendering::in_memory_order;
 use slicecast_engine::simd::Simd;
 use slicecast_firmware_shared::scene::plan_in_perspective;
@@ -44,17 +43,7 @@ fn image(named: &Named, kind: Kind) -> Result<(u32, [u64; 2]), Failure> {
     rendering.fold_rows(&slices, 32, Simd::widest(), &|_, _| ());
     let mut sum = Sum::new();
     in_memory_order(&rendering.base(), 1).for_each(|bits| sum.word(bits));
-    Ok((sum.get(), [parallel, spread_places(&plan, &spread)]))
-}
-
-/// Places of samples of a plan in perspective.
-fn spread_places(plan: &Plan, spread: &Spread) -> u64 {
-    let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
-    let of_plane = |plane| {
-        let [across, down] = spread.lines(plane);
-        across.inside(width, columns).len() as u64 * down.inside(height, rows).len() as u64
-    };
-    (spread.first_plane()..plan.planes()).map(of_plane).sum()
+    Ok((sum.get(), [parallel, samples(&plan, &spread)]))
 }
 
 impl Perspective {

@@ -98,6 +98,18 @@ pub fn view(scene: &Scene, spacing: [f64; 3]) -> Result<View, CameraError> {
     )?)
 }
 
+/// What a plan is made of besides view and rays: sides, rates, and each spacing's share of the smallest.
+pub(crate) fn planned(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> ([u32; 3], Sampling, Spacing) {
+    let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let factor = |s: f64| Intensity::from_bits((smallest / s * 32768.0).round() as u16);
+    let sampling = Sampling {
+        planes_per_voxel: scene.sampling.planes_per_voxel,
+        rays_per_voxel: scene.sampling.rays_per_voxel,
+    };
+    let dims = dims.map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+    (dims, sampling, Spacing(spacing.map(factor)))
+}
+
 /// The plan of a scene on a volume of this shape.
 ///
 /// # Errors
@@ -107,19 +119,13 @@ pub fn plan(scene: &Scene, dims: [usize; 3], spacing: [f64; 3]) -> Result<Plan, 
         return Err(CameraError::InPerspective);
     }
     let view = view(scene, spacing)?;
-    let smallest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-    let factor = |s: f64| Intensity::from_bits((smallest / s * 32768.0).round() as u16);
-    let sampling = Sampling {
-        planes_per_voxel: scene.sampling.planes_per_voxel,
-        rays_per_voxel: scene.sampling.rays_per_voxel,
-    };
-    let dims = dims.map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+    let (dims, sampling, factors) = planned(scene, dims, spacing);
     let borders = match scene.borders {
         Borders::Whole => borders::Borders::Whole,
         Borders::Cells => borders::Borders::Cells,
         Borders::Nodes => borders::Borders::Nodes,
     };
-    let plan = Plan::with_borders(view, dims, Spacing(spacing.map(factor)), sampling, borders)?;
+    let plan = Plan::with_borders(view, dims, factors, sampling, borders)?;
     let plan = match crop(scene, spacing) {
         None => plan,
         Some(crop) => plan.with_crop(crop)?,

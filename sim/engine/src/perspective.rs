@@ -7,16 +7,16 @@
 
 use rayon::prelude::*;
 use slicecast::composite::{Channel, Pixel, Recurrence as _};
-use slicecast::format::{Direction, Intensity, Step, Vector};
+use slicecast::format::{Direction, Step, Vector};
 use slicecast::perspective::{Eye, EyeError, SLOPE_MAX, Spread};
-use slicecast::plan::{Plan, Sampling, Spacing};
+use slicecast::plan::Plan;
 use slicecast::plane::ChannelOf;
 use slicecast::precision::Precision;
 use slicecast::project::Sum;
 use slicecast::view::View;
 use slicecast::warp::{Point, Warp, mix_pixels};
 
-use crate::camera::{CameraError, Material, PICTURE_SIDE_MAX, Picture, Setup, check_spacing, diagonal};
+use crate::camera::{CameraError, Material, PICTURE_SIDE_MAX, Picture, Setup, check_spacing, diagonal, planned};
 use crate::error::RenderError;
 use crate::frame::{Layer, Prepared};
 use crate::image::{BaseImage, Frame};
@@ -79,6 +79,14 @@ impl Camera {
             pixel: 2.0 * half.tan() / f64::from(height) / scene.image.zoom,
             spacing,
         })
+    }
+
+    /// The eye in the frame of a view of a volume of these sides.
+    fn eye_along(&self, view: &View, dims: [usize; 3]) -> [f64; 3] {
+        let [i, j, k] = view.arrange(self.eye);
+        let [_, _, depth] = view.arrange(dims);
+        let from_behind = depth as f64 - 1.0 - k;
+        [i, j, if view.reversed() { from_behind } else { k }]
     }
 
     /// The direction of a pixel's ray, voxels along x, y, z.
@@ -305,21 +313,33 @@ const RAYS_TOLERANCE: f64 = 0.05;
 /// Rays per voxel at which a picture is sharp: in the last slice of each facet they are not farther apart than its pixels.
 ///
 /// # Errors
-/// As [`InPerspective::new`].
-pub fn sharp(scene: &Scene, perspective: &perspective::Perspective, volume: &Volume) -> Result<u32, RenderError> {
-    let prepared = InPerspective::new(scene, perspective, volume)?;
-    let needed = prepared.facets.iter().filter_map(|facet| {
-        let (spread, plan) = (facet.spread()?, &facet.prepared.setup.plan);
-        let [_, _, depth] = plan.volume();
-        let [_, _, ek] = spread.eye();
-        let way = f64::from(depth) - 1.0 - ek.to_bits() as f64 / 4294967296.0;
-        let [across, high, along] = plan.view().arrange(volume.spacing);
-        // The least voxels that a pixel in the middle of the facet is wide.
-        Some(way * prepared.camera.pixel * along / across.max(high))
-    });
+/// As [`Camera::of`].
+pub fn sharp(scene: &Scene, perspective: &perspective::Perspective, volume: &Volume) -> Result<u32, CameraError> {
+    let camera = Camera::of(scene, perspective, volume)?;
     let [low, high] = [*RAYS_PER_VOXEL.start(), *RAYS_PER_VOXEL.end()].map(|rays| rays as f64);
-    let most = needed.fold(low, |most: f64, pixel| most.max((1.0 / pixel - RAYS_TOLERANCE).ceil()));
+    let mut most = low;
+    for (number, slopes) in seen(&camera).into_iter().enumerate() {
+        let view = view_of(number)?;
+        let [_, _, ek] = camera.eye_along(&view, volume.dims);
+        let way = view.arrange(volume.dims)[2] as f64 - 1.0 - ek;
+        if slopes.is_some() && way > 0.0 {
+            // The least voxels that a pixel in the middle of the facet is wide.
+            let [across, down, along] = view.arrange(volume.spacing);
+            let pixel = way * camera.pixel * along / across.max(down);
+            most = most.max((1.0 / pixel - RAYS_TOLERANCE).ceil());
+        }
+    }
     Ok(most.min(high) as u32)
+}
+
+/// Samples of a plan in perspective that lie in the volume.
+pub fn samples(plan: &Plan, spread: &Spread) -> u64 {
+    let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
+    let of_plane = |plane| {
+        let [across, down] = spread.lines(plane);
+        across.inside(width, columns).len() as u64 * down.inside(height, rows).len() as u64
+    };
+    (spread.first_plane()..plan.planes()).map(of_plane).sum()
 }
 
 /// A pixel of a base plane, clear outside of it.
@@ -372,17 +392,9 @@ fn facet<'a>(
     [low, high]: [[f64; 2]; 2],
 ) -> Result<Facet<'a>, CameraError> {
     let view = view_of(number)?;
-    let spacing = volume.spacing;
-    let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-    let factor = |s: f64| Intensity::from_bits((finest / s * 32768.0).round() as u16);
-    let dims = volume.dims.map(|side| u32::try_from(side).unwrap_or(u32::MAX));
-    let sides = view.arrange(volume.dims);
-    let [ei, ej, mut ek] = view.arrange(camera.eye);
-    let last = sides[2] as f64 - 1.0;
-    if view.reversed() {
-        ek = last - ek;
-    }
-    let way = last - ek;
+    let (dims, sampling, factors) = planned(scene, volume.dims, volume.spacing);
+    let position = camera.eye_along(&view, volume.dims);
+    let way = view.arrange(volume.dims)[2] as f64 - 1.0 - position[2];
     if way <= 0.0 {
         return Err(EyeError::Nothing.into());
     }
@@ -390,16 +402,12 @@ fn facet<'a>(
     let most = f64::from(SLOPE_MAX.to_bits()) / 1073741824.0;
     let slope = |slope: f64| Vector::from_bits((slope.clamp(-most, most) * 1073741824.0) as i32);
     let eye = Eye {
-        position: [ei, ej, ek].map(|c| Step::from_bits((c * 4294967296.0).round() as i64)),
+        position: position.map(|c| Step::from_bits((c * 4294967296.0).round() as i64)),
         low: low.map(|s| slope(s - margin)),
         high: high.map(|s| slope(s + margin)),
     };
-    let sampling = Sampling {
-        planes_per_voxel: scene.sampling.planes_per_voxel,
-        rays_per_voxel: scene.sampling.rays_per_voxel,
-    };
-    let (plan, spread) = Plan::perspective(view, dims, Spacing(spacing.map(factor)), sampling, eye)?;
-    let [_, _, along] = view.arrange(spacing);
+    let (plan, spread) = Plan::perspective(view, dims, factors, sampling, eye)?;
+    let [_, _, along] = view.arrange(volume.spacing);
     let step_length = along / f64::from(sampling.planes_per_voxel);
     let setup = Setup {
         picture: Picture {

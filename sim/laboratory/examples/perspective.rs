@@ -8,15 +8,13 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-use slicecast::perspective::Spread;
-use slicecast::plan::Plan;
 use slicecast_bench::samples;
 use slicecast_bench::scenes::{Fog, cube, fog};
 use slicecast_compare::image::{base_figures, model_figures};
 use slicecast_compare::perspective::{compare, screen};
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::Turned;
-use slicecast_engine::perspective::InPerspective;
+use slicecast_engine::perspective::{InPerspective, samples as samples_in_perspective};
 use slicecast_engine::simd::Simd;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_model::perspective::FromEye;
@@ -152,17 +150,6 @@ fn positions(volume: &Volume) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Samples of a plan in perspective.
-fn spread_samples(plan: &Plan, spread: &Spread) -> u64 {
-    let ([width, height, _], [columns, rows]) = (plan.dims(), plan.base());
-    (spread.first_plane()..plan.planes())
-        .map(|plane| {
-            let [across, down] = spread.lines(plane);
-            across.inside(width, columns).len() as u64 * down.inside(height, rows).len() as u64
-        })
-        .sum()
-}
-
 /// Frames of each.
 const FRAMES: usize = 10;
 
@@ -213,7 +200,7 @@ fn speeds() -> Result<(), Box<dyn Error>> {
                                 let start = Instant::now();
                                 rendering.fold_rows(&slices, TILE_ROWS, simd, &|_, _| ());
                                 spent += start.elapsed().as_secs_f64();
-                                made += facet.spread().map_or(0, |spread| spread_samples(plan, spread));
+                                made += facet.spread().map_or(0, |spread| samples_in_perspective(plan, spread));
                                 black_box(rendering.base());
                             }
                             *best = best.min(1e9 * spent / made as f64);

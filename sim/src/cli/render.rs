@@ -313,7 +313,7 @@ impl Args {
         let [rays, _] = self.scene.sampling_stated();
         scene.image.size = Some(self.picture.size().or(scene.image.size).unwrap_or([IN_PERSPECTIVE; 2]));
         if !rays {
-            scene.sampling.rays_per_voxel = sharp(&scene, perspective, volume)?;
+            scene.sampling.rays_per_voxel = sharp(&scene, perspective, volume).map_err(RenderError::from)?;
             if scene.sampling.rays_per_voxel > 1 {
                 let rays = scene.sampling.rays_per_voxel;
                 eprintln!("sampling: --rays {rays} per voxel of the farthest slice, for a sharp picture");
