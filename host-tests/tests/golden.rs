@@ -21,8 +21,9 @@ use std::sync::Arc;
 use slicecast::borders::Borders;
 use slicecast::clip::{Clip, Cue};
 use slicecast::crop::Crop;
-use slicecast::format::{Coefficient, Distance, Intensity, Position, Vector};
+use slicecast::format::{Coefficient, Distance, Intensity, Position, Step, Vector};
 use slicecast::modulate::{Factors, Modulation};
+use slicecast::perspective::Eye;
 use slicecast::shade::{Highlight, Light};
 use slicecast_engine::camera::Material;
 use slicecast_engine::frame::Layer;
@@ -102,6 +103,15 @@ fn two_lights(highlight: Highlight, exponent_log2: u32) -> Option<Material> {
 fn surfaces_only() -> Factors {
     let bits = |node: usize| (2048 * node.saturating_sub(28)).min(32_768) as u16;
     Factors::new(&std::array::from_fn(|node| Intensity::from_bits(bits(node)))).expect("factors of at most 1")
+}
+
+/// An eye at this place of a frame's slices, which sees all that lies within 45 degrees of them.
+fn eye(position: [f64; 3]) -> Eye {
+    Eye {
+        position: position.map(|c| Step::from_bits((c * 4_294_967_296.0) as i64)),
+        low: [Vector::from_bits(-(1 << 30)); 2],
+        high: [Vector::from_bits(1 << 30); 2],
+    }
 }
 
 /// A segment of one reference length: log2(e), 27 fraction bits.
@@ -251,6 +261,30 @@ fn frames() -> Vec<(&'static str, Frame)> {
                 blend: Blend::BackToFront,
                 direction: [300, -200, 1000],
                 ..noise.clone()
+            },
+        ),
+        (
+            "head-perspective",
+            Frame {
+                eye: Some(eye([31.25, 40.5, -60.0])),
+                planes_per_voxel: 2,
+                ..lit([0, 0, -1])
+            },
+        ),
+        (
+            "head-perspective-within",
+            Frame {
+                eye: Some(eye([31.25, 30.0, 40.125])),
+                rays_per_voxel: 2,
+                blend: Blend::BackToFront,
+                ..lit([0, 1000, 0])
+            },
+        ),
+        (
+            "head-perspective-unlit",
+            Frame {
+                eye: Some(eye([-20.0, 30.0, 10.75])),
+                ..head.clone()
             },
         ),
         (

@@ -6,10 +6,10 @@ use slicecast_engine::perspective::InPerspective;
 use slicecast_engine::simd::Simd;
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::perspective::{Eye, Perspective};
-use slicecast_scene::{Borders, Classification, PrecisionName, Sampling, Scene};
-use slicecast_volume::Volume;
+use slicecast_scene::{Borders, Classification, Point, PrecisionName, Sampling, Scene};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
+use slicecast_volume::{Mapping, Volume};
 
 fn head() -> Volume {
     load(None, Window::Auto).expect("the built-in volume").volume
@@ -74,6 +74,92 @@ fn pictures_are_close_to_the_model() {
             }
         }
     }
+}
+
+/// Where a place of the volume is seen, pixels from the upper left one, and its distance along the viewing direction: the pinhole, written
+/// from the camera's angles alone.
+fn seen_at(scene: &Scene, fov: f64, eye: [f64; 3], spacing: [f64; 3], place: [f64; 3]) -> ([f64; 2], f64) {
+    let axes = scene.view.axes();
+    let along = |axis: [f64; 3]| -> f64 { (0..3).map(|a| (place[a] - eye[a]) * spacing[a] * axis[a]).sum() };
+    let (right, up, forward) = (along(axes.right), along(axes.up), along(axes.forward));
+    let size = f64::from(scene.image.size.expect("a stated size")[1]);
+    let scale = size / 2.0 / (fov / 2.0).to_radians().tan();
+    let middle = (size - 1.0) / 2.0;
+    (
+        [middle + right / forward * scale, middle - up / forward * scale],
+        forward,
+    )
+}
+
+/// A bright voxel appears where a pinhole puts it, through every facet, whatever the spacing.
+#[test]
+fn places_are_seen_where_a_pinhole_puts_them() {
+    let mut facets = std::collections::BTreeSet::new();
+    let (fov, spacing) = (100.0, [1.0, 0.8, 1.4]);
+    let eye = [14.2, 16.7, 12.1];
+    for place in [
+        [4, 14, 9],
+        [25, 18, 14],
+        [16, 5, 10],
+        [12, 28, 15],
+        [13, 15, 3],
+        [17, 19, 21],
+        [24, 27, 19],
+        [5, 6, 5],
+    ] {
+        let mut voxels = vec![0; 30 * 34 * 25];
+        voxels[place[0] + 30 * (place[1] + 34 * place[2])] = 4095;
+        let volume = Volume {
+            name: "a voxel".into(),
+            dims: [30, 34, 25],
+            spacing,
+            voxels,
+            mapping: Mapping {
+                scale: 1.0,
+                offset: 0.0,
+            },
+        };
+        let mut scene = scene("ct-fog", PrecisionName::Wide, 240);
+        scene.lighting = None;
+        scene.sampling = Sampling {
+            planes_per_voxel: 4,
+            rays_per_voxel: 8,
+        };
+        let point = |value, opacity| Point {
+            value,
+            colour: [1.0; 3],
+            opacity,
+        };
+        scene.transfer.points = vec![point(0.0, 0.0), point(4095.0, 0.05)];
+        let at = place.map(|c| c as f64);
+        // Towards the voxel, but not straight at it.
+        let towards = [0, 1, 2].map(|a| (at[a] - eye[a]) * spacing[a]);
+        scene.view.azimuth = (-towards[0]).atan2(towards[1]).to_degrees() + 17.0;
+        scene.view.elevation =
+            ((-towards[2]).atan2(towards[0].hypot(towards[1])).to_degrees() + 11.0).clamp(-90.0, 90.0);
+        scene.view.roll = 30.0;
+        let perspective = perspective((fov, Some(eye)));
+        let prepared = InPerspective::new(&scene, &perspective, &volume).expect("something is seen");
+        let frame = prepared.render(Layer::Tiles(32), &|_, _| ()).expect("a small frame");
+        let ([x, y], distance) = seen_at(&scene, fov, eye, spacing, at);
+        assert!(distance > 2.0 && (5.0..235.0).contains(&x) && (5.0..235.0).contains(&y));
+        let (place_of_pixel, _) = prepared.point(x.round() as u32, y.round() as u32).expect("a facet");
+        facets.insert((
+            prepared.facets[place_of_pixel].axis(),
+            towards[prepared.facets[place_of_pixel].axis()] < 0.0,
+        ));
+        let (mut light, mut sums) = (0.0, [0.0; 2]);
+        for (index, red) in frame.base.planes[0].iter().enumerate() {
+            let red = f64::from(*red);
+            light += red;
+            sums[0] += red * (index % 240) as f64;
+            sums[1] += red * (index / 240) as f64;
+        }
+        // A voxel's blot is some pixels wide and not quite even: nearer parts are larger.
+        let off = [sums[0] / light - x, sums[1] / light - y].map(f64::abs);
+        assert!(off[0].max(off[1]) < 1.0, "{place:?}: {off:?} pixels off {x}, {y}");
+    }
+    assert_eq!(facets.len(), 6, "every facet is looked through: {facets:?}");
 }
 
 /// By every vector width, number of threads and layer, through the engine as a program uses it.
