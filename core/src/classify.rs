@@ -307,6 +307,12 @@ impl<'a, A: AlphaCode, L: Lookup> PointTable<'a, A, L> {
         [entry & mask, A::low_colours(entry, self.plane, index % ENTRIES) & mask]
     }
 
+    /// The square root of a code's opacity, 0.16.
+    #[inline]
+    pub fn code_root(&self, code: usize) -> u16 {
+        self.root_at(code)
+    }
+
     /// The opacity of a code.
     #[inline]
     pub fn code_opacity(&self, code: usize) -> Opacity {

@@ -7,11 +7,13 @@
 //!
 //! Operators (`+`, `-`, `*`) are for results that fit: `i32` checks them in debug builds. What may wrap says so.
 
+mod halves;
 mod scalar;
 mod small;
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
+pub use self::halves::Halves;
 pub use self::small::Small;
 use crate::table::Coding;
 
@@ -30,6 +32,17 @@ pub fn places<V: Lanes>(len: usize) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
         let at = next;
         next += V::COUNT;
+        (at < len).then_some(at)
+    })
+}
+
+/// The places at which a loop over rows of this length handles lanes of 16 bits.
+#[inline(always)]
+pub fn places_of<H: Halves>(len: usize) -> impl Iterator<Item = usize> {
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let at = next;
+        next += H::COUNT;
         (at < len).then_some(at)
     })
 }
@@ -57,6 +70,8 @@ pub trait Lanes:
 {
     /// The 64-bit products of these lanes.
     type Wide: Wide<Narrow = Self>;
+    /// As many bits in lanes of 16.
+    type Halves: Halves;
     /// How many lanes.
     const COUNT: usize;
     /// Whether the machine is a small one: code is scarce, and a branch costs less than the work that it saves. One

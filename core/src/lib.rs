@@ -86,6 +86,7 @@ pub mod display;
 mod error;
 pub mod exp2;
 pub mod extinction;
+pub mod fast;
 pub mod format;
 pub mod gradient;
 pub mod integral;

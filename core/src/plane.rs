@@ -18,6 +18,7 @@
 //! | `spread` | rays that spread from an eye: their samples, gradients and steps |
 //! | `smooth` | samples and gradients by splines |
 //! | `splines` | compositing of such samples, of values |
+//! | `fast`, `fast/` | the same in 16-bit lanes: samples and gradients, kernels, pixels |
 //! | `kernels` | row kernels of a classifier and a shader |
 //! | `canvas` | pixels |
 //! | `fold`, `blocks` | the driver, and the two ways through a plane |
@@ -29,6 +30,7 @@ mod clipped;
 mod composite;
 mod depth;
 mod extent;
+mod fast;
 mod fold;
 mod kept;
 mod kernels;
@@ -48,6 +50,7 @@ use core::ops::Range;
 
 pub use self::composite::Composite;
 pub use self::depth::{Depth, NO_DEPTH};
+pub use self::fast::Fast;
 pub use self::kept::Kept;
 pub use self::project::Project;
 pub use self::rgba::{Filter, Rgba, Trilinear, Triquadratic};

@@ -28,6 +28,9 @@ pub trait Precision: Copy + Debug + Send + Sync + 'static {
     /// Fraction bits of a voxel's word, which has 12 bits before them: none, or 3 of an extinction whose gradient is taken.
     const VOXEL_FRACTION: u32 = 0;
 
+    /// Whether its stages are those of [`Composite`](crate::plane::Composite), of 32-bit lanes; else they are those of [`plane::Fast`](crate::plane::Fast).
+    const STAGED: bool = true;
+
     /// Widths and roundings up to the shaded colour.
     fn formats(self) -> Formats;
     /// The pixel's arithmetic.
@@ -119,6 +122,37 @@ pub struct Compact;
 /// Reference quality in 32-bit channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wide;
+
+/// Sixteen bits in every lane: [`plane::Fast`](crate::plane::Fast).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fast;
+
+impl Precision for Fast {
+    type Pixel = Dithered;
+    const NAME: &'static str = "fast";
+    const STAGED: bool = false;
+
+    /// The widths; the roundings are its own (`docs/contract/fast.md`).
+    #[inline(always)]
+    fn formats(self) -> Formats {
+        Formats {
+            weight_bits: 15,
+            lerp_bits: 3,
+            lerp_rounding: Rounding::Nearest,
+            sample_bits: 3,
+            gradient_bits: 15,
+            normal: NormalForm::Deferred,
+            shading: Shading::Rounded16,
+            power: Power::Truncated16,
+        }
+    }
+
+    /// Of the same format as its own.
+    #[inline(always)]
+    fn pixel(self) -> Dithered {
+        Dithered
+    }
+}
 
 impl Precision for Paper {
     type Pixel = Truncating15;

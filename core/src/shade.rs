@@ -313,6 +313,38 @@ pub fn keep_vector<P: Precision>(p: P, vector: [Vector; 3]) -> [i32; 3] {
     best.map(|c| c as i32)
 }
 
+/// Checks lights and material.
+///
+/// # Errors
+/// [`PhongError`], with the value that is out of range; not of the number of lights.
+pub(crate) fn check(
+    ambient: [Coefficient; 3],
+    lights: &[Light],
+    viewer: [Vector; 3],
+    exponent_log2: u32,
+) -> Result<(), PhongError> {
+    if exponent_log2 > EXPONENT_LOG2_MAX {
+        return Err(PhongError::Exponent { given: exponent_log2 });
+    }
+    let vectors = lights.iter().flat_map(|l| [l.direction, l.half]).chain([viewer]);
+    for component in vectors.flatten() {
+        if component.unsigned_abs() > Vector::ONE.unsigned_abs() {
+            return Err(PhongError::Vector {
+                bits: component.to_bits(),
+            });
+        }
+    }
+    let coefficients = lights.iter().flat_map(|l| [l.diffuse, l.specular]).chain([ambient]);
+    for coefficient in coefficients.flatten() {
+        if coefficient > Coefficient::ONE {
+            return Err(PhongError::Coefficient {
+                bits: coefficient.to_bits(),
+            });
+        }
+    }
+    Ok(())
+}
+
 impl<P: Precision> Phong<P> {
     /// Lights and material. All vectors are unit vectors: their length is not checked, and one of more than 1 makes
     /// highlights that are too bright, or wrap. `viewer` is the unit vector towards the eye, in the slice frame; the highlight's exponent
@@ -328,25 +360,7 @@ impl<P: Precision> Phong<P> {
         highlight: Highlight,
         exponent_log2: u32,
     ) -> Result<Self, PhongError> {
-        if exponent_log2 > EXPONENT_LOG2_MAX {
-            return Err(PhongError::Exponent { given: exponent_log2 });
-        }
-        let vectors = lights.iter().flat_map(|l| [l.direction, l.half]).chain([viewer]);
-        for component in vectors.flatten() {
-            if component.unsigned_abs() > Vector::ONE.unsigned_abs() {
-                return Err(PhongError::Vector {
-                    bits: component.to_bits(),
-                });
-            }
-        }
-        let coefficients = lights.iter().flat_map(|l| [l.diffuse, l.specular]).chain([ambient]);
-        for coefficient in coefficients.flatten() {
-            if coefficient > Coefficient::ONE {
-                return Err(PhongError::Coefficient {
-                    bits: coefficient.to_bits(),
-                });
-            }
-        }
+        check(ambient, lights, viewer, exponent_log2)?;
         let kept = lights.iter().map(|light| KeptLight::of(p, light));
         Self::build(
             p,

@@ -6,6 +6,7 @@ mod colours;
 mod contract;
 mod exhaustive;
 mod exported;
+mod fast;
 mod frames;
 mod golden;
 mod hard_cases;

@@ -272,7 +272,7 @@ fn check(frame: &Framed) -> Result<(), ShardError> {
 }
 
 fn precision(name: &str) -> Result<PrecisionName, ShardError> {
-    let named = PrecisionName::ALL
+    let named = PrecisionName::EVERY
         .into_iter()
         .find(|precision| precision.name() == name);
     named.ok_or(ShardError::Damaged("its precision"))
@@ -282,14 +282,14 @@ fn precision(name: &str) -> Result<PrecisionName, ShardError> {
 fn format(precision: PrecisionName) -> &'static str {
     use slicecast::composite::Recurrence as _;
     use slicecast::precision::Precision as _;
-    slicecast_engine::with_precision!(precision, p => p.pixel().format())
+    slicecast_engine::with_pixel!(precision, p => p.pixel().format())
 }
 
 /// The bits of 1.0.
 fn one(precision: PrecisionName) -> u32 {
     use slicecast::composite::{Channel as _, Recurrence as _};
     use slicecast::precision::Precision as _;
-    slicecast_engine::with_precision!(precision, p => p.pixel().one().bits())
+    slicecast_engine::with_pixel!(precision, p => p.pixel().one().bits())
 }
 
 /// Data of exactly this length.
@@ -315,7 +315,7 @@ mod tests {
     fn scenes() -> Vec<Scene> {
         let bone = built_in("ct-bone").unwrap();
         let mut scenes = Vec::new();
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::EVERY {
             scenes.push(Scene {
                 precision,
                 ..bone.clone()

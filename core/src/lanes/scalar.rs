@@ -7,6 +7,7 @@ use crate::table::Coding;
 
 impl Lanes for i32 {
     type Wide = i64;
+    type Halves = u16;
     const COUNT: usize = 1;
 
     #[inline(always)]

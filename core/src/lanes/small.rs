@@ -56,6 +56,7 @@ const fn upper(sum: i64) -> Small {
 
 impl Lanes for Small {
     type Wide = SmallWide;
+    type Halves = u16;
     const COUNT: usize = 1;
     const SMALL: bool = true;
 

@@ -5,7 +5,7 @@
 
 use core::ops::Range;
 
-use super::canvas::Canvas;
+use super::canvas::Packing;
 use super::clipped::Clipped;
 use super::extent::Extent;
 use super::fold::Batches;
@@ -190,7 +190,7 @@ impl<'s> Blocks<'s> {
     }
 }
 
-impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for Blocks<'_> {
+impl<X: Packing<i32> + ?Sized> Batches<i32, X> for Blocks<'_> {
     const WHOLE_ROWS: bool = false;
 
     fn next(&mut self, canvas: &mut X) -> Option<usize> {

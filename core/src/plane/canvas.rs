@@ -30,6 +30,12 @@ pub(super) trait Canvas<W> {
     /// Shows red, green, blue and transparency of a span.
     fn look(&self, row: u32, span: Range<usize>, see: &mut dyn FnMut(&[&dyn Bits]));
 
+    /// Multiplies opacities by factors.
+    fn weigh(&self, _opacities: &mut [W], _factors: &[W]) {}
+}
+
+/// A canvas into which blocks are folded, packed side by side.
+pub(super) trait Packing<W>: Canvas<W> {
     /// Drops the fresh places under which all rays have terminated; the number of those left.
     fn unfinished(&self, places: &mut Places<'_>, fresh: Range<usize>) -> usize;
     /// Moves vectors with a visible sample to the front, and visible samples side by side; how many there are of both.
@@ -43,9 +49,6 @@ pub(super) trait Canvas<W> {
     ) -> (usize, usize);
     /// Folds packed samples.
     fn fold_packed(&mut self, places: &Places<'_>, count: usize, colours: &Colours<'_, W>, opacities: &[W]);
-
-    /// Multiplies opacities by factors.
-    fn weigh(&self, opacities: &mut [W], factors: &[W]);
     /// [`Canvas::fold_packed`] of samples whose opacities are multiplied by factors, which are packed as colours are.
     fn fold_weighed(
         &mut self,
@@ -190,6 +193,13 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
     }
 
     #[inline(always)]
+    fn weigh(&self, opacities: &mut [i32], factors: &[i32]) {
+        V::enter((Weigh, PhantomData::<V>, opacities, factors));
+    }
+}
+
+impl<R: Recurrence, O: Order, V: Lanes> Packing<i32> for Image<'_, R, O, V> {
+    #[inline(always)]
     fn unfinished(&self, places: &mut Places<'_>, fresh: Range<usize>) -> usize {
         if O::BACK_TO_FRONT {
             return fresh.end;
@@ -211,11 +221,6 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
     #[inline(always)]
     fn fold_packed(&mut self, places: &Places<'_>, count: usize, colours: &Colours<'_, i32>, opacities: &[i32]) {
         V::enter((FoldPacked, self, places, count, colours, opacities));
-    }
-
-    #[inline(always)]
-    fn weigh(&self, opacities: &mut [i32], factors: &[i32]) {
-        V::enter((Weigh, PhantomData::<V>, opacities, factors));
     }
 
     #[inline(always)]

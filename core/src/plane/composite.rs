@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use super::blocks::Blocks;
-use super::canvas::{AllFinished, Canvas, Image};
+use super::canvas::{AllFinished, Canvas, Image, Packing};
 use super::clipped::{Clipped, Rest};
 use super::extent::Extent;
 use super::fold::{WholeRows, fold};
@@ -233,7 +233,7 @@ pub(super) fn fold_rows(
 fn fold_blocks(
     blocks: &mut Blocks<'_>,
     slots: (&dyn ClassifierRows<i32>, &dyn ShaderRows<i32>),
-    canvas: &mut dyn Canvas<i32>,
+    canvas: &mut dyn Packing<i32>,
     memory: BatchRows<'_, i32>,
 ) {
     fold(blocks, slots, canvas, memory, None);

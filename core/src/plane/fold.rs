@@ -90,17 +90,18 @@ pub(super) trait Batches<W, X: Canvas<W> + ?Sized> {
 
 /// Folds all batches of a plane.
 #[inline(always)]
-pub(super) fn fold<B, C, S, X>(
+pub(super) fn fold<W, B, C, S, X>(
     batches: &mut B,
     (classifier, shader): (&C, &S),
     canvas: &mut X,
-    rows: BatchRows<'_, i32>,
+    rows: BatchRows<'_, W>,
     mut tap: Option<&mut dyn Tap>,
 ) where
-    B: Batches<i32, X>,
-    C: ClassifierRows<i32> + ?Sized,
-    S: ShaderRows<i32> + ?Sized,
-    X: Canvas<i32> + ?Sized,
+    for<'r> &'r [W]: Bits,
+    B: Batches<W, X>,
+    C: ClassifierRows<W> + ?Sized,
+    S: ShaderRows<W> + ?Sized,
+    X: Canvas<W> + ?Sized,
 {
     let BatchRows {
         opacities,
@@ -231,7 +232,10 @@ pub(super) fn fold<B, C, S, X>(
 }
 
 /// Shows three rows to a tap.
-fn see(tap: &mut dyn Tap, stage: Stage, at: Beam<'_>, [a, b, c]: &[&mut [i32]; 3]) {
+fn see<W>(tap: &mut dyn Tap, stage: Stage, at: Beam<'_>, [a, b, c]: &[&mut [W]; 3])
+where
+    for<'r> &'r [W]: Bits,
+{
     let rows: [&dyn Bits; 3] = [&&**a, &&**b, &&**c];
     tap.row(stage, at, &rows);
 }

@@ -39,6 +39,10 @@ pub enum Rows {
     Splines,
     /// As [`Rows::Lit`], by splines.
     LitSplines,
+    /// As [`Rows::Unlit`], in words of 16 bits.
+    Fast,
+    /// As [`Rows::Lit`], in words of 16 bits.
+    LitFast,
 }
 
 impl Rows {
@@ -59,6 +63,9 @@ impl Rows {
             Self::LitSpread => 28,
             Self::Splines => 9,
             Self::LitSplines => 17,
+            // Two rows each.
+            Self::Fast => 4,
+            Self::LitFast => 8,
         }
     }
 
@@ -243,6 +250,65 @@ impl<'s, W> SplineScratch<'s, W> {
                 colours: [row(true), row(true), row(true)],
                 g: [row(lit), row(lit), row(lit)],
                 r: row(lit),
+                magnitudes: &mut [],
+            },
+        })
+    }
+}
+
+/// Rows of samples and gradients in words of 16 bits.
+pub(super) struct FastScratch<'s> {
+    /// Voxels interpolated along z, of an even and an odd voxel row.
+    pub(super) z: [&'s mut [u16]; 2],
+    /// Samples; of three rows where gradients are needed.
+    pub(super) samples: [&'s mut [u16]; 3],
+    /// Derivatives along z, interpolated along z, of an even and an odd voxel row.
+    pub(super) derivatives: [&'s mut [u16]; 2],
+    /// What rises between the two rows of voxels at a face.
+    pub(super) slope: &'s mut [u16],
+    pub(super) batch: BatchRows<'s, u16>,
+}
+
+impl<'s> FastScratch<'s> {
+    /// Cuts memory as [`Scratch::cut`] does, each word in two.
+    ///
+    /// # Errors
+    /// As [`Scratch::cut`].
+    #[inline]
+    pub(super) fn cut(memory: &'s mut [i32], kind: Rows, width: u32, aligned: bool) -> Result<Self, ScratchError> {
+        let (needed, given) = (kind.len(width), memory.len());
+        let len = width as usize + 2;
+        let too_little = ScratchError { needed, given };
+        if given < needed {
+            return Err(too_little);
+        }
+        let memory: &mut [u16] = bytemuck::try_cast_slice_mut(memory).map_err(|_| too_little)?;
+        let (mut memory, mut stride) = (memory, len);
+        if aligned {
+            let wide = len.next_multiple_of(2 * LINE);
+            let first = memory.as_ptr().align_offset(size_of::<u16>() * 2 * LINE);
+            if memory.len() >= first.saturating_add(2 * kind.count() * wide) {
+                (memory, stride) = (memory.get_mut(first..).unwrap_or(&mut []), wide);
+            }
+        }
+        let lit = kind == Rows::LitFast;
+        let mut row = |wanted: bool| -> &'s mut [u16] {
+            if wanted {
+                part_mut(take(&mut memory, stride), 0..len)
+            } else {
+                &mut []
+            }
+        };
+        Ok(Self {
+            z: [row(true), row(true)],
+            samples: [row(true), row(lit), row(lit)],
+            derivatives: [row(lit), row(lit)],
+            slope: row(lit),
+            batch: BatchRows {
+                opacities: row(true),
+                colours: [row(true), row(true), row(true)],
+                g: [row(lit), row(lit), row(lit)],
+                r: &mut [],
                 magnitudes: &mut [],
             },
         })

@@ -320,6 +320,30 @@ pub fn splined(frame: Frame) -> Frame {
     }
 }
 
+/// Frames of more than one block a row, most of which are empty: along the rows, across them, and between slices.
+pub fn wide_frame() -> impl Strategy<Value = Frame> {
+    let long = 17usize..=100;
+    let dims = prop_oneof![
+        4 => (long.clone(), 1usize..=12, 1usize..=12).prop_map(|(x, y, z)| [x, y, z]),
+        1 => (1usize..=12, long.clone(), 1usize..=12).prop_map(|(x, y, z)| [x, y, z]),
+        1 => (1usize..=12, 1usize..=12, long).prop_map(|(x, y, z)| [x, y, z]),
+        1 => (1030usize..=1100, 1usize..=3, 2usize..=4).prop_map(|(x, y, z)| [x, y, z]),
+    ];
+    let filling = prop_oneof![
+        9 => Just(Filling::Boxes),
+        1 => Just(Filling::Sparse),
+        1 => Just(Filling::Ball),
+        1 => Just(Filling::Ripples),
+    ];
+    (frame(), dims, filling, any::<u64>()).prop_map(|(frame, dims, filling, seed)| Frame {
+        volume: Arc::new(volume(dims, filling, seed)),
+        borders: borders_of(frame.borders, dims),
+        // Boxes leave few rows of several blocks: they have a test of their own.
+        crop: None,
+        ..frame
+    })
+}
+
 /// Any small frame, in `Compact`: the tests go through the precisions themselves.
 pub fn frame() -> impl Strategy<Value = Frame> {
     let borders = prop_oneof![2 => Just(Borders::Whole), 1 => Just(Borders::Cells), 1 => Just(Borders::Nodes)];

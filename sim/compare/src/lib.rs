@@ -22,11 +22,11 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::Frame;
 use slicecast_engine::oriented::Turned;
-use slicecast_engine::rendering::tapped;
+use slicecast_engine::rendering::{Framing, tapped};
 use slicecast_engine::tiles::{TILE_ROWS, Tile};
 use slicecast_engine::with_precision;
 use slicecast_model::{Affine, Lattice, Model, ModelImage, Pixel, Positions, Segments};
-use slicecast_scene::Blend;
+use slicecast_scene::{Blend, PrecisionName};
 use stages::{StageErrors, StageReport};
 
 /// Which positions the model takes its samples at.
@@ -187,6 +187,10 @@ fn beside(
     let rays = plan.sampling().rays_per_voxel;
     let mut rendering = prepared.begun()?;
     let precision = prepared.scene.precision;
+    if precision == PrecisionName::Fast {
+        rendering.fold_rows(slices, TILE_ROWS, prepared.simd, progress);
+        return Ok(compared(prepared, &*rendering, model.render(), Vec::new()));
+    }
     let tap = |tile: Tile| {
         let (setup, blend) = (&prepared.setup, prepared.scene.blend);
         with_precision!(precision, p => Lockstep::new(p, model, setup, blend, tile))
@@ -203,6 +207,17 @@ fn beside(
         // One value per ray decides: nothing to keep in step.
         Blend::Maximum | Blend::Minimum | Blend::Average | Blend::Additive => model.render(),
     };
+    let stages = with_precision!(precision, p => errors.report(p));
+    Ok(compared(prepared, &*rendering, model_image, stages))
+}
+
+/// A rendering beside the model's image.
+fn compared(
+    prepared: &Prepared<'_>,
+    rendering: &dyn Framing,
+    model: ModelImage,
+    stages: Vec<StageReport>,
+) -> Comparison {
     let frame = Frame {
         base: rendering.base(),
         picture: rendering.picture(prepared),
@@ -212,15 +227,15 @@ fn beside(
         u: [origin[0], right[0], down[0]],
         v: [origin[1], right[1], down[1]],
     };
-    let model_picture = model_image.warp(frame.picture.size.map(|side| side as usize), map);
-    Ok(Comparison {
-        image: base_figures(&frame.base, &model_image),
+    let model_picture = model.warp(frame.picture.size.map(|side| side as usize), map);
+    Comparison {
+        image: base_figures(&frame.base, &model),
         picture: picture_figures(&frame.picture, &model_picture, prepared.scene.image.background),
-        stages: with_precision!(precision, p => errors.report(p)),
+        stages,
         frame,
-        model: model_image,
+        model,
         model_picture,
-    })
+    }
 }
 
 /// The model's pixels, gathered from tiles of single phases.

@@ -38,7 +38,7 @@ impl From<&RgbaVolume> for Shape {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ColourError {
     /// A precision without such pixels.
-    #[error("volumes of colours are not rendered in paper, expected --precision compact or wide")]
+    #[error("volumes of colours are not rendered in paper or fast, expected --precision compact or wide")]
     Paper,
     /// Another order, or no compositing.
     #[error("volumes of colours are composited from front to back, expected no other --blend")]
@@ -157,7 +157,7 @@ impl<'a> Coloured<'a> {
     pub fn new(scene: &'a Scene, volume: &'a RgbaVolume) -> Result<Self, RenderError> {
         let refused = match scene {
             Scene {
-                precision: PrecisionName::Paper,
+                precision: PrecisionName::Paper | PrecisionName::Fast,
                 ..
             } => Some(ColourError::Paper),
             Scene { blend, .. } if *blend != Blend::FrontToBack => Some(ColourError::Blend),
@@ -202,7 +202,7 @@ impl<'a> Coloured<'a> {
         progress: Progress<'_>,
     ) -> Result<Frame, RenderError> {
         match self.scene.precision {
-            PrecisionName::Paper => Err(ColourError::Paper.into()),
+            PrecisionName::Paper | PrecisionName::Fast => Err(ColourError::Paper.into()),
             PrecisionName::Compact => self.frame(Compact, slices, layer, progress),
             PrecisionName::Wide => self.frame(Wide, slices, layer, progress),
         }

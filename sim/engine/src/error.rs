@@ -60,6 +60,15 @@ pub enum RenderError {
         "this command knows no reflectance maps, and the scene looks its light up in one ([reflectance]); expected a scene without"
     )]
     Mapped,
+    /// 16-bit lanes, where the stages of 32-bit lanes are known.
+    #[error(
+        "this command knows the stages of paper, compact and wide, and the scene asks for 16-bit lanes (render.precision = \"fast\"); \
+         use --precision compact"
+    )]
+    Fast,
+    /// Segments in 16-bit lanes.
+    #[error("precision \"fast\" classifies samples, and the scene asks for segments; use --classification point, without surfaces")]
+    FastSegments,
     /// Splines, where samples are linear.
     #[error(
         "this command knows no samples by splines, and the scene asks for them (sampling.interpolation = \"quadratic\"); use \

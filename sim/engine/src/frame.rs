@@ -2,7 +2,7 @@
 
 use slicecast::integral::Length;
 use slicecast::modulate::Modulation;
-use slicecast_scene::{Classification, Interpolation, Scene};
+use slicecast_scene::{Classification, Interpolation, PrecisionName, Scene};
 use slicecast_volume::Volume;
 
 use crate::camera::{Setup, set_up};
@@ -78,6 +78,9 @@ impl<'a> Prepared<'a> {
             Classification::Auto if splines => false,
             Classification::Auto => !scene.surfaces.is_empty() || finest.is_some_and(|finest| finest.is_missed()),
         };
+        if segments && scene.precision == PrecisionName::Fast {
+            return Err(RenderError::FastSegments);
+        }
         if segments && setup.plan.ends() < 2 {
             return Err(RenderError::Segments);
         }
@@ -146,6 +149,17 @@ impl<'a> Prepared<'a> {
         match self.scene.interpolation {
             Interpolation::Quadratic => Err(RenderError::Splines),
             Interpolation::Linear | Interpolation::Nearest => Ok(()),
+        }
+    }
+
+    /// For what knows the stages of 32-bit lanes alone.
+    ///
+    /// # Errors
+    /// [`RenderError::Fast`] if the scene asks for 16-bit lanes.
+    pub fn check_staged(&self) -> Result<(), RenderError> {
+        match self.scene.precision {
+            PrecisionName::Fast => Err(RenderError::Fast),
+            PrecisionName::Paper | PrecisionName::Compact | PrecisionName::Wide => Ok(()),
         }
     }
 

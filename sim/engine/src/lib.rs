@@ -8,6 +8,7 @@ pub mod cutout;
 pub mod depth;
 pub mod error;
 pub mod expanded;
+pub mod fast;
 pub mod fineness;
 pub mod frame;
 pub mod image;

@@ -24,7 +24,7 @@ use crate::camera::Picture;
 use crate::frame::Prepared;
 use crate::image::{BaseImage, Rgb, background};
 use crate::simd::{OverLanes, Simd, with_lanes};
-use crate::with_precision;
+use crate::with_pixel;
 use slicecast_scene::PrecisionName;
 
 /// Picture pixels across the largest tile.
@@ -65,7 +65,7 @@ pub fn of_base(base: &BaseImage, precision: PrecisionName, picture: &Picture, be
         background: background(behind),
         simd,
     };
-    with_precision!(precision, p => shown.picture(&Interleaved::of(p, base)))
+    with_pixel!(precision, p => shown.picture(&Interleaved::of(p, base)))
 }
 
 /// What a picture shows of a base plane.

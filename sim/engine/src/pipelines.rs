@@ -7,13 +7,14 @@ use slicecast::perspective::Spread;
 use slicecast::plane::{Composite, Perspective, Pictured, Project, Splines};
 use slicecast::precision::Precision;
 #[doc(hidden)]
-pub use slicecast::precision::{Compact, Paper, Wide};
+pub use slicecast::precision::{Compact, Fast, Paper, Wide};
 use slicecast::project::{Maximum, Minimum, Sum};
 use slicecast::shade::{Shader, Unlit};
 use slicecast::slice::Code12;
 
 use crate::camera::{CameraError, Material, Setup};
 use crate::expanded::Expanded;
+use crate::fast;
 use crate::reflectance;
 use crate::rendering::{Framing, Under};
 use crate::segments::Segments;
@@ -24,7 +25,8 @@ pub use slicecast_scene::PrecisionName;
 use slicecast_scene::{AlphaCodeName, Blend, Interpolation, Scene};
 use slicecast_volume::Mapping;
 
-/// Evaluates an expression with the precision of a name.
+/// Evaluates an expression with the precision of a name, of those in 32-bit lanes: `fast` has been refused before, or taken its own
+/// way.
 #[macro_export]
 macro_rules! with_precision {
     ($name:expr, $precision:ident => $with:expr) => {
@@ -41,6 +43,21 @@ macro_rules! with_precision {
                 let $precision = $crate::pipelines::Wide;
                 $with
             }
+            $crate::pipelines::PrecisionName::Fast => unreachable!("fast has no stages in 32-bit lanes"),
+        }
+    };
+}
+
+/// Evaluates an expression with the format of a precision's pixel.
+#[macro_export]
+macro_rules! with_pixel {
+    ($name:expr, $precision:ident => $with:expr) => {
+        match $name {
+            $crate::pipelines::PrecisionName::Fast => {
+                let $precision = $crate::pipelines::Fast;
+                $with
+            }
+            name => $crate::with_precision!(name, $precision => $with),
         }
     };
 }
@@ -98,6 +115,9 @@ pub fn rendering(
     parameters: Parameters<'_>,
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, CameraError> {
+    if scene.precision == PrecisionName::Fast {
+        return fast::rendering(scene, table, parameters.material, geometry);
+    }
     rendering_over(scene.precision, scene, table.expanded(), parameters, geometry)
 }
 
@@ -292,7 +312,7 @@ fn shaded<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>, S: Shader<P> 
     }
 }
 
-fn under<L: Pictured<Voxel = Code12> + Send + 'static>(geometry: Geometry<'_>, pipeline: L) -> Box<dyn Framing> {
+pub(crate) fn under<L: Pictured<Voxel = Code12> + Send + 'static>(geometry: Geometry<'_>, pipeline: L) -> Box<dyn Framing> {
     Box::new(Under::new(geometry, pipeline))
 }
 

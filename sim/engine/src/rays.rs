@@ -7,6 +7,7 @@
 //! finished rays end, as any renderer of rays would have it, and that is what is measured.
 
 mod clips;
+mod fast;
 mod grid;
 mod locate;
 
@@ -38,7 +39,7 @@ use crate::image::BaseImage;
 use crate::reflectance;
 use crate::segments::Segments;
 use crate::table::AnyTable;
-use slicecast_scene::{Blend, Interpolation};
+use slicecast_scene::{Blend, Interpolation, PrecisionName};
 
 use crate::with_precision;
 
@@ -94,11 +95,14 @@ impl Witness for Unobserved {
     const EVERYTHING: bool = false;
 }
 
-/// Renders the base plane of a frame ray by ray.
+/// Renders the base plane of a frame ray by ray; in 16-bit lanes without a witness.
 ///
 /// # Errors
 /// [`CameraError`] if the material is not one that the pipeline takes.
 pub fn render<W: Witness>(prepared: &Prepared<'_>, witness: &mut W) -> Result<BaseImage, CameraError> {
+    if prepared.scene.precision == PrecisionName::Fast {
+        return fast::render(prepared);
+    }
     with_precision!(prepared.scene.precision, precision => Ok(Rays::new(precision, prepared)?.image(witness)))
 }
 

@@ -281,6 +281,8 @@ macro_rules! with_table {
     };
 }
 
+pub(crate) use with_table;
+
 impl<P: Precision> Classifier<P> for AnyTable<'_> {
     fn opacity(&self, p: P, sample: i32) -> Opacity {
         with_table!(self, table => Classifier::opacity(table, p, sample))

@@ -92,6 +92,7 @@ impl<'a> Numbers<'a> {
     /// take.
     pub fn of(prepared: &'a Prepared<'a>) -> Result<Self, RenderError> {
         prepared.check_points()?;
+        prepared.check_staged()?;
         let (scene, setup) = (prepared.scene, &prepared.setup);
         let early_termination = match scene.blend {
             Blend::FrontToBack => scene.early_termination,

@@ -102,6 +102,7 @@ pub fn of_scene(numbers: &Numbers<'_>) -> Vec<Quantity> {
         PrecisionName::Paper => ("1.15", 16),
         PrecisionName::Compact => ("16 bits, 65535 is 1", 16),
         PrecisionName::Wide => ("1.31", 32),
+        PrecisionName::Fast => unreachable!("refused before"),
     };
     let needs = &numbers.needs;
     let elements = [needs.slices, needs.ranges, needs.scratch, needs.image];

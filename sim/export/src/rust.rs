@@ -40,6 +40,7 @@ impl Types {
             PrecisionName::Paper => ("Paper", "u16", "0"),
             PrecisionName::Compact => ("Compact", "Unorm16", "Unorm16(0)"),
             PrecisionName::Wide => ("Wide", "u32", "0"),
+            PrecisionName::Fast => unreachable!("refused before"),
         };
         let (element, zero) = if numbers.is_composited() {
             (element, zero)

@@ -42,6 +42,7 @@ impl Configuration {
             Kind::Named(PrecisionName::Paper) => (Paper.formats(), Binary(15), "truncated"),
             Kind::Named(PrecisionName::Compact) => (Compact.formats(), Full(16), "dithered"),
             Kind::Named(PrecisionName::Wide) => (Wide.formats(), Binary(31), "telescoping"),
+            Kind::Named(PrecisionName::Fast) => unreachable!("no configuration is of it"),
             Kind::Study(study) => (study.formats, study.pixel.scale(), study.pixel.rounding()),
         };
         Self {

@@ -7,8 +7,8 @@ use thiserror::Error;
 use crate::reflectance::SIDES;
 
 use super::{
-    Borders, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, Sampling, Scene,
-    TransferFunction, View,
+    Borders, Classification, ColourOpacity, Colours, Image, Interpolation, Light, Lighting, LookupName, PrecisionName,
+    Sampling, Scene, TransferFunction, View,
 };
 
 /// Angles about an axis, degrees.
@@ -78,6 +78,7 @@ impl Scene {
     pub fn check(&self) -> Result<(), FieldError> {
         view(&self.view)?;
         self.perspective()?;
+        self.fast()?;
         image(&self.image)?;
         sampling(self.sampling)?;
         transfer(&self.transfer)?;
@@ -132,6 +133,44 @@ impl Scene {
         ] {
             if !known {
                 let expected = format!("{expected}: a view in perspective knows no other");
+                return Err(FieldError::new(field, "given", expected));
+            }
+        }
+        Ok(())
+    }
+
+    /// In 16-bit lanes there are samples of parallel rays, linear in the table, composited, which nothing clips.
+    fn fast(&self) -> Result<(), FieldError> {
+        if self.precision != PrecisionName::Fast {
+            return Ok(());
+        }
+        let segments = !matches!(self.classification, Classification::Point) || !self.surfaces.is_empty();
+        for (field, known, expected) in [
+            (
+                "sampling.interpolation",
+                self.interpolation != Interpolation::Quadratic,
+                "\"linear\" or \"nearest\"",
+            ),
+            ("clip", self.clips.is_empty(), "no clip planes"),
+            ("cueing", self.cueing.is_none(), "no depth cueing"),
+            ("modulation", self.modulation.is_none(), "no modulation"),
+            ("reflectance", self.reflectance.is_none(), "no reflectance map"),
+            ("colours", self.colours.is_none(), "a volume of one value a voxel"),
+            ("view.projection", self.perspective.is_none(), "\"parallel\""),
+            ("render.classification", !segments, "\"point\", without surfaces"),
+            (
+                "render.blend",
+                self.blend.is_composited(),
+                "\"front-to-back\" or \"back-to-front\"",
+            ),
+            (
+                "render.lookup",
+                self.lookup.is_none_or(|lookup| lookup == LookupName::Linear),
+                "\"linear\"",
+            ),
+        ] {
+            if !known {
+                let expected = format!("{expected}: precision \"fast\" knows no other");
                 return Err(FieldError::new(field, "given", expected));
             }
         }

@@ -436,11 +436,16 @@ pub enum PrecisionName {
     Compact,
     /// 128-bit pixel.
     Wide,
+    /// 16 bits in every lane.
+    Fast,
 }
 
 impl PrecisionName {
-    /// All of them, in the order of reports.
+    /// Those of one set of stages in 32-bit lanes, in the order of reports.
     pub const ALL: [Self; 3] = [Self::Paper, Self::Compact, Self::Wide];
+
+    /// All of them.
+    pub const EVERY: [Self; 4] = [Self::Fast, Self::Paper, Self::Compact, Self::Wide];
 
     /// The name in scenes and reports.
     pub const fn name(self) -> &'static str {
@@ -448,6 +453,7 @@ impl PrecisionName {
             Self::Paper => "paper",
             Self::Compact => "compact",
             Self::Wide => "wide",
+            Self::Fast => "fast",
         }
     }
 
@@ -456,7 +462,7 @@ impl PrecisionName {
     pub const fn table(self) -> AlphaCodeName {
         match self {
             Self::Paper => AlphaCodeName::Sqrt8,
-            Self::Compact | Self::Wide => AlphaCodeName::Sqrt16,
+            Self::Compact | Self::Wide | Self::Fast => AlphaCodeName::Sqrt16,
         }
     }
 
@@ -464,7 +470,7 @@ impl PrecisionName {
     pub const fn lookup(self) -> LookupName {
         match self {
             Self::Paper => LookupName::Nearest,
-            Self::Compact | Self::Wide => LookupName::Linear,
+            Self::Compact | Self::Wide | Self::Fast => LookupName::Linear,
         }
     }
 }

@@ -71,6 +71,7 @@ impl Args {
         let scene = self.scene.load_for(&self.volume, &loaded)?;
         let prepared = Prepared::new(&scene, &loaded.volume)?;
         prepared.check_points()?;
+        prepared.check_staged()?;
         prepared.check_unmodulated()?;
         let ray = match (self.pixel, self.ray) {
             (Some(pixel), _) => ray_of(&prepared, pixel)?,

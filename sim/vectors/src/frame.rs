@@ -157,6 +157,7 @@ fn cells(plan: &Plan, plane: &Plane, [column, row]: [u32; 2]) -> [Cell; 3] {
 /// one sample an opacity, of a whole volume.
 pub fn sets(prepared: &Prepared<'_>, part: &Part) -> Result<FrameSets, RenderError> {
     prepared.check_points()?;
+    prepared.check_staged()?;
     prepared.check_uncropped()?;
     if matches!(prepared.scene.blend, Blend::Average | Blend::Additive) {
         return Err(RenderError::Summed);

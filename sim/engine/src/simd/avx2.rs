@@ -29,6 +29,8 @@ macro_rules! avx2 {
     };
 }
 
+mod halves;
+
 /// An operator by its intrinsic.
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
@@ -206,6 +208,7 @@ fn too_large(r: __m256d, s: __m256d) -> __m256i {
 
 impl Lanes for Avx2 {
     type Wide = Products;
+    type Halves = halves::Halves256;
     const COUNT: usize = 8;
 
     #[inline(always)]

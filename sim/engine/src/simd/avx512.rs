@@ -29,6 +29,8 @@ macro_rules! avx512 {
     };
 }
 
+mod halves;
+
 /// An operator by its intrinsic.
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
@@ -152,6 +154,7 @@ fn too_large(r: __m512i, s: __m512i) -> __mmask8 {
 
 impl Lanes for Avx512 {
     type Wide = Products;
+    type Halves = halves::Halves512;
     const COUNT: usize = 16;
 
     #[inline(always)]

@@ -1,5 +1,7 @@
 //! Every operation of every width against one lane, which is the definition.
 
+mod halves;
+
 use std::marker::PhantomData;
 
 use proptest::prelude::*;

@@ -54,6 +54,7 @@ enum PrecisionArg {
     Paper,
     Compact,
     Wide,
+    Fast,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -365,6 +366,7 @@ impl SceneArgs {
                 PrecisionArg::Paper => PrecisionName::Paper,
                 PrecisionArg::Compact => PrecisionName::Compact,
                 PrecisionArg::Wide => PrecisionName::Wide,
+                PrecisionArg::Fast => PrecisionName::Fast,
             };
         }
         if let Some(table) = self.table {

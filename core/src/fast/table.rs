@@ -1,0 +1,171 @@
+//! The look-up table of the `fast` precision: square roots of opacities, and colours, both linear between two codes.
+//!
+//! Of a sample s, 12.3: code `n = s >> 3`, fraction `f = 2^13 (s & 7)`, 0.16. A value is
+//! `v[n] - high(v[n], f) + high(v[n + 1], f)` with `high(a, b) = (a b) >> 16`: v[n] where f is 0 or both are equal, and never
+//! above 65535 (`docs/contract/fast.md`).
+//!
+//! Source: Squeeze, section 4.4 (a table of roots). The opacity is the root's square, so it bends between two codes.
+
+use core::marker::PhantomData;
+use core::ops::Deref;
+
+use crate::classify::{AlphaCode, Lookup, PointTable, Support};
+use crate::format::Opacity;
+use crate::lanes::{Halves, Kernel, Lanes, places_of};
+use crate::rows::three;
+use crate::table::ENTRIES;
+
+/// The roots of a code's opacity and of the next one's, in the lower and the upper half. 16 KiB.
+pub type Roots = [u32; ENTRIES];
+
+/// Red, green and blue of a code, 65535 is 1, and nothing; the last code stands twice. 32 KiB.
+pub type Colours = [[u16; 4]; ENTRIES + 1];
+
+/// Fills [`Roots`] from a point table.
+pub fn fill_roots<A: AlphaCode, L: Lookup>(table: &PointTable<'_, A, L>, out: &mut Roots) {
+    for (code, out) in out.iter_mut().enumerate() {
+        let next = table.code_root((code + 1).min(ENTRIES - 1));
+        *out = u32::from(table.code_root(code)) | u32::from(next) << 16;
+    }
+}
+
+/// Fills [`Colours`] from a point table; its one colour, if all codes have the same.
+pub fn fill_colours<A: AlphaCode, L: Lookup>(table: &PointTable<'_, A, L>, out: &mut Colours) -> Option<[u16; 3]> {
+    let first = table.code_colour(0);
+    let mut one = true;
+    for (code, out) in out.iter_mut().enumerate() {
+        let [r, g, b] = table.code_colour(code.min(ENTRIES - 1));
+        one &= [r, g, b] == first;
+        *out = [r, g, b, 0];
+    }
+    one.then_some(first)
+}
+
+/// The root of an opacity, to nearest, at most 65535; of [`opacity_of_root`](crate::classify::opacity_of_root) what it was made of.
+#[inline]
+pub const fn root_of(opacity: Opacity) -> u16 {
+    let square = opacity.to_bits().saturating_mul(2);
+    let root = square.isqrt();
+    // At most 65535, whose square is 131071 below 2^32.
+    let nearest = root + (square - root * root > root) as u32;
+    if nearest > 0xffff { 0xffff } else { nearest as u16 }
+}
+
+/// Looks samples up in a table in the caller's memory.
+#[derive(Clone, Copy, Debug)]
+pub struct RootTable<R, C> {
+    roots: R,
+    colours: Result<[u16; 3], C>,
+    support: Support,
+}
+
+/// Samples that are fetched together.
+const CHUNK: usize = 256;
+
+impl<R: Deref<Target = Roots>, C: Deref<Target = Colours>> RootTable<R, C> {
+    /// A table of many colours, or of one.
+    pub fn new(roots: R, colours: Result<[u16; 3], C>) -> Self {
+        Self {
+            support: Support::of(roots.iter().map(|pair| pair & 0xffff != 0)),
+            roots,
+            colours,
+        }
+    }
+
+    /// Which voxel ranges can hold a visible sample.
+    pub const fn support(&self) -> Support {
+        self.support
+    }
+
+    /// The colour of every sample, where all have the same.
+    pub fn one_colour(&self) -> Option<[u16; 3]> {
+        self.colours.as_ref().ok().copied()
+    }
+
+    /// The square root of a sample's opacity: the definition.
+    #[inline(always)]
+    pub fn root(&self, sample: u16) -> u16 {
+        let pair = self.pair(sample);
+        mixed(pair as u16, (pair >> 16) as u16, fraction(sample))
+    }
+
+    /// The colour of a sample: the definition.
+    #[inline(always)]
+    pub fn colour(&self, sample: u16) -> [u16; 3] {
+        let colours = match &self.colours {
+            Ok(colour) => return *colour,
+            Err(colours) => colours,
+        };
+        let code = usize::from(sample >> 3) % ENTRIES;
+        let at = |code: usize| colours.get(code).copied().unwrap_or_default();
+        let ([r0, g0, b0, _], [r1, g1, b1, _]) = (at(code), at(code + 1));
+        three([(r0, r1), (g0, g1), (b0, b1)], |(a, b)| mixed(a, b, fraction(sample)))
+    }
+
+    #[inline(always)]
+    fn pair(&self, sample: u16) -> u32 {
+        self.roots.get(usize::from(sample >> 3) % ENTRIES).copied().unwrap_or(0)
+    }
+
+    /// Fetches of some samples the roots of their codes and of the next ones. A function of its own: compiled for vectors it
+    /// would gather, which takes longer.
+    #[inline(never)]
+    pub(crate) fn fetch(&self, samples: &[u16], [first, next]: [&mut [u16]; 2]) {
+        for ((sample, first), next) in samples.iter().zip(first).zip(next) {
+            let pair = self.pair(*sample);
+            (*first, *next) = (pair as u16, (pair >> 16) as u16);
+        }
+    }
+
+    /// Roots of a row, fetched and mixed chunk by chunk.
+    #[inline(always)]
+    pub(crate) fn root_row<V: Lanes>(&self, samples: &[u16], out: &mut [u16]) {
+        if V::SMALL {
+            for (out, sample) in out.iter_mut().zip(samples) {
+                *out = self.root(*sample);
+            }
+            return;
+        }
+        let mut pairs = [[0; CHUNK]; 2];
+        for (samples, out) in samples.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
+            let [first, next] = &mut pairs;
+            self.fetch(samples, [&mut *first, &mut *next]);
+            V::enter((MixRow, PhantomData::<V>, samples, [&*first, &*next], out));
+        }
+    }
+
+    /// Colours of a row.
+    #[inline(always)]
+    pub(crate) fn colour_row(&self, samples: &[u16], [red, green, blue]: [&mut [u16]; 3]) {
+        for (((sample, r), g), b) in samples.iter().zip(red).zip(green).zip(blue) {
+            [*r, *g, *b] = self.colour(*sample);
+        }
+    }
+}
+
+/// The way from a sample's code to the next one, 0.16.
+#[inline(always)]
+fn fraction<H: Halves>(sample: H) -> H {
+    sample.shl(13)
+}
+
+/// Between the values of two codes.
+#[inline(always)]
+fn mixed<H: Halves>(a: H, b: H, f: H) -> H {
+    a.minus(a.product_high(f)).plus(b.product_high(f))
+}
+
+struct MixRow;
+
+impl<V: Lanes> Kernel for (MixRow, PhantomData<V>, &[u16], [&[u16; CHUNK]; 2], &mut [u16]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, samples, [first, next], out) = self;
+        for at in places_of::<V::Halves>(out.len()) {
+            let f = fraction(V::Halves::load(samples, at));
+            mixed(V::Halves::load(first, at), V::Halves::load(next, at), f).store(out, at);
+        }
+    }
+}

@@ -1,0 +1,166 @@
+use std::vec::Vec;
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+use super::fold::{Offsets, folded, taken};
+use super::light::root;
+use super::sample::lerp;
+use super::table::{fill_colours, fill_roots, root_of};
+use super::{FastPhong, RootTable};
+use crate::classify::{Linear, PointTable, Sqrt16, entry, opacity_of_root};
+use crate::composite::{BackToFront, FrontToBack, Pixel};
+use crate::format::{Coefficient, Vector};
+use crate::shade::{Highlight, Light};
+use crate::table::ENTRIES;
+
+fn config(seed: u64) -> ProptestConfig {
+    ProptestConfig {
+        cases: 4000,
+        rng_seed: RngSeed::Fixed(seed),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
+/// All upper halves of squared lengths.
+#[test]
+fn reciprocal_roots_are_near() {
+    let (mut largest, mut sum) = (0f64, 0f64);
+    for h in 16384..=65535u16 {
+        let error = f64::from(root(h)) - 8388608.0 / f64::from(h).sqrt();
+        largest = largest.max(error.abs());
+        sum += error;
+    }
+    let mean = sum / 49152.0;
+    assert!(largest <= 2.4 && mean.abs() <= 0.06, "{largest} {mean}");
+}
+
+#[test]
+fn roots_come_back() {
+    for root in 0..=65535 {
+        assert_eq!(root_of(opacity_of_root(root)), root);
+    }
+    assert_eq!(root_of(crate::format::Opacity::ONE), 65535);
+}
+
+/// Signed bits.
+fn signed(bits: u16) -> i32 {
+    i32::from(bits as i16)
+}
+
+proptest! {
+    #![proptest_config(config(1))]
+
+    #[test]
+    fn samples_lie_between(a in 0u16..=32760, b in 0u16..=32760, w in 0u16..=32767) {
+        let between = lerp(a, b, w);
+        prop_assert!(a.min(b) <= between && between <= a.max(b));
+        let exact = f64::from(a) + (f64::from(b) - f64::from(a)) * f64::from(w) / 32768.0;
+        prop_assert!((f64::from(between) - exact).abs() <= 0.5);
+    }
+
+    #[test]
+    fn light_is_neither_made_nor_lost(
+        c in prop::array::uniform3(0u16..=65535), colour in prop::array::uniform3(0u16..=65535),
+        t in 0u16..=65535, q in prop_oneof![any::<u16>(), 0u16..300, 65530u16..=65535], k in any::<u32>(),
+    ) {
+        let offsets = Offsets::of_plane(k);
+        // A pixel that front to back may be: it has given what it has taken.
+        let before = Pixel { colour: c.map(|c| c.min(65535 - t)), transparency: t };
+        let after = folded::<FrontToBack>(before, colour, q, offsets, 1);
+        prop_assert!(after.transparency <= t);
+        for (channel, before) in after.colour.iter().zip(before.colour) {
+            prop_assert!(*channel >= before && u32::from(*channel) + u32::from(after.transparency) <= 65535);
+        }
+        if q == 0 || t == 0 {
+            prop_assert_eq!(after, before);
+        }
+        let exact = f64::from(t) * (1.0 - (f64::from(q) / 65536.0).powi(2));
+        prop_assert!((f64::from(after.transparency) - exact).abs() <= 1.5);
+        let after = folded::<BackToFront>(Pixel { colour: c, transparency: t }, colour, q, offsets, 1);
+        for ((channel, before), colour) in after.colour.iter().zip(c).zip(colour) {
+            prop_assert!(*channel >= before.min(colour) && *channel <= before.max(colour));
+        }
+        if q == 0 {
+            prop_assert_eq!(after, Pixel { colour: c, transparency: t });
+        }
+    }
+
+    #[test]
+    fn samples_take_no_more_than_there_is(t in 0u16..=65535, q in 0u16..=65535, k in any::<u32>()) {
+        prop_assert!(taken(t, q, Offsets::of_plane(k)) <= t);
+    }
+
+    /// Of any gradient, against f64: a weak one has as good a direction as its components.
+    #[test]
+    fn light_is_that_of_the_definition(
+        g in prop::array::uniform3(-32767i16..=32767), shift in 0u32..12,
+        l in prop::array::uniform3(-1f64..1.0), v in prop::array::uniform3(-1f64..1.0),
+        half in any::<bool>(), n in 0u32..=8, colour in prop::array::uniform3(0u16..=65535),
+    ) {
+        let g = g.map(|c| c >> shift);
+        let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let unit = |v: [f64; 3]| v.map(|c| c / length(v));
+        prop_assume!(length(l) > 0.1 && length(v) > 0.1 && g != [0; 3]);
+        let (l, v) = (unit(l), unit(v));
+        let h = [0, 1, 2].map(|axis| l[axis] + v[axis]);
+        prop_assume!(length(h) > 0.1);
+        let h = unit(h);
+        let bits = |v: [f64; 3]| v.map(|c| Vector::from_bits((c * 1073741824.0).round() as i32));
+        let part = |c: f64| Coefficient::from_bits((c * 2147483648.0) as u32);
+        let highlight = if half { Highlight::HalfVector } else { Highlight::Reflection };
+        let light = Light { direction: bits(l), half: bits(h), diffuse: [part(0.5); 3], specular: [part(0.3), part(0.2), part(0.1)] };
+        let phong = FastPhong::new([part(0.1); 3], &[light], bits(v), highlight, n).unwrap();
+        let found = phong.shade(g, colour);
+
+        let normal = unit(g.map(|c| -f64::from(c)));
+        let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (nl, nv) = (dot(normal, l), dot(normal, v));
+        let y = if half { dot(normal, h) } else { 2.0 * nl * nv - dot(v, l) };
+        let lit = nl > 0.0 && (half || nv > 0.0);
+        let y = if lit { y.max(0.0).min(1.0).powi(1 << n) } else { 0.0 };
+        for (channel, ks) in [0.3, 0.2, 0.1].into_iter().enumerate() {
+            let exact = f64::from(colour[channel]) * (0.1 + 0.5 * nl.max(0.0)) + 65535.0 * ks * y;
+            // A cosine errs by four of its last bits, a highlight by as many times its exponent.
+            let allowed = 6.0 + ks * 8.0 * f64::from(1u32 << n);
+            let near_edge = nl.abs().min(nv.abs()) < 1e-3;
+            prop_assert!((f64::from(found[channel]) - exact.min(65535.0)).abs() <= allowed || near_edge, "{found:?} {exact} {channel}");
+        }
+    }
+}
+
+/// A table of ramps and steps in a caller's memory: linear between roots, as it was filled.
+#[test]
+fn tables_are_linear_between_codes() {
+    let mut entries = [0; ENTRIES];
+    let mut low = [0; ENTRIES];
+    for (code, (entry_at, low)) in entries.iter_mut().zip(&mut low).enumerate() {
+        let root = if code < 100 { 0 } else { (code * 2_654_435_761 >> 7) as u16 };
+        let [high, rest] = root.to_be_bytes();
+        *entry_at = entry([code as u8, (code >> 4) as u8, 200], high);
+        *low = rest;
+    }
+    let points = PointTable::<Sqrt16, Linear>::new(&entries, &low);
+    let (mut roots, mut colours) = ([0; ENTRIES], [[0; 4]; ENTRIES + 1]);
+    fill_roots(&points, &mut roots);
+    assert_eq!(fill_colours(&points, &mut colours), None);
+    let table = RootTable::new(&roots, Err(&colours));
+    for sample in 0..=32760u16 {
+        let (code, f) = (usize::from(sample >> 3), f64::from(sample & 7) / 8.0);
+        let next = (code + 1).min(ENTRIES - 1);
+        let between = |a: u16, b: u16| f64::from(a) + (f64::from(b) - f64::from(a)) * f;
+        let exact = between(points.code_root(code), points.code_root(next));
+        assert!((f64::from(table.root(sample)) - exact).abs() < 1.0);
+        let (a, b) = (points.code_colour(code), points.code_colour(next));
+        for (channel, found) in table.colour(sample).into_iter().enumerate() {
+            assert!((f64::from(found) - between(a[channel], b[channel])).abs() < 1.0);
+        }
+    }
+    let samples: Vec<u16> = (0..700).map(|i| (i * 7919 % 32761) as u16).collect();
+    let mut row = std::vec![0; samples.len()];
+    table.root_row::<i32>(&samples, &mut row);
+    for (sample, found) in samples.iter().zip(row) {
+        assert_eq!(found, table.root(*sample));
+    }
+}

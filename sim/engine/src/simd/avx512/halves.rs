@@ -1,0 +1,169 @@
+//! Thirty-two lanes of 16 bits in AVX-512.
+
+use std::arch::x86_64::*;
+
+use slicecast::lanes::Halves;
+
+use super::ones;
+use crate::simd::partial::{chunk, chunk_mut, rest};
+
+/// Thirty-two 16-bit lanes.
+#[derive(Clone, Copy)]
+pub struct Halves512(__m512i);
+
+/// A vector's components side by side, in 32 bits each: lanes 0 to 3, 8 to 11 .. in the first, the others in the second.
+#[inline(always)]
+fn pairs(a: __m512i, b: __m512i) -> [__m512i; 2] {
+    avx512!([_mm512_unpacklo_epi16(a, b), _mm512_unpackhi_epi16(a, b)])
+}
+
+/// Two 16-bit numbers as one of 32 bits.
+#[inline(always)]
+fn both(low: i16, high: i16) -> __m512i {
+    avx512!(_mm512_set1_epi32(i32::from(low as u16) | i32::from(high) << 16))
+}
+
+impl Halves for Halves512 {
+    type Shifts = [__m512i; 2];
+    const COUNT: usize = 32;
+
+    #[inline(always)]
+    fn splat(bits: u16) -> Self {
+        Self(avx512!(_mm512_set1_epi16(bits as i16)))
+    }
+    #[inline(always)]
+    fn load(row: &[u16], at: usize) -> Self {
+        match chunk::<_, 32>(row, at) {
+            Some(lanes) => Self(avx512!(_mm512_loadu_si512(lanes.as_ptr().cast()))),
+            None => {
+                let first = row.as_ptr().wrapping_add(at).cast();
+                Self(avx512!(_mm512_maskz_loadu_epi16(ones(rest(row, at)), first)))
+            }
+        }
+    }
+    #[inline(always)]
+    fn store(self, row: &mut [u16], at: usize) {
+        match chunk_mut::<_, 32>(row, at) {
+            Some(lanes) => avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0)),
+            None => {
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at).cast(), ones(rest(row, at)));
+                avx512!(_mm512_mask_storeu_epi16(first, mask, self.0));
+            }
+        }
+    }
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        Self(avx512!(_mm512_add_epi16(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        Self(avx512!(_mm512_sub_epi16(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn plus_saturating(self, other: Self) -> Self {
+        Self(avx512!(_mm512_adds_epu16(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn minus_saturating(self, other: Self) -> Self {
+        Self(avx512!(_mm512_subs_epu16(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn shl(self, by: u32) -> Self {
+        Self(avx512!(_mm512_sll_epi16(self.0, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn shr(self, by: u32) -> Self {
+        Self(avx512!(_mm512_srl_epi16(self.0, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn shr_signed(self, by: u32) -> Self {
+        Self(avx512!(_mm512_sra_epi16(self.0, _mm_cvtsi32_si128(by as i32))))
+    }
+    #[inline(always)]
+    fn product_high(self, other: Self) -> Self {
+        Self(avx512!(_mm512_mulhi_epu16(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn product_low(self, other: Self) -> Self {
+        Self(avx512!(_mm512_mullo_epi16(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn product_round(self, other: Self) -> Self {
+        Self(avx512!(_mm512_mulhrs_epi16(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn product_plus(self, other: Self, offset: u16) -> Self {
+        let (high, low) = (self.product_high(other).0, self.product_low(other).0);
+        Self(avx512!({
+            let carries = _mm512_cmpgt_epu16_mask(low, _mm512_set1_epi16(!offset as i16));
+            _mm512_mask_sub_epi16(high, carries, high, _mm512_set1_epi16(-1))
+        }))
+    }
+    #[inline(always)]
+    fn top_then_else(self, value: Self, other: Self) -> Self {
+        Self(avx512!(_mm512_mask_mov_epi16(
+            other.0,
+            _mm512_movepi16_mask(self.0),
+            value.0
+        )))
+    }
+    #[inline(always)]
+    fn nonzero_then(self, value: Self) -> Self {
+        Self(avx512!(_mm512_maskz_mov_epi16(
+            _mm512_test_epi16_mask(self.0, self.0),
+            value.0
+        )))
+    }
+    #[inline(always)]
+    fn at_least_or_zero(self, floor: Self) -> Self {
+        Self(avx512!(_mm512_maskz_mov_epi16(
+            _mm512_cmpge_epu16_mask(self.0, floor.0),
+            self.0
+        )))
+    }
+    #[inline(always)]
+    fn all_zero(self) -> bool {
+        avx512!(_mm512_test_epi16_mask(self.0, self.0)) == 0
+    }
+    #[inline(always)]
+    fn normalised([x, y, z]: [Self; 3]) -> ([__m512i; 2], Self) {
+        avx512!({
+            let ([xy_low, xy_high], [z_low, z_high]) = (pairs(x.0, y.0), pairs(z.0, _mm512_setzero_si512()));
+            let low = _mm512_add_epi32(_mm512_madd_epi16(xy_low, xy_low), _mm512_madd_epi16(z_low, z_low));
+            let high = _mm512_add_epi32(_mm512_madd_epi16(xy_high, xy_high), _mm512_madd_epi16(z_high, z_high));
+            let (k_low, h_low) = shifted(low);
+            let (k_high, h_high) = shifted(high);
+            ([k_low, k_high], Self(_mm512_packus_epi32(h_low, h_high)))
+        })
+    }
+    #[inline(always)]
+    fn facing([ax, ay, az]: [Self; 3], [bx, by, bz]: [i16; 3], [k_low, k_high]: [__m512i; 2]) -> Self {
+        avx512!({
+            let ([xy_low, xy_high], [z_low, z_high]) = (pairs(ax.0, ay.0), pairs(az.0, _mm512_setzero_si512()));
+            let (xy, z) = (both(bx, by), both(bz, 0));
+            let low = _mm512_add_epi32(_mm512_madd_epi16(xy_low, xy), _mm512_madd_epi16(z_low, z));
+            let high = _mm512_add_epi32(_mm512_madd_epi16(xy_high, xy), _mm512_madd_epi16(z_high, z));
+            Self(_mm512_packus_epi32(rounded(low, k_low), rounded(high, k_high)))
+        })
+    }
+}
+
+/// The shift of a squared length, and the upper half of the length shifted.
+#[inline(always)]
+fn shifted(square: __m512i) -> (__m512i, __m512i) {
+    avx512!({
+        let k = _mm512_srli_epi32::<1>(_mm512_lzcnt_epi32(square));
+        let k = _mm512_min_epu32(k, _mm512_set1_epi32(15));
+        let shifted = _mm512_sllv_epi32(square, _mm512_add_epi32(k, k));
+        (k, _mm512_srli_epi32::<16>(shifted))
+    })
+}
+
+/// A product shifted left by k, and right by 15, to nearest.
+#[inline(always)]
+fn rounded(dot: __m512i, k: __m512i) -> __m512i {
+    avx512!({
+        let shifted = _mm512_add_epi32(_mm512_sllv_epi32(dot, k), _mm512_set1_epi32(1 << 14));
+        _mm512_srai_epi32::<15>(shifted)
+    })
+}
