@@ -36,16 +36,27 @@ pub fn places<V: Lanes>(len: usize) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The places at which a loop over rows of this length handles lanes of 16 bits.
-#[inline(always)]
-pub fn places_of<H: Halves>(len: usize) -> impl Iterator<Item = usize> {
-    let mut next = 0;
-    core::iter::from_fn(move || {
-        let at = next;
-        next += H::COUNT;
-        (at < len).then_some(at)
-    })
+/// Does the same at each place of rows of this length, in lanes of 16 bits: first where whole vectors lie inside, then what is left.
+/// Twice the code, so that the loop has none for the ends of rows.
+macro_rules! each {
+    ($halves:ty, $len:expr, |$at:ident, $whole:ident| $body:block) => {{
+        let len: usize = $len;
+        let mut $at = 0;
+        {
+            const $whole: bool = true;
+            while $at < len.saturating_sub(<$halves>::COUNT - 1) {
+                $body
+                $at += <$halves>::COUNT;
+            }
+        }
+        if $at < len {
+            const $whole: bool = false;
+            $body
+        }
+    }};
 }
+
+pub(crate) use each;
 
 /// What [`Lanes::enter`] runs. [`Kernel::run`] and all that it calls are `inline(always)`: vectors stay in registers only
 /// inside the function that is compiled for them. A closure cannot be marked so, and a large one is not inlined.

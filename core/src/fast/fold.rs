@@ -6,7 +6,7 @@
 //! `C = C - ((C A + dC) >> 16) + ((c A + dC) >> 16)`, which lies between C and c.
 
 use crate::composite::{Dither, Order, Pixel, PixelRow};
-use crate::lanes::{Halves, places_of};
+use crate::lanes::{Halves, each};
 
 /// The offsets of a plane, both odd.
 #[derive(Clone, Copy, Debug)]
@@ -60,21 +60,30 @@ pub(crate) enum Given<'a> {
 }
 
 impl Given<'_> {
+    /// The first colours, if there are as many.
     #[inline(always)]
-    fn at<H: Halves>(self, at: usize) -> H {
+    fn first(self, len: usize) -> Option<Self> {
+        match self {
+            Self::One(_) => Some(self),
+            Self::Row(row) => row.get(..len).map(Self::Row),
+        }
+    }
+
+    #[inline(always)]
+    fn at<H: Halves, const WHOLE: bool>(self, at: usize) -> H {
         match self {
             Self::One(colour) => H::splat(colour),
-            Self::Row(row) => H::load(row, at),
+            Self::Row(row) => H::load::<WHOLE>(row, at),
         }
     }
 }
 
 /// Colour with a sample's light added.
 #[inline(always)]
-fn add<O: Order, H: Halves>(row: &mut [u16], colour: Given<'_>, taken: H, offset: u16, at: usize) {
-    let (old, given) = (H::load(row, at), colour.at::<H>(at).product_plus(taken, offset));
+fn add<O: Order, H: Halves, const WHOLE: bool>(row: &mut [u16], colour: Given<'_>, taken: H, offset: u16, at: usize) {
+    let (old, given) = (H::load::<WHOLE>(row, at), colour.at::<H, WHOLE>(at).product_plus(taken, offset));
     let kept = if O::BACK_TO_FRONT { old.minus(old.product_plus(taken, offset)) } else { old };
-    kept.plus(given).store(row, at);
+    kept.plus(given).store::<WHOLE>(row, at);
 }
 
 /// Folds a sample into each pixel of a row. All rows equally long. Transparency below the floor becomes 0, front to back.
@@ -90,20 +99,28 @@ pub(crate) fn fold_row<O: Order, H: Halves>(
         colour: [red, green, blue],
         transparency,
     } = pixels;
+    let len = transparency.len();
+    let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len)) else {
+        return;
+    };
+    let (Some(roots), Some(r), Some(g), Some(b)) = (roots.get(..len), r.first(len), g.first(len), b.first(len)) else {
+        return;
+    };
     let floor = H::splat(floor);
-    for at in places_of::<H>(transparency.len()) {
-        let q = H::load(roots, at);
-        if q.all_zero() {
-            continue;
+    each!(H, transparency.len(), |at, WHOLE| {
+        let q = H::load::<WHOLE>(roots, at);
+        if !q.all_zero() {
+            let light = H::load::<WHOLE>(transparency, at);
+            let w = taken(light, q, offsets);
+            let (left, taken) = if O::BACK_TO_FRONT {
+                (light.minus(w), taken(H::splat(u16::MAX), q, offsets))
+            } else {
+                (light.minus(w).at_least_or_zero(floor), w)
+            };
+            left.store::<WHOLE>(transparency, at);
+            add::<O, H, WHOLE>(red, r, taken, offsets.colour, at);
+            add::<O, H, WHOLE>(green, g, taken, offsets.colour, at);
+            add::<O, H, WHOLE>(blue, b, taken, offsets.colour, at);
         }
-        let light = H::load(transparency, at);
-        let w = taken(light, q, offsets);
-        let left = light.minus(w);
-        let left = if O::BACK_TO_FRONT { left } else { left.at_least_or_zero(floor) };
-        left.store(transparency, at);
-        let taken = if O::BACK_TO_FRONT { self::taken(H::splat(u16::MAX), q, offsets) } else { w };
-        add::<O, H>(red, r, taken, offsets.colour, at);
-        add::<O, H>(green, g, taken, offsets.colour, at);
-        add::<O, H>(blue, b, taken, offsets.colour, at);
-    }
+    });
 }

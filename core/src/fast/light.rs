@@ -14,7 +14,7 @@ use heapless::Vec;
 
 use crate::composite::Colours;
 use crate::format::{Coefficient, Vector};
-use crate::lanes::{Halves, places_of};
+use crate::lanes::{Halves, each};
 use crate::shade::{Highlight, LIGHTS_MAX, Light as Given, PhongError};
 
 /// Coefficients of the reciprocal root of 1 + t, t below 1, nested with alternating signs, 0.16.
@@ -168,11 +168,18 @@ impl FastPhong {
     /// Shades the colours of a row in place, so that its rows hold them. Without a highlight's vectors where no light has one.
     #[inline(always)]
     pub(crate) fn shade_row<H: Halves>(&self, [x, y, z]: [&[u16]; 3], colours: &mut Colours<'_, u16>) {
-        let (one, [red, green, blue]) = (colours.one.take(), &mut colours.rows);
+        let (one, [red, green, blue], len) = (colours.one.take(), &mut colours.rows, x.len());
+        let (Some(y), Some(z)) = (y.get(..len), z.get(..len)) else {
+            return;
+        };
+        let (Some(red), Some(green), Some(blue)) = (red.get_mut(..len), green.get_mut(..len), blue.get_mut(..len))
+        else {
+            return;
+        };
         let [r, g, b] = one.unwrap_or_default();
         let one = [one.map(|_| r as u16), one.map(|_| g as u16), one.map(|_| b as u16)];
-        for at in places_of::<H>(x.len()) {
-            let gradient = [H::load(x, at), H::load(y, at), H::load(z, at)];
+        each!(H, x.len(), |at, WHOLE| {
+            let gradient = [H::load::<WHOLE>(x, at), H::load::<WHOLE>(y, at), H::load::<WHOLE>(z, at)];
             let normal = Normal::of(gradient);
             let viewer = match self.highlight {
                 Highlight::Reflection => normal.towards(self.away_from_viewer),
@@ -192,10 +199,10 @@ impl FastPhong {
             }
             let sums = if self.grey { sums.grey() } else { sums };
             let [one_red, one_green, one_blue] = one;
-            sums.red.shade(one_red, red, at);
-            sums.green.shade(one_green, green, at);
-            sums.blue.shade(one_blue, blue, at);
-        }
+            sums.red.shade::<WHOLE>(one_red, red, at);
+            sums.green.shade::<WHOLE>(one_green, green, at);
+            sums.blue.shade::<WHOLE>(one_blue, blue, at);
+        });
     }
 }
 
@@ -249,12 +256,12 @@ impl<H: Halves> Sum<H> {
 
     /// Shades colours of a row, or one.
     #[inline(always)]
-    fn shade(self, one: Option<u16>, row: &mut [u16], at: usize) {
+    fn shade<const WHOLE: bool>(self, one: Option<u16>, row: &mut [u16], at: usize) {
         let colour = match one {
             Some(one) => H::splat(one),
-            None => H::load(row, at),
+            None => H::load::<WHOLE>(row, at),
         };
-        colour.product_high(self.m).plus_saturating(self.e).store(row, at);
+        colour.product_high(self.m).plus_saturating(self.e).store::<WHOLE>(row, at);
     }
 }
 

@@ -5,7 +5,7 @@
 //! `mix(a, b, w) = MH(a, 2^15 - w) + MH(b, w)`, a where w is 0.
 
 use crate::format::{Intensity, Weight};
-use crate::lanes::{Halves, places_of};
+use crate::lanes::{Halves, each};
 
 /// A weight's upper 15 bits.
 #[inline(always)]
@@ -41,11 +41,17 @@ impl<H: Halves> Both<H> {
         }
     }
 
+    /// [`Both::mix`] where the weight is not 0.
+    #[inline(always)]
+    fn mix_both(self, a: H, b: H) -> H {
+        a.product_round(self.near).plus(b.product_round(self.far))
+    }
+
     /// From `a` to `b`, whose difference may have 17 bits.
     #[inline(always)]
     fn mix(self, a: H, b: H) -> H {
         if self.mixes {
-            a.product_round(self.near).plus(b.product_round(self.far))
+            self.mix_both(a, b)
         } else {
             a
         }
@@ -60,57 +66,73 @@ pub fn z_row<H: Halves>(near: &[u16], far: &[u16], w: u16, out: &mut [u16]) {
         return;
     };
     if w == 0 {
-        for at in places_of::<H>(len) {
-            H::load(near, at).shl(VOXEL_SHIFT).store(out, at);
-        }
+        each!(H, len, |at, WHOLE| {
+            H::load::<WHOLE>(near, at).shl(VOXEL_SHIFT).store::<WHOLE>(out, at);
+        });
         return;
     }
     let w = H::splat(w);
-    for at in places_of::<H>(len) {
-        let (a, b) = (H::load(near, at), H::load(far, at));
-        lerp(a.shl(VOXEL_SHIFT), b.shl(VOXEL_SHIFT), w).store(out, at);
-    }
+    each!(H, len, |at, WHOLE| {
+        let (a, b) = (H::load::<WHOLE>(near, at), H::load::<WHOLE>(far, at));
+        lerp(a.shl(VOXEL_SHIFT), b.shl(VOXEL_SHIFT), w).store::<WHOLE>(out, at);
+    });
 }
 
-/// Two rows that are shifted left, and mixed by a weight along y.
-#[derive(Clone, Copy)]
-struct Pair<'a> {
-    rows: [&'a [u16]; 2],
-    shift: u32,
+/// y interpolation of two rows' elements `at ..`, shifted left first.
+#[inline(always)]
+fn along_y<H: Halves, const WHOLE: bool>([a, b]: [&[u16]; 2], at: usize, shift: u32, y: H) -> H {
+    lerp(H::load::<WHOLE>(a, at).shl(shift), H::load::<WHOLE>(b, at).shl(shift), y)
 }
 
-impl Pair<'_> {
-    #[inline(always)]
-    fn along_y<H: Halves>(&self, at: usize, y: H) -> H {
-        let [a, b] = self.rows;
-        lerp(H::load(a, at).shl(self.shift), H::load(b, at).shl(self.shift), y)
-    }
+/// The first elements of two rows, and those behind each of them, all equally long: then one comparison finds that a vector lies inside
+/// all of them.
+#[inline(always)]
+fn beside<'a>([a, b]: [&'a [u16]; 2], len: usize) -> Option<[[&'a [u16]; 2]; 2]> {
+    Some([[a.get(..len)?, b.get(..len)?], [a.get(1..=len)?, b.get(1..=len)?]])
 }
 
-/// y, then x interpolation of two rows, which are shifted left first; sample i lies between elements i and i + 1.
+/// y, then x interpolation of two rows, which are shifted left first; sample i lies between elements i and i + 1. Where an x weight asks
+/// for an element behind the rows, there is no sample.
 #[inline(always)]
 pub fn yx_row<H: Halves>(a: &[u16], b: &[u16], shift: u32, [wx, wy]: [u16; 2], out: &mut [u16]) {
-    let (x, y, rows) = (H::splat(wx), H::splat(wy), Pair { rows: [a, b], shift });
+    let (x, y) = (H::splat(wx), H::splat(wy));
     if wx == 0 {
-        for at in places_of::<H>(out.len()) {
-            rows.along_y(at, y).store(out, at);
-        }
+        let len = out.len();
+        let (Some(a), Some(b)) = (a.get(..len), b.get(..len)) else {
+            return;
+        };
+        each!(H, len, |at, WHOLE| {
+            along_y::<H, WHOLE>([a, b], at, shift, y).store::<WHOLE>(out, at);
+        });
         return;
     }
-    for at in places_of::<H>(out.len()) {
-        lerp(rows.along_y(at, y), rows.along_y(at + 1, y), x).store(out, at);
-    }
+    let len = out.len().min(a.len().saturating_sub(1));
+    let (Some(out), Some([left, right])) = (out.get_mut(..len), beside([a, b], len)) else {
+        return;
+    };
+    each!(H, len, |at, WHOLE| {
+        let sample = lerp(along_y::<H, WHOLE>(left, at, shift, y), along_y::<H, WHOLE>(right, at, shift, y), x);
+        sample.store::<WHOLE>(out, at);
+    });
 }
 
-/// x interpolation of the difference of two rows.
+/// x interpolation of the difference of two rows; as [`yx_row`].
 #[inline(always)]
 pub fn slope_row<H: Halves>(a: &[u16], b: &[u16], wx: u16, out: &mut [u16]) {
-    let x = H::splat(wx);
-    for at in places_of::<H>(out.len()) {
-        let a = lerp(H::load(a, at), H::load(a, at + 1), x);
-        let b = lerp(H::load(b, at), H::load(b, at + 1), x);
-        b.minus(a).store(out, at);
+    if wx == 0 {
+        difference_row::<H>(b, a, out);
+        return;
     }
+    let x = H::splat(wx);
+    let len = out.len().min(a.len().saturating_sub(1));
+    let (Some(out), Some([[a, b], [c, d]])) = (out.get_mut(..len), beside([a, b], len)) else {
+        return;
+    };
+    each!(H, len, |at, WHOLE| {
+        let before = lerp(H::load::<WHOLE>(a, at), H::load::<WHOLE>(c, at), x);
+        let behind = lerp(H::load::<WHOLE>(b, at), H::load::<WHOLE>(d, at), x);
+        behind.minus(before).store::<WHOLE>(out, at);
+    });
 }
 
 /// The derivative along z at a slice: `(minuend - subtrahend) << shift`; nothing of a volume of one slice.
@@ -124,56 +146,105 @@ pub struct Slope<'a> {
     pub shift: u32,
 }
 
-impl Slope<'_> {
+impl<'a> Slope<'a> {
     #[inline(always)]
-    fn at<H: Halves>(&self, at: usize) -> H {
-        H::load(self.minuend, at).minus(H::load(self.subtrahend, at)).shl(self.shift)
+    fn at<H: Halves, const WHOLE: bool>(&self, at: usize) -> H {
+        H::load::<WHOLE>(self.minuend, at)
+            .minus(H::load::<WHOLE>(self.subtrahend, at))
+            .shl(self.shift)
+    }
+
+    /// The first columns, if there are as many.
+    #[inline(always)]
+    fn first(self, len: usize) -> Option<Self> {
+        Some(Self {
+            minuend: self.minuend.get(..len)?,
+            subtrahend: self.subtrahend.get(..len)?,
+            ..self
+        })
     }
 }
 
 /// z interpolation of derivatives along z.
 #[inline(always)]
 pub fn slopes_row<H: Halves>(near: Slope<'_>, far: Slope<'_>, w: u16, out: &mut [u16]) {
-    let w = Both::<H>::of(w);
-    for at in places_of::<H>(out.len()) {
-        w.mix(near.at(at), far.at(at)).store(out, at);
+    let len = out.len();
+    let (Some(near), Some(far)) = (near.first(len), far.first(len)) else {
+        return;
+    };
+    if w == 0 {
+        each!(H, len, |at, WHOLE| {
+            near.at::<H, WHOLE>(at).store::<WHOLE>(out, at);
+        });
+        return;
     }
+    let w = Both::<H>::of(w);
+    each!(H, len, |at, WHOLE| {
+        w.mix_both(near.at::<H, WHOLE>(at), far.at::<H, WHOLE>(at)).store::<WHOLE>(out, at);
+    });
 }
 
-/// y, then x interpolation of derivatives.
+/// y, then x interpolation of derivatives; as [`yx_row`].
 #[inline(always)]
 pub fn mixed_row<H: Halves>(a: &[u16], b: &[u16], [wx, wy]: [u16; 2], out: &mut [u16]) {
     let (x, y) = (Both::<H>::of(wx), Both::<H>::of(wy));
-    for at in places_of::<H>(out.len()) {
-        let left = y.mix(H::load(a, at), H::load(b, at));
-        let right = y.mix(H::load(a, at + 1), H::load(b, at + 1));
-        x.mix(left, right).store(out, at);
+    if wx == 0 {
+        let len = out.len();
+        let (Some(a), Some(b)) = (a.get(..len), b.get(..len)) else {
+            return;
+        };
+        each!(H, len, |at, WHOLE| {
+            y.mix(H::load::<WHOLE>(a, at), H::load::<WHOLE>(b, at)).store::<WHOLE>(out, at);
+        });
+        return;
     }
+    let len = out.len().min(a.len().saturating_sub(1));
+    let (Some(out), Some([[a, b], [c, d]])) = (out.get_mut(..len), beside([a, b], len)) else {
+        return;
+    };
+    if wy == 0 {
+        each!(H, len, |at, WHOLE| {
+            x.mix(H::load::<WHOLE>(a, at), H::load::<WHOLE>(c, at)).store::<WHOLE>(out, at);
+        });
+        return;
+    }
+    each!(H, len, |at, WHOLE| {
+        let left = y.mix_both(H::load::<WHOLE>(a, at), H::load::<WHOLE>(b, at));
+        let right = y.mix_both(H::load::<WHOLE>(c, at), H::load::<WHOLE>(d, at));
+        x.mix_both(left, right).store::<WHOLE>(out, at);
+    });
 }
 
 /// The difference of two rows of samples.
 #[inline(always)]
 pub fn difference_row<H: Halves>(next: &[u16], previous: &[u16], out: &mut [u16]) {
-    for at in places_of::<H>(out.len()) {
-        H::load(next, at).minus(H::load(previous, at)).store(out, at);
-    }
+    let len = out.len().min(next.len()).min(previous.len());
+    let (Some(next), Some(previous), Some(out)) = (next.get(..len), previous.get(..len), out.get_mut(..len)) else {
+        return;
+    };
+    each!(H, len, |at, WHOLE| {
+        H::load::<WHOLE>(next, at).minus(H::load::<WHOLE>(previous, at)).store::<WHOLE>(out, at);
+    });
 }
 
 /// Halves components, towards minus infinity.
 #[inline(always)]
 pub fn halve_row<H: Halves>(row: &mut [u16]) {
-    for at in places_of::<H>(row.len()) {
-        H::load(row, at).shr_signed(1).store(row, at);
-    }
+    each!(H, row.len(), |at, WHOLE| {
+        H::load::<WHOLE>(row, at).shr_signed(1).store::<WHOLE>(row, at);
+    });
 }
 
 /// The half of a one-sided difference and of the slope beyond it: a component at a face.
 #[inline(always)]
 pub fn face_row<H: Halves>(slope: &[u16], row: &mut [u16]) {
-    for at in places_of::<H>(row.len()) {
-        let half = H::load(slope, at).shr_signed(1);
-        H::load(row, at).shr_signed(1).plus(half).store(row, at);
-    }
+    let Some(slope) = slope.get(..row.len()) else {
+        return;
+    };
+    each!(H, row.len(), |at, WHOLE| {
+        let half = H::load::<WHOLE>(slope, at).shr_signed(1);
+        H::load::<WHOLE>(row, at).shr_signed(1).plus(half).store::<WHOLE>(row, at);
+    });
 }
 
 /// Components times their spacing factor; a factor of 1 leaves them alone.
@@ -181,8 +252,8 @@ pub fn face_row<H: Halves>(slope: &[u16], row: &mut [u16]) {
 pub fn space_row<H: Halves>(row: &mut [u16], factor: Intensity) {
     if factor != Intensity::ONE {
         let factor = H::splat(factor.to_bits());
-        for at in places_of::<H>(row.len()) {
-            H::load(row, at).product_round(factor).store(row, at);
-        }
+        each!(H, row.len(), |at, WHOLE| {
+            H::load::<WHOLE>(row, at).product_round(factor).store::<WHOLE>(row, at);
+        });
     }
 }

@@ -11,7 +11,7 @@ use core::ops::Deref;
 
 use crate::classify::{AlphaCode, Lookup, PointTable, Support};
 use crate::format::Opacity;
-use crate::lanes::{Halves, Kernel, Lanes, places_of};
+use crate::lanes::{Halves, Kernel, Lanes, each};
 use crate::rows::three;
 use crate::table::ENTRIES;
 
@@ -110,10 +110,16 @@ impl<R: Deref<Target = Roots>, C: Deref<Target = Colours>> RootTable<R, C> {
     /// Fetches of some samples the roots of their codes and of the next ones. A function of its own: compiled for vectors it
     /// would gather, which takes longer.
     #[inline(never)]
-    pub(crate) fn fetch(&self, samples: &[u16], [first, next]: [&mut [u16]; 2]) {
-        for ((sample, first), next) in samples.iter().zip(first).zip(next) {
-            let pair = self.pair(*sample);
-            (*first, *next) = (pair as u16, (pair >> 16) as u16);
+    fn fetch(&self, samples: &[u16], pairs: &mut [u32; CHUNK]) {
+        let roots: &Roots = &self.roots;
+        let pair = |sample: u16| roots.get(usize::from(sample >> 3) % ENTRIES).copied().unwrap_or(0);
+        let (eights, rest) = samples.as_chunks::<8>();
+        let (of_eights, of_rest) = pairs.split_at_mut((8 * eights.len()).min(CHUNK));
+        for (samples, pairs) in eights.iter().zip(of_eights.as_chunks_mut::<8>().0) {
+            *pairs = samples.map(pair);
+        }
+        for (sample, out) in rest.iter().zip(of_rest) {
+            *out = pair(*sample);
         }
     }
 
@@ -126,11 +132,10 @@ impl<R: Deref<Target = Roots>, C: Deref<Target = Colours>> RootTable<R, C> {
             }
             return;
         }
-        let mut pairs = [[0; CHUNK]; 2];
+        let mut pairs = [0; CHUNK];
         for (samples, out) in samples.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
-            let [first, next] = &mut pairs;
-            self.fetch(samples, [&mut *first, &mut *next]);
-            V::enter((MixRow, PhantomData::<V>, samples, [&*first, &*next], out));
+            self.fetch(samples, &mut pairs);
+            V::enter((MixRow, PhantomData::<V>, samples, &pairs, out));
         }
     }
 
@@ -157,15 +162,20 @@ fn mixed<H: Halves>(a: H, b: H, f: H) -> H {
 
 struct MixRow;
 
-impl<V: Lanes> Kernel for (MixRow, PhantomData<V>, &[u16], [&[u16; CHUNK]; 2], &mut [u16]) {
+impl<V: Lanes> Kernel for (MixRow, PhantomData<V>, &[u16], &[u32; CHUNK], &mut [u16]) {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let (_, _, samples, [first, next], out) = self;
-        for at in places_of::<V::Halves>(out.len()) {
-            let f = fraction(V::Halves::load(samples, at));
-            mixed(V::Halves::load(first, at), V::Halves::load(next, at), f).store(out, at);
-        }
+        let (_, _, samples, pairs, out) = self;
+        let len = out.len();
+        let Some(samples) = samples.get(..len) else {
+            return;
+        };
+        each!(V::Halves, len, |at, WHOLE| {
+            let f = fraction(V::Halves::load::<WHOLE>(samples, at));
+            let [first, next] = V::Halves::load_pairs(pairs, at);
+            mixed(first, next, f).store::<WHOLE>(out, at);
+        });
     }
 }

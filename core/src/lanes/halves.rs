@@ -13,10 +13,12 @@ pub trait Halves: Copy {
 
     /// The same number in all lanes.
     fn splat(bits: u16) -> Self;
-    /// Elements `at ..` of a row; 0 behind its end.
-    fn load(row: &[u16], at: usize) -> Self;
-    /// Writes to elements `at ..` of a row, as far as it goes.
-    fn store(self, row: &mut [u16], at: usize);
+    /// Elements `at ..` of a row; 0 behind its end. `WHOLE`: the row has as many.
+    fn load<const WHOLE: bool>(row: &[u16], at: usize) -> Self;
+    /// The lower and the upper halves of the numbers `at ..` of a row; 0 behind the last whole vector of it.
+    fn load_pairs<const N: usize>(row: &[u32; N], at: usize) -> [Self; 2];
+    /// Writes to elements `at ..` of a row, as far as it goes. `WHOLE`: the row has as many.
+    fn store<const WHOLE: bool>(self, row: &mut [u16], at: usize);
 
     /// Sum modulo 2^16.
     fn plus(self, other: Self) -> Self;
@@ -73,11 +75,16 @@ impl Halves for u16 {
         bits
     }
     #[inline(always)]
-    fn load(row: &[u16], at: usize) -> Self {
+    fn load<const WHOLE: bool>(row: &[u16], at: usize) -> Self {
         row.get(at).copied().unwrap_or(0)
     }
     #[inline(always)]
-    fn store(self, row: &mut [u16], at: usize) {
+    fn load_pairs<const N: usize>(row: &[u32; N], at: usize) -> [Self; 2] {
+        let pair = row.get(at).copied().unwrap_or(0);
+        [pair as Self, (pair >> 16) as Self]
+    }
+    #[inline(always)]
+    fn store<const WHOLE: bool>(self, row: &mut [u16], at: usize) {
         if let Some(place) = row.get_mut(at) {
             *place = self;
         }

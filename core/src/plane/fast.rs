@@ -22,7 +22,7 @@ use super::{At, Kept, Pipeline, Reading, Rows};
 use crate::classify::{Slab, Support};
 use crate::composite::{Colours, Order, Pixel, Unorm16};
 use crate::fast::{self, RootTable};
-use crate::lanes::{Kernel, Lanes, places_of};
+use crate::lanes::{Halves as _, Kernel, Lanes, each};
 use crate::locate::Plane;
 use crate::plan::Plan;
 use crate::precision;
@@ -219,13 +219,12 @@ impl<V: Lanes> Kernel for (AllZero, PhantomData<V>, &[u16]) {
 
     #[inline(always)]
     fn run(self) -> bool {
-        use crate::lanes::Halves as _;
         let (_, _, row) = self;
-        for at in places_of::<V::Halves>(row.len()) {
-            if !V::Halves::load(row, at).all_zero() {
+        each!(V::Halves, row.len(), |at, WHOLE| {
+            if !V::Halves::load::<WHOLE>(row, at).all_zero() {
                 return false;
             }
-        }
+        });
         true
     }
 }

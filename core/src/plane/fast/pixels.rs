@@ -144,10 +144,10 @@ impl<O: Order, V: Lanes> Kernel for (Visible, PhantomData<(O, V)>, &[u16], &[u16
 /// Whether any of the samples at `at` is visible.
 #[inline(always)]
 fn any_visible<O: Order, H: Halves>(roots: &[u16], transparencies: &[u16], at: usize) -> bool {
-    let roots = H::load(roots, at);
+    let roots = H::load::<false>(roots, at);
     if O::BACK_TO_FRONT {
         !roots.all_zero()
     } else {
-        !H::load(transparencies, at).nonzero_then(roots).all_zero()
+        !H::load::<false>(transparencies, at).nonzero_then(roots).all_zero()
     }
 }

@@ -77,9 +77,10 @@ impl Halves for Halves256 {
         Self(avx2!(_mm256_set1_epi16(bits as i16)))
     }
     #[inline(always)]
-    fn load(row: &[u16], at: usize) -> Self {
+    fn load<const WHOLE: bool>(row: &[u16], at: usize) -> Self {
         match chunk::<_, 16>(row, at) {
             Some(lanes) => Self(avx2!(_mm256_loadu_si256(lanes.as_ptr().cast()))),
+            None if WHOLE => Self::splat(0),
             None => {
                 let (low, high) = (eight(row, at), eight(row, at.saturating_add(8)));
                 Self(avx2!(_mm256_set_m128i(high, low)))
@@ -87,9 +88,27 @@ impl Halves for Halves256 {
         }
     }
     #[inline(always)]
-    fn store(self, row: &mut [u16], at: usize) {
+    fn load_pairs<const N: usize>(row: &[u32; N], at: usize) -> [Self; 2] {
+        match chunk::<_, 16>(row, at) {
+            Some(lanes) => avx2!({
+                let first = _mm256_loadu_si256(lanes.as_ptr().cast());
+                let second = _mm256_loadu_si256(lanes.as_ptr().add(8).cast());
+                let lower = _mm256_set1_epi32(0xffff);
+                let low = _mm256_packus_epi32(_mm256_and_si256(first, lower), _mm256_and_si256(second, lower));
+                let high = _mm256_packus_epi32(_mm256_srli_epi32::<16>(first), _mm256_srli_epi32::<16>(second));
+                [
+                    Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(low)),
+                    Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(high)),
+                ]
+            }),
+            None => [Self::splat(0); 2],
+        }
+    }
+    #[inline(always)]
+    fn store<const WHOLE: bool>(self, row: &mut [u16], at: usize) {
         match chunk_mut::<_, 16>(row, at) {
             Some(lanes) => avx2!(_mm256_storeu_si256(lanes.as_mut_ptr().cast(), self.0)),
+            None if WHOLE => {}
             None => {
                 store_eight(avx2!(_mm256_castsi256_si128(self.0)), row, at);
                 store_eight(avx2!(_mm256_extracti128_si256::<1>(self.0)), row, at.saturating_add(8));
@@ -200,7 +219,8 @@ impl Halves for Halves256 {
 fn shifted(square: __m256i) -> (__m256i, __m256i) {
     let zeros = Avx2(square).leading_zeros().0;
     avx2!({
-        let k = _mm256_min_epu32(_mm256_srli_epi32::<1>(zeros), _mm256_set1_epi32(15));
+        // 16 where there is no length, and nothing to be shifted.
+        let k = _mm256_srli_epi32::<1>(zeros);
         let shifted = _mm256_sllv_epi32(square, _mm256_add_epi32(k, k));
         (k, _mm256_srli_epi32::<16>(shifted))
     })

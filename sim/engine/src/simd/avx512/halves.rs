@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use slicecast::lanes::Halves;
 
-use super::ones;
+use super::{ones, words};
 use crate::simd::partial::{chunk, chunk_mut, rest};
 
 /// Thirty-two 16-bit lanes.
@@ -32,9 +32,10 @@ impl Halves for Halves512 {
         Self(avx512!(_mm512_set1_epi16(bits as i16)))
     }
     #[inline(always)]
-    fn load(row: &[u16], at: usize) -> Self {
+    fn load<const WHOLE: bool>(row: &[u16], at: usize) -> Self {
         match chunk::<_, 32>(row, at) {
             Some(lanes) => Self(avx512!(_mm512_loadu_si512(lanes.as_ptr().cast()))),
+            None if WHOLE => Self::splat(0),
             None => {
                 let first = row.as_ptr().wrapping_add(at).cast();
                 Self(avx512!(_mm512_maskz_loadu_epi16(ones(rest(row, at)), first)))
@@ -42,9 +43,24 @@ impl Halves for Halves512 {
         }
     }
     #[inline(always)]
-    fn store(self, row: &mut [u16], at: usize) {
+    fn load_pairs<const N: usize>(row: &[u32; N], at: usize) -> [Self; 2] {
+        match chunk::<_, 32>(row, at) {
+            Some(lanes) => avx512!({
+                let first = _mm512_loadu_si512(lanes.as_ptr().cast());
+                let second = _mm512_loadu_si512(lanes.as_ptr().add(16).cast());
+                [
+                    Self(_mm512_permutex2var_epi16(first, words::<0>(), second)),
+                    Self(_mm512_permutex2var_epi16(first, words::<1>(), second)),
+                ]
+            }),
+            None => [Self::splat(0); 2],
+        }
+    }
+    #[inline(always)]
+    fn store<const WHOLE: bool>(self, row: &mut [u16], at: usize) {
         match chunk_mut::<_, 32>(row, at) {
             Some(lanes) => avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0)),
+            None if WHOLE => {}
             None => {
                 let (first, mask) = (row.as_mut_ptr().wrapping_add(at).cast(), ones(rest(row, at)));
                 avx512!(_mm512_mask_storeu_epi16(first, mask, self.0));
@@ -152,8 +168,8 @@ impl Halves for Halves512 {
 #[inline(always)]
 fn shifted(square: __m512i) -> (__m512i, __m512i) {
     avx512!({
+        // 16 where there is no length, and nothing to be shifted.
         let k = _mm512_srli_epi32::<1>(_mm512_lzcnt_epi32(square));
-        let k = _mm512_min_epu32(k, _mm512_set1_epi32(15));
         let shifted = _mm512_sllv_epi32(square, _mm512_add_epi32(k, k));
         (k, _mm512_srli_epi32::<16>(shifted))
     })

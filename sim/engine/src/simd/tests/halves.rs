@@ -17,7 +17,7 @@ struct Rows {
     offset: u16,
 }
 
-const OPERATIONS: usize = 17;
+const OPERATIONS: usize = 19;
 
 impl OverLanes for &Rows {
     type Output = (Vec<Vec<u16>>, Vec<bool>);
@@ -59,12 +59,14 @@ fn results<H: Halves>(given: &Rows) -> (Vec<Vec<u16>>, Vec<bool>) {
     let (n, by) = (a.len(), *by);
     let mut out = vec![vec![7; n + 2]; OPERATIONS];
     // One flag a lane of the widest vectors' length, so that widths can be compared.
+    let pairs: [u32; 128] = std::array::from_fn(|at| (at as u32).wrapping_mul(2_654_435_761) ^ by);
     let mut zeros = Vec::new();
     for at in (0..n).step_by(H::COUNT) {
-        let (x, y, z) = (H::load(a, at), H::load(b, at), H::load(c, at));
+        let (x, y, z) = (H::load::<false>(a, at), H::load::<false>(b, at), H::load::<false>(c, at));
         let gradient = [above_least(x), above_least(y), above_least(z)];
         let (k, h) = H::normalised(gradient);
         zeros.push(x.nonzero_then(y).all_zero());
+        let [low, high] = H::load_pairs(&pairs, at);
         let results: [H; OPERATIONS] = [
             x.plus(y),
             x.minus(y),
@@ -83,9 +85,11 @@ fn results<H: Halves>(given: &Rows) -> (Vec<Vec<u16>>, Vec<bool>) {
             h,
             H::facing(gradient, *vector, k),
             H::splat(*offset),
+            low,
+            high,
         ];
         for (result, out) in results.into_iter().zip(&mut out) {
-            result.store(&mut out[..n], at);
+            result.store::<false>(&mut out[..n], at);
         }
     }
     (out, zeros)
