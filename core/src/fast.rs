@@ -23,4 +23,4 @@ pub mod table;
 mod tests;
 
 pub use self::light::{FastPhong, Light};
-pub use self::table::{Colours, Roots, RootTable};
+pub use self::table::{Colours, RootTable, Roots};

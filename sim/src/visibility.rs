@@ -5,7 +5,7 @@ use slicecast::format::Opacity;
 use slicecast_engine::fineness::{self, Finest};
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::{BaseImage, Frame, Rgb};
-use slicecast_scene::{Blend, Borders, Classification};
+use slicecast_scene::{Blend, Borders, Classification, PrecisionName};
 use slicecast_volume::statistics::Statistics;
 
 /// Steps of 1/255 that a pixel has to differ from the background by to be seen.
@@ -36,11 +36,45 @@ pub fn warning(prepared: &Prepared<'_>, frame: &Frame, known: &Circumstances<'_>
         (0.0..width).contains(&u) && (0.0..height).contains(&v)
     });
     if share >= SHARE_MIN {
-        return surrounded(prepared, known.statistics);
+        return surrounded(prepared, known.statistics).or_else(|| beyond_fast(prepared, known.statistics));
     }
     let amount = if share == 0.0 { "nothing" } else { "nearly nothing" };
     let (reason, advice) = reason(prepared, &frame.base, known);
     Some(format!("the picture shows {amount}: {reason}; {advice}"))
+}
+
+/// The climb of an opacity from one code to the next, per step, that 16-bit lanes still follow.
+const STEEPEST: f64 = 0.1;
+
+/// The fewest codes of a lit volume of which samples of 12.3 still have the directions of gradients.
+const FEWEST_CODES: usize = 256;
+
+/// That a scene is outside of what `fast` does well (docs/contract/fast.md).
+fn beyond_fast(prepared: &Prepared<'_>, statistics: &Statistics) -> Option<String> {
+    if prepared.scene.precision != PrecisionName::Fast {
+        return None;
+    }
+    let value = |code: usize| rounded(prepared.volume.mapping.value(code as f64), 5);
+    let opacity = |code: usize| f64::from(prepared.table.opacity(code).to_bits()) / f64::from(Opacity::ONE.to_bits());
+    let [first, last] = statistics.range();
+    let climb = |code: &usize| (opacity(code + 1) - opacity(*code)).abs();
+    let steepest = (first..last).max_by(|a, b| climb(a).total_cmp(&climb(b)));
+    if let Some(code) = steepest.filter(|code| climb(code) > STEEPEST) {
+        return Some(format!(
+            "precision \"fast\" mixes roots of opacities, and the opacity of a step climbs by {:.2} from {} to {}, one code further, \
+             where more than {STEEPEST} shows; `--precision compact` mixes opacities, more --planes make steps less opaque",
+            climb(&code),
+            value(code),
+            value(code + 1)
+        ));
+    }
+    let codes = last - first + 1;
+    (prepared.setup.material.is_some() && codes < FEWEST_CODES).then(|| {
+        format!(
+            "precision \"fast\" has samples of an eighth of a code, and the volume has {codes} codes, too few for the directions of its \
+             gradients; `--window` spreads its values over 4096, `--precision compact` has finer samples"
+        )
+    })
 }
 
 /// That a minimum shows the background alone, since nearly every ray crosses it.

@@ -81,8 +81,15 @@ impl Given<'_> {
 /// Colour with a sample's light added.
 #[inline(always)]
 fn add<O: Order, H: Halves, const WHOLE: bool>(row: &mut [u16], colour: Given<'_>, taken: H, offset: u16, at: usize) {
-    let (old, given) = (H::load::<WHOLE>(row, at), colour.at::<H, WHOLE>(at).product_plus(taken, offset));
-    let kept = if O::BACK_TO_FRONT { old.minus(old.product_plus(taken, offset)) } else { old };
+    let (old, given) = (
+        H::load::<WHOLE>(row, at),
+        colour.at::<H, WHOLE>(at).product_plus(taken, offset),
+    );
+    let kept = if O::BACK_TO_FRONT {
+        old.minus(old.product_plus(taken, offset))
+    } else {
+        old
+    };
     kept.plus(given).store::<WHOLE>(row, at);
 }
 

@@ -18,7 +18,7 @@ use crate::lanes::{Halves, each};
 use crate::shade::{Highlight, LIGHTS_MAX, Light as Given, PhongError};
 
 /// Coefficients of the reciprocal root of 1 + t, t below 1, nested with alternating signs, 0.16.
-const ROOT: [u16; 6] = [65535, 32706, 23784, 16625, 8362, 2010];
+const ROOT: [u16; 7] = [65535, 32754, 24343, 18950, 12757, 5854, 1264];
 /// 2^15.5.
 const ROOT_HALF: u16 = 46342;
 
@@ -27,20 +27,23 @@ fn below<H: Halves>(c: u16, t: H, v: H) -> H {
     H::splat(c).minus(t.product_high(v))
 }
 
-/// About 2^23 / sqrt(h), h at least 16384 (0: anything): within 2.4.
+/// About 2^23 / sqrt(h), h at least 16384 (0: anything): within 2.1.
 #[inline(always)]
 pub fn root<H: Halves>(h: H) -> H {
-    let [a, b, c, d, e, last] = ROOT;
+    let [a, b, c, d, e, f, last] = ROOT;
     let t = h.top_then_else(h.shl(1), h.shl(2));
-    let f = below(a, t, below(b, t, below(c, t, below(d, t, below(e, t, H::splat(last))))));
-    h.top_then_else(f.product_high(H::splat(ROOT_HALF)), f)
+    let nest = below(d, t, below(e, t, below(f, t, H::splat(last))));
+    let r = below(a, t, below(b, t, below(c, t, nest)));
+    h.top_then_else(r.product_high(H::splat(ROOT_HALF)), r)
 }
 
 /// `(D r >> 15) + 1`, at most 65535; 0 where D is.
 #[inline(always)]
 fn cosine<H: Halves>(d: H, r: H) -> H {
     let (high, low) = (d.product_high(r), d.product_low(r));
-    let x = high.plus_saturating(high).plus_saturating(low.shr(15).plus(H::splat(1)));
+    let x = high
+        .plus_saturating(high)
+        .plus_saturating(low.shr(15).plus(H::splat(1)));
     d.nonzero_then(x)
 }
 
@@ -70,12 +73,17 @@ pub struct FastPhong {
     grey: bool,
 }
 
-/// A coefficient of which 65535 is 1, to nearest.
+/// A coefficient of which 65535 is 1, to nearest, larger by so many 2^-30 of itself (at most 2^26), and at most 1.
 #[inline]
-const fn keep(coefficient: Coefficient) -> u16 {
-    // At most 65535 * 2^31 + 2^30.
-    ((coefficient.to_bits() as u64 * 65535 + (1 << 30)) >> 31) as u16
+const fn keep(coefficient: Coefficient, larger: u64) -> u16 {
+    // At most 2^31, with 15 fraction bits.
+    let fine = (coefficient.to_bits() as u64 * 65535) >> 16;
+    let kept = (fine + ((fine * larger) >> 30) + (1 << 14)) >> 15;
+    if kept > 0xffff { 0xffff } else { kept as u16 }
 }
+
+/// What 1 lacks in vectors of which 32767 is 1: a cosine is too small by 2^-15 of itself, 2^-30.
+const LACK: u64 = 1 << 15;
 
 /// The opposite of a unit vector, 32767 is 1: the nearest lattice vector, or that one of its 26 neighbours no longer than 32767 whose
 /// length is nearest to it.
@@ -129,18 +137,25 @@ impl FastPhong {
                 .map(|(v, l)| i64::from(v.to_bits()) * i64::from(l.to_bits()))
                 .sum();
             let held = |c: i64| c.max(0).min(0xffff) as u16;
+            // A highlight's base lacks as much at its top, where 2 (N.V)(N.L) is 1 + V.L; its power 2^n times that.
+            let lack = match highlight {
+                Highlight::HalfVector => LACK,
+                Highlight::Reflection => 2 * ((LACK as i64 + (along >> 45)).max(0) as u64),
+            };
             let light = Light {
                 away: opposite(light.direction),
                 away_from_half: opposite(light.half),
                 along: held((along + (1 << 44)) >> 45),
                 against: held((-along + (1 << 43)) >> 44),
-                diffuse: light.diffuse.map(keep),
-                specular: light.specular.map(keep),
+                diffuse: light.diffuse.map(|c| keep(c, LACK)),
+                specular: light.specular.map(|c| keep(c, lack << exponent_log2)),
             };
             let given = lights.len();
             kept.push(light).map_err(|_| PhongError::Lights { given })?;
         }
-        let ambient = ambient.map(keep);
+        // Products are cut off, by half a unit in the mean: that of each light, and that with the colour.
+        let lost = (lights.len() as u16 + 1) >> 1;
+        let ambient = ambient.map(|c| keep(c, 0).saturating_add(lost));
         let equal = |[r, g, b]: [u16; 3]| r == g && g == b;
         Ok(Self {
             ambient,
@@ -179,7 +194,11 @@ impl FastPhong {
         let [r, g, b] = one.unwrap_or_default();
         let one = [one.map(|_| r as u16), one.map(|_| g as u16), one.map(|_| b as u16)];
         each!(H, x.len(), |at, WHOLE| {
-            let gradient = [H::load::<WHOLE>(x, at), H::load::<WHOLE>(y, at), H::load::<WHOLE>(z, at)];
+            let gradient = [
+                H::load::<WHOLE>(x, at),
+                H::load::<WHOLE>(y, at),
+                H::load::<WHOLE>(z, at),
+            ];
             let normal = Normal::of(gradient);
             let viewer = match self.highlight {
                 Highlight::Reflection => normal.towards(self.away_from_viewer),
@@ -261,7 +280,10 @@ impl<H: Halves> Sum<H> {
             Some(one) => H::splat(one),
             None => H::load::<WHOLE>(row, at),
         };
-        colour.product_high(self.m).plus_saturating(self.e).store::<WHOLE>(row, at);
+        colour
+            .product_high(self.m)
+            .plus_saturating(self.e)
+            .store::<WHOLE>(row, at);
     }
 }
 

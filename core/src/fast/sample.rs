@@ -50,11 +50,7 @@ impl<H: Halves> Both<H> {
     /// From `a` to `b`, whose difference may have 17 bits.
     #[inline(always)]
     fn mix(self, a: H, b: H) -> H {
-        if self.mixes {
-            self.mix_both(a, b)
-        } else {
-            a
-        }
+        if self.mixes { self.mix_both(a, b) } else { a }
     }
 }
 
@@ -81,7 +77,11 @@ pub fn z_row<H: Halves>(near: &[u16], far: &[u16], w: u16, out: &mut [u16]) {
 /// y interpolation of two rows' elements `at ..`, shifted left first.
 #[inline(always)]
 fn along_y<H: Halves, const WHOLE: bool>([a, b]: [&[u16]; 2], at: usize, shift: u32, y: H) -> H {
-    lerp(H::load::<WHOLE>(a, at).shl(shift), H::load::<WHOLE>(b, at).shl(shift), y)
+    lerp(
+        H::load::<WHOLE>(a, at).shl(shift),
+        H::load::<WHOLE>(b, at).shl(shift),
+        y,
+    )
 }
 
 /// The first elements of two rows, and those behind each of them, all equally long: then one comparison finds that a vector lies inside
@@ -111,7 +111,11 @@ pub fn yx_row<H: Halves>(a: &[u16], b: &[u16], shift: u32, [wx, wy]: [u16; 2], o
         return;
     };
     each!(H, len, |at, WHOLE| {
-        let sample = lerp(along_y::<H, WHOLE>(left, at, shift, y), along_y::<H, WHOLE>(right, at, shift, y), x);
+        let sample = lerp(
+            along_y::<H, WHOLE>(left, at, shift, y),
+            along_y::<H, WHOLE>(right, at, shift, y),
+            x,
+        );
         sample.store::<WHOLE>(out, at);
     });
 }
@@ -180,7 +184,8 @@ pub fn slopes_row<H: Halves>(near: Slope<'_>, far: Slope<'_>, w: u16, out: &mut 
     }
     let w = Both::<H>::of(w);
     each!(H, len, |at, WHOLE| {
-        w.mix_both(near.at::<H, WHOLE>(at), far.at::<H, WHOLE>(at)).store::<WHOLE>(out, at);
+        w.mix_both(near.at::<H, WHOLE>(at), far.at::<H, WHOLE>(at))
+            .store::<WHOLE>(out, at);
     });
 }
 
@@ -194,7 +199,8 @@ pub fn mixed_row<H: Halves>(a: &[u16], b: &[u16], [wx, wy]: [u16; 2], out: &mut 
             return;
         };
         each!(H, len, |at, WHOLE| {
-            y.mix(H::load::<WHOLE>(a, at), H::load::<WHOLE>(b, at)).store::<WHOLE>(out, at);
+            y.mix(H::load::<WHOLE>(a, at), H::load::<WHOLE>(b, at))
+                .store::<WHOLE>(out, at);
         });
         return;
     }
@@ -204,7 +210,8 @@ pub fn mixed_row<H: Halves>(a: &[u16], b: &[u16], [wx, wy]: [u16; 2], out: &mut 
     };
     if wy == 0 {
         each!(H, len, |at, WHOLE| {
-            x.mix(H::load::<WHOLE>(a, at), H::load::<WHOLE>(c, at)).store::<WHOLE>(out, at);
+            x.mix(H::load::<WHOLE>(a, at), H::load::<WHOLE>(c, at))
+                .store::<WHOLE>(out, at);
         });
         return;
     }
@@ -223,7 +230,9 @@ pub fn difference_row<H: Halves>(next: &[u16], previous: &[u16], out: &mut [u16]
         return;
     };
     each!(H, len, |at, WHOLE| {
-        H::load::<WHOLE>(next, at).minus(H::load::<WHOLE>(previous, at)).store::<WHOLE>(out, at);
+        H::load::<WHOLE>(next, at)
+            .minus(H::load::<WHOLE>(previous, at))
+            .store::<WHOLE>(out, at);
     });
 }
 
@@ -243,7 +252,10 @@ pub fn face_row<H: Halves>(slope: &[u16], row: &mut [u16]) {
     };
     each!(H, row.len(), |at, WHOLE| {
         let half = H::load::<WHOLE>(slope, at).shr_signed(1);
-        H::load::<WHOLE>(row, at).shr_signed(1).plus(half).store::<WHOLE>(row, at);
+        H::load::<WHOLE>(row, at)
+            .shr_signed(1)
+            .plus(half)
+            .store::<WHOLE>(row, at);
     });
 }
 

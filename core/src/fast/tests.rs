@@ -33,7 +33,7 @@ fn reciprocal_roots_are_near() {
         sum += error;
     }
     let mean = sum / 49152.0;
-    assert!(largest <= 2.4 && mean.abs() <= 0.06, "{largest} {mean}");
+    assert!(largest <= 2.1 && mean.abs() <= 0.04, "{largest} {mean}");
 }
 
 #[test]
@@ -122,8 +122,9 @@ proptest! {
         let y = if lit { y.max(0.0).min(1.0).powi(1 << n) } else { 0.0 };
         for (channel, ks) in [0.3, 0.2, 0.1].into_iter().enumerate() {
             let exact = f64::from(colour[channel]) * (0.1 + 0.5 * nl.max(0.0)) + 65535.0 * ks * y;
-            // A cosine errs by four of its last bits, a highlight by as many times its exponent.
-            let allowed = 6.0 + ks * 8.0 * f64::from(1u32 << n);
+            // A cosine errs by at most 8 of its last bits: 4 by the root, 1 by its product, 3 by the vector; a highlight by twice that
+            // and 3, as many times as its exponent; products by 1 each.
+            let allowed = 0.5 * 8.0 + 4.0 + ks * 19.0 * f64::from(1u32 << n);
             let near_edge = nl.abs().min(nv.abs()) < 1e-3;
             prop_assert!((f64::from(found[channel]) - exact.min(65535.0)).abs() <= allowed || near_edge, "{found:?} {exact} {channel}");
         }
@@ -136,7 +137,11 @@ fn tables_are_linear_between_codes() {
     let mut entries = [0; ENTRIES];
     let mut low = [0; ENTRIES];
     for (code, (entry_at, low)) in entries.iter_mut().zip(&mut low).enumerate() {
-        let root = if code < 100 { 0 } else { (code * 2_654_435_761 >> 7) as u16 };
+        let root = if code < 100 {
+            0
+        } else {
+            (code * 2_654_435_761 >> 7) as u16
+        };
         let [high, rest] = root.to_be_bytes();
         *entry_at = entry([code as u8, (code >> 4) as u8, 200], high);
         *low = rest;

@@ -97,7 +97,13 @@ where
         if n == 0 {
             return;
         }
-        let mut pixels = Pixels::<O, V>::new((first, data), base_width, extent.columns.clone(), plane.index, self.floor);
+        let mut pixels = Pixels::<O, V>::new(
+            (first, data),
+            base_width,
+            extent.columns.clone(),
+            plane.index,
+            self.floor,
+        );
         let classifier = FastKernels::<_, V>::of(&self.table, extent, plan.exact());
         let shader = Lit::<S, V>::of(&self.shader);
         batch.opacities = part_mut(batch.opacities, 0..n);
@@ -282,7 +288,10 @@ impl<X: Canvas<u16> + ?Sized, S: Source<u16> + ?Sized> Batches<u16, X> for Short
                 continue;
             }
             let voxel_row = self.voxel_row();
-            if self.support.meets(around(self.window, self.extent.voxel_rows(voxel_row))) {
+            if self
+                .support
+                .meets(around(self.window, self.extent.voxel_rows(voxel_row)))
+            {
                 if let Some(reading) = self.reading {
                     reading.row(voxel_row);
                 }

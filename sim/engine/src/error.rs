@@ -67,7 +67,9 @@ pub enum RenderError {
     )]
     Fast,
     /// Segments in 16-bit lanes.
-    #[error("precision \"fast\" classifies samples, and the scene asks for segments; use --classification point, without surfaces")]
+    #[error(
+        "precision \"fast\" classifies samples, and the scene asks for segments; use --classification point, without surfaces"
+    )]
     FastSegments,
     /// Splines, where samples are linear.
     #[error(

@@ -312,7 +312,10 @@ fn shaded<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>, S: Shader<P> 
     }
 }
 
-pub(crate) fn under<L: Pictured<Voxel = Code12> + Send + 'static>(geometry: Geometry<'_>, pipeline: L) -> Box<dyn Framing> {
+pub(crate) fn under<L: Pictured<Voxel = Code12> + Send + 'static>(
+    geometry: Geometry<'_>,
+    pipeline: L,
+) -> Box<dyn Framing> {
     Box::new(Under::new(geometry, pipeline))
 }
 

@@ -87,11 +87,7 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
             extent,
             window,
             spacing,
-            weights: [
-                short(extent.x.weight),
-                short(extent.y.weight),
-                short(extent.z.weight),
-            ],
+            weights: [short(extent.x.weight), short(extent.y.weight), short(extent.z.weight)],
             width: window.near.width(),
             reach: first.saturating_sub(1)..(first + extent.columns.len() + 2).min(window.near.width()),
             z,
@@ -113,7 +109,9 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
     /// The samples of a row that has been made, by voxels.
     #[inline(always)]
     fn whole(&self, row: i32) -> &[u16] {
-        self.samples.get(Self::slot(row)).map_or(&[], |row| part(row, 0..self.width))
+        self.samples
+            .get(Self::slot(row))
+            .map_or(&[], |row| part(row, 0..self.width))
     }
 
     #[inline(always)]
@@ -210,7 +208,10 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
         mixed_row::<V::Halves>(pick(this), pick(next), [wx, wy], gz);
 
         let here = self.whole(row);
-        let (before, behind) = (part(here, places.start.saturating_sub(1)..width), part(here, (places.start + 1).min(width)..width));
+        let (before, behind) = (
+            part(here, places.start.saturating_sub(1)..width),
+            part(here, (places.start + 1).min(width)..width),
+        );
         if places.start > 0 {
             difference_row::<V::Halves>(behind, before, gx);
         } else if let Some((_, gx)) = gx.split_first_mut() {

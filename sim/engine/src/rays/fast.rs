@@ -25,7 +25,11 @@ fn lerp(a: i64, b: i64, w: i64) -> i64 {
 }
 
 fn mix(a: i64, b: i64, w: i64) -> i64 {
-    if w == 0 { a } else { rounded(a, (1 << 15) - w) + rounded(b, w) }
+    if w == 0 {
+        a
+    } else {
+        rounded(a, (1 << 15) - w) + rounded(b, w)
+    }
 }
 
 /// A sample's place: its cell and the upper 15 bits of its weights.
@@ -125,17 +129,29 @@ impl FastRays<'_, '_> {
     /// Voxels along k, 12.3.
     fn along_k(&self, i: i32, j: i32, place: Place) -> i64 {
         let [_, _, k] = place.cell;
-        lerp(8 * self.voxel([i, j, k]), 8 * self.voxel([i, j, k + 1]), place.weights[2])
+        lerp(
+            8 * self.voxel([i, j, k]),
+            8 * self.voxel([i, j, k + 1]),
+            place.weights[2],
+        )
     }
 
     fn along_jk(&self, i: i32, place: Place) -> i64 {
         let j = place.cell[1];
-        lerp(self.along_k(i, j, place), self.along_k(i, j + 1, place), place.weights[1])
+        lerp(
+            self.along_k(i, j, place),
+            self.along_k(i, j + 1, place),
+            place.weights[1],
+        )
     }
 
     fn along_ik(&self, j: i32, place: Place) -> i64 {
         let i = place.cell[0];
-        lerp(self.along_k(i, j, place), self.along_k(i + 1, j, place), place.weights[0])
+        lerp(
+            self.along_k(i, j, place),
+            self.along_k(i + 1, j, place),
+            place.weights[0],
+        )
     }
 
     fn sample(&self, place: Place) -> i64 {
@@ -158,7 +174,13 @@ impl FastRays<'_, '_> {
                 return (at(1) - at(-1)) >> half;
             }
             let before = place.cell[axis].min(last[axis] - 1).max(0);
-            let along = |cell: i32| if axis == 0 { self.along_jk(cell, place) } else { self.along_ik(cell, place) };
+            let along = |cell: i32| {
+                if axis == 0 {
+                    self.along_jk(cell, place)
+                } else {
+                    self.along_ik(cell, place)
+                }
+            };
             let rise = along((before + 1).min(last[axis])) - along(before);
             match (low(axis), high(axis)) {
                 (true, true) => rise,

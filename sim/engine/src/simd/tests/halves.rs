@@ -62,7 +62,11 @@ fn results<H: Halves>(given: &Rows) -> (Vec<Vec<u16>>, Vec<bool>) {
     let pairs: [u32; 128] = std::array::from_fn(|at| (at as u32).wrapping_mul(2_654_435_761) ^ by);
     let mut zeros = Vec::new();
     for at in (0..n).step_by(H::COUNT) {
-        let (x, y, z) = (H::load::<false>(a, at), H::load::<false>(b, at), H::load::<false>(c, at));
+        let (x, y, z) = (
+            H::load::<false>(a, at),
+            H::load::<false>(b, at),
+            H::load::<false>(c, at),
+        );
         let gradient = [above_least(x), above_least(y), above_least(z)];
         let (k, h) = H::normalised(gradient);
         zeros.push(x.nonzero_then(y).all_zero());
