@@ -18,6 +18,7 @@
 //! | `spread` | rays that spread from an eye: their samples, gradients and steps |
 //! | `smooth` | samples and gradients by splines |
 //! | `splines` | compositing of such samples, of values |
+//! | `sheets` | compositing of samples that voxels were splatted to |
 //! | `kernels` | row kernels of a classifier and a shader |
 //! | `canvas` | pixels |
 //! | `fold`, `blocks` | the driver, and the two ways through a plane |
@@ -37,6 +38,7 @@ mod probe;
 mod project;
 mod rgba;
 mod scratch;
+mod sheets;
 mod slabs;
 mod smooth;
 mod source;
@@ -52,6 +54,7 @@ pub use self::kept::Kept;
 pub use self::project::Project;
 pub use self::rgba::{Filter, Rgba, Trilinear, Triquadratic};
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
+pub use self::sheets::FoldSheet;
 pub use self::splines::Splines;
 pub use self::spread::Perspective;
 use crate::classify::Support;
