@@ -268,11 +268,16 @@ impl<'a> Bins<'a> {
                 }
             }
         });
-        Ok(Self {
+        Ok(Self::of(splatting, starts, records))
+    }
+
+    /// Bins that were [filled](Bins::fill) for the same splatting.
+    pub const fn of(splatting: &Splatting, starts: &'a [u32], records: &'a [u64]) -> Self {
+        Self {
             starts,
             records,
             bins: splatting.bins as usize,
-        })
+        }
     }
 
     /// Records of a band whose first sheet is this.
