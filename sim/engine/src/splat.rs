@@ -26,6 +26,7 @@ use slicecast_volume::Volume;
 use crate::camera::{CameraError, Material, PICTURE_SIDE_MAX, Picture, check_spacing, extent, fitting_pixel, size_at};
 use crate::error::RenderError;
 use crate::expanded::Expanded;
+use crate::frame::Prepared;
 use crate::image::{BaseImage, Frame};
 use crate::picture::of_base;
 use crate::pipelines::{compile, early};
@@ -156,6 +157,25 @@ impl<'a> Splatted<'a> {
             volume,
             simd: Simd::widest(),
         })
+    }
+
+    /// A prepared scene whose volume lies so in an image that is the picture, with lights in the image's frame and these spacing factors
+    /// of gradients: for frames that are stated in integers.
+    pub fn of(prepared: &Prepared<'a>, splatting: Splatting, spacing: [Intensity; 3]) -> Self {
+        Self {
+            scene: prepared.scene,
+            volume: prepared.volume,
+            picture: Picture {
+                size: splatting.size(),
+                warp: Warp::IDENTITY,
+                affine: [[0.0; 2], [1.0, 0.0], [0.0, 1.0]],
+            },
+            table: prepared.table.clone(),
+            material: prepared.setup.material.clone(),
+            spacing,
+            splatting,
+            simd: prepared.simd,
+        }
     }
 
     /// The same, with these vectors.
