@@ -137,6 +137,11 @@ impl Layout {
         )
     }
 
+    /// The code that a record keeps of one; it rises with it.
+    pub(crate) const fn kept(self, code: u16) -> u16 {
+        self.code(self.stored(code)) as u16
+    }
+
     /// A code as it is stored: the nearest of 2^V even steps.
     const fn stored(self, code: u16) -> u32 {
         let (code, steps) = (code as u32, (1 << self.value_bits) - 1);

@@ -126,6 +126,11 @@ impl<'a> Needed<'a> {
             within(sides, at, seen, |other| {
                 range = range.union(ranges.get(other).copied().unwrap_or(RowRange::EMPTY));
             });
+            // As records have them: fewer bits may lie beyond the range of the codes.
+            let kept = |code: u16| splatting.layout.kept(code);
+            if range.low <= range.high {
+                (range.low, range.high) = (kept(range.low), kept(range.high));
+            }
             if let Some(block) = blocks.get_mut(index) {
                 *block = if support.meets(range) { SEEN } else { 0 };
             }
