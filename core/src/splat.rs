@@ -44,7 +44,7 @@ pub const WIDTHS: core::ops::RangeInclusive<u32> = 64_881..=32 << 16;
 /// The most that sums of weights may come to: they have 26 bits.
 const SUM_MAX: u64 = 1 << 26;
 /// The largest weight.
-const WEIGHT_MAX: u64 = 147_456;
+const WEIGHT_MAX: u64 = 110_592;
 /// The largest code.
 const CODE_MAX: u32 = ENTRIES as u32 - 1;
 
@@ -250,7 +250,7 @@ impl fmt::Display for SplatError {
                 )
             }
             Self::Crowded { voxels } => {
-                write!(f, "up to {voxels} voxels reach a pixel; accepted: fewer than 456")
+                write!(f, "up to {voxels} voxels reach a pixel; accepted: fewer than 607")
             }
             Self::Memory { needed, given } => write!(f, "{needed} elements of memory are needed, {given} given"),
             Self::Value { value } => write!(f, "a voxel of {value}; accepted: 0 to {CODE_MAX}"),

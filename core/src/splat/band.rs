@@ -111,7 +111,7 @@ pub fn fold_band<L: FoldSheet, V: Lanes>(
     for number in 0..count + behind {
         if number < count {
             for bins in runs {
-                sheets.add(number, bins.records(band, number));
+                sheets.add::<V>(number, bins.records(band, number));
             }
             sheets.settle(number, bits);
         } else {

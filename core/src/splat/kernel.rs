@@ -38,7 +38,7 @@ pub(crate) const fn integral(t: u64) -> u64 {
 pub struct Kernel<'a> {
     /// Nodes from the middle outwards, 1.15, along x and y.
     nodes: [&'a [u32]; 2],
-    /// Integrals over sheets, 1.16: J of each place between two sheets.
+    /// Integrals over sheets in widths, 1.16: J of each place between two sheets.
     slabs: &'a [u32],
     reached: usize,
     /// Along x and y, 13 fraction bits, upwards.
@@ -85,7 +85,7 @@ impl<'a> Kernel<'a> {
                     place.signum() * integral(t.unwrap_or(0)) as i64
                 };
                 let between = end(middle + (1 << 15)) - end(middle - (1 << 15));
-                *slab = ((between + (1 << 13)) >> 14).max(0) as u32;
+                *slab = ((between * i64::from(wz) + (1 << 29)) >> 30).max(0) as u32;
             }
         }
         Ok(())

@@ -1,9 +1,11 @@
 //! Sheets: sums of weights, and of weights times values, and the samples that they make.
 
+use core::marker::PhantomData;
 use core::ops::Range;
 
 use super::{Kernel, SplatError, Splatting, kernel};
 use crate::format::Intensity;
+use crate::lanes::{Kernel as LaneKernel, Lanes};
 use crate::rows::{part, part_mut};
 
 /// In place of a sample that does not exist.
@@ -97,8 +99,13 @@ impl<'a> Sheets<'a> {
         })
     }
 
-    /// Spreads records to the sheet of their bin and those behind it.
-    pub fn add(&mut self, bin: u32, records: &[u64]) {
+    /// Spreads records to the sheet of their bin and those behind it, with these lanes' instructions.
+    pub fn add<V: Lanes>(&mut self, bin: u32, records: &[u64]) {
+        V::enter((Add, PhantomData::<V>, self, bin, records));
+    }
+
+    #[inline(always)]
+    fn spread(&mut self, bin: u32, records: &[u64]) {
         let Self {
             splatting,
             kernel,
@@ -207,6 +214,18 @@ impl<'a> Sheets<'a> {
             samples: [about(number + 2), of(number), about(number + 1)],
             spacing,
         }
+    }
+}
+
+struct Add;
+
+impl<V: Lanes> LaneKernel for (Add, PhantomData<V>, &mut Sheets<'_>, u32, &[u64]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, sheets, bin, records) = self;
+        sheets.spread(bin, records);
     }
 }
 

@@ -125,7 +125,7 @@ fn samples(splatting: &Splatting, voxels: &[u16], bands: Bands, run: u32, blocks
         let mut sheets = Sheets::new(splatting, kernel, (first, rows), true, &mut sums, &mut kept).unwrap();
         for number in 0..splatting.sheets() {
             bins.iter()
-                .for_each(|bins| sheets.add(number, bins.records(band, number)));
+                .for_each(|bins| sheets.add::<i32>(number, bins.records(band, number)));
             sheets.settle(number, 15);
             let sheet = sheets.sheet(number, [Intensity::ONE; 3]);
             for row in first..first + rows {
@@ -238,13 +238,20 @@ prop_assert!(seen > 0);
 #[test]
 fn homogeneous_volumes_stay_so() {
     for code in [1, 2000, 4095] {
-        for angles in [[0.0, 0.0], [0.3, 0.7], [0.785, 0.615]] {
-            let splatting = turned([12; 3], angles, [1.0, 1.0], [1.0; 3], Layout::FINE);
+        for (angles, [n, r]) in [
+            ([0.0, 0.0], [1, 1]),
+            ([0.3, 0.7], [1, 1]),
+            ([0.785, 0.615], [1, 1]),
+            ([0.3, 0.7], [2, 1]),
+            ([0.3, 0.7], [1, 3]),
+            ([0.0, 0.0], [3, 2]),
+        ] {
+            let splatting = turned([12; 3], angles, [f64::from(n), f64::from(r)], [1.0; 3], Layout::FINE);
             let found = samples(&splatting, &vec![code; 12 * 12 * 12], Bands::new(8, false), 12, None);
             assert!(found.iter().all(|s| *s == MISSING || *s == i32::from(code) << 15));
             // As many as there are voxels, but for the borders.
-            let count = found.iter().filter(|s| **s != MISSING).count();
-            assert!((1200..=1950).contains(&count), "{count} at {angles:?}");
+            let count = found.iter().filter(|s| **s != MISSING).count() as u32 / (n * n * r);
+            assert!((1200..=1950).contains(&count), "{count} at {angles:?}, {n} {r}");
         }
     }
 }
@@ -318,7 +325,11 @@ fn the_kernel_is_the_spline() {
             assert_eq!(slabs.len(), splatting.reached() as usize);
             // Each is rounded for itself.
             let sum: u32 = slabs.iter().sum();
-            assert!(sum.abs_diff(65536) <= slabs.len() as u32 / 2 + 1, "{u}: {sum}");
+            assert!(
+                sum.abs_diff(splatting.widths()[2]) <= slabs.len() as u32 / 2 + 1,
+                "{u}: {sum}"
+            );
+            assert!(slabs.iter().all(|slab| *slab <= 49152));
         }
         assert_eq!(kernel.weight(0, 0), 24576);
         for distance in 0..3 << 13 {
