@@ -110,6 +110,7 @@ pub mod screen;
 pub mod seen;
 pub mod shade;
 pub mod slice;
+pub mod splat;
 pub mod stage;
 pub mod stream;
 pub mod surface;

@@ -19,6 +19,7 @@
 //! | `smooth` | samples and gradients by splines |
 //! | `splines` | compositing of such samples, of values |
 //! | `fast`, `fast/` | the same in 16-bit lanes: samples and gradients, kernels, pixels |
+//! | `sheets` | compositing of samples that voxels were splatted to |
 //! | `kernels` | row kernels of a classifier and a shader |
 //! | `canvas` | pixels |
 //! | `fold`, `blocks` | the driver, and the two ways through a plane |
@@ -39,6 +40,7 @@ mod probe;
 mod project;
 mod rgba;
 mod scratch;
+mod sheets;
 mod slabs;
 mod smooth;
 mod source;
@@ -55,6 +57,7 @@ pub use self::kept::Kept;
 pub use self::project::Project;
 pub use self::rgba::{Filter, Rgba, Trilinear, Triquadratic};
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
+pub use self::sheets::FoldSheet;
 pub use self::splines::Splines;
 pub use self::spread::Perspective;
 use crate::classify::Support;

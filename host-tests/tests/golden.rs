@@ -25,8 +25,10 @@ use slicecast::format::{Coefficient, Distance, Intensity, Position, Step, Vector
 use slicecast::modulate::{Factors, Modulation};
 use slicecast::perspective::Eye;
 use slicecast::shade::{Highlight, Light};
+use slicecast::splat::{Layout, Splatting};
 use slicecast_engine::camera::Material;
 use slicecast_engine::frame::Layer;
+use slicecast_engine::splat::Splatted;
 use slicecast_firmware_shared::scene::SURFACES;
 use slicecast_host_tests::checksum::{fnv, of_frame, of_image};
 use slicecast_host_tests::colours::{ColourFrame, colour_volume};
@@ -779,9 +781,109 @@ fn measured_colours(lines: &mut BTreeMap<String, u64>) {
     }
 }
 
+/// A frame whose voxels are splatted, by steps along x, y and z of the image, s31.32.
+struct Splat {
+    frame: Frame,
+    steps: [[i64; 3]; 3],
+    size: [u32; 2],
+    layout: Layout,
+    spacing: [u16; 3],
+}
+
+/// The named frames that are splatted, in `Compact`. Lights are those of the image's frame.
+fn splats() -> Vec<(&'static str, Splat)> {
+    let head = head_table();
+    let noise = Frame::new(
+        Arc::new(volume([31, 33, 29], Filling::Noise, 77)),
+        table_of(&[
+            (0, [0, 255, 9], 0),
+            (2100, [200, 3, 90], 9_000),
+            (2600, [2, 30, 255], 60_000),
+        ]),
+    );
+    let third = (1i64 << 32) / 3;
+    let turned = [
+        [2 * third, 2 * third, -third],
+        [-third, 2 * third, 2 * third],
+        [2 * third, -third, 2 * third],
+    ];
+    let whole = 1i64 << 32;
+    vec![
+        (
+            "splat-head-lit",
+            Splat {
+                frame: Frame {
+                    material: two_lights(Highlight::Reflection, 5),
+                    ..head.clone()
+                },
+                steps: turned,
+                size: [108, 105],
+                layout: Layout::FINE,
+                spacing: [32768; 3],
+            },
+        ),
+        (
+            "splat-head-paper",
+            Splat {
+                frame: head,
+                steps: turned.map(|[x, y, z]| [x, y, 2 * z]),
+                size: [97, 111],
+                layout: Layout::PAPER,
+                spacing: [32768; 3],
+            },
+        ),
+        (
+            "splat-noise-along-an-axis",
+            Splat {
+                frame: Frame {
+                    material: two_lights(Highlight::HalfVector, 4),
+                    early_termination: Some(8),
+                    ..noise
+                },
+                steps: [[0, 0, -whole], [2 * whole, 0, 0], [0, 3 * whole, 0]],
+                size: [67, 91],
+                layout: Layout::new(12, 6, 12).expect("64 bits"),
+                spacing: [32768, 32768, 16384],
+            },
+        ),
+    ]
+}
+
+/// The image and the picture of every frame that is splatted, its volume's middle in the image's.
+fn measured_splats(lines: &mut BTreeMap<String, u64>) {
+    for (name, splat) in splats() {
+        for precision in PrecisionName::ALL {
+            let frame = splat.frame.in_precision(precision);
+            let made = frame.with_prepared(|prepared, _| {
+                let dims = prepared.volume.dims.map(|side| side as u32);
+                let origin = [0, 1].map(|axis| {
+                    let along = splat
+                        .steps
+                        .iter()
+                        .zip(dims)
+                        .map(|(step, side)| step[axis] * i64::from(side - 1));
+                    Step::from_bits((i64::from(splat.size[axis] - 1) * (1 << 32) - along.sum::<i64>()) / 2)
+                });
+                let steps = splat.steps.map(|step| step.map(Step::from_bits));
+                let splatting = Splatting::new(dims, origin, steps, splat.size, splat.layout).expect("within limits");
+                let spacing = splat.spacing.map(Intensity::from_bits);
+                Splatted::of(prepared, splatting, spacing)
+                    .render(&|_, _| ())
+                    .expect("a small frame")
+            });
+            let picture = fnv(made.picture.bytes.iter().copied());
+            for (boundary, checksum) in [("image", of_image(&made.base)), ("picture", picture)] {
+                let line = format!("{name}/{}/{boundary}", precision.name());
+                assert_eq!(lines.insert(line.clone(), checksum), None, "two frames called {line}");
+            }
+        }
+    }
+}
+
 fn measured() -> BTreeMap<String, u64> {
     let mut lines = BTreeMap::new();
     measured_colours(&mut lines);
+    measured_splats(&mut lines);
     for (name, frame) in frames() {
         for precision in PrecisionName::ALL {
             for (boundary, checksum) in of_frame(&frame.in_precision(precision)) {
@@ -852,7 +954,10 @@ fn every_checksum_is_the_manifests() {
 fn checksums_tell_frames_apart() {
     let listed = read(&std::fs::read_to_string(manifest_path()).unwrap());
     let images: Vec<_> = listed.iter().filter(|(name, _)| name.ends_with("/image")).collect();
-    assert_eq!(images.len(), 3 * frames().len() + 2 * colour_frames().len());
+    assert_eq!(
+        images.len(),
+        3 * (frames().len() + splats().len()) + 2 * colour_frames().len()
+    );
     for (n, (name, checksum)) in images.iter().enumerate() {
         for (other, same) in &images[n + 1..] {
             assert_ne!(checksum, same, "{name} and {other}");

@@ -18,6 +18,7 @@ mod packages;
 mod parts;
 mod perspective;
 mod small;
+mod splat;
 mod tolerance;
 mod vectors;
 

@@ -6,6 +6,7 @@ pub mod explain;
 pub mod image;
 pub mod lockstep;
 pub mod perspective;
+pub mod splat;
 pub mod stages;
 pub mod statistics;
 

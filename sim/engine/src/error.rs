@@ -1,6 +1,7 @@
 //! Why a frame is not rendered.
 
 use slicecast::slice::SliceError;
+use slicecast::splat::SplatError;
 use slicecast::stream::StreamError;
 use slicecast_volume::error::ReadError;
 
@@ -103,6 +104,25 @@ pub enum RenderError {
     /// Several levels, and a scene or a cut that asks for what there is not.
     #[error("{0}")]
     Levels(#[from] LevelsError),
+    /// Splatting, and a number that is out of range.
+    #[error("splatting: {0}")]
+    Splat(#[from] SplatError),
+    /// Splatting, and a scene that asks for what there is not.
+    #[error("splatting knows other scenes: {field} is given, expected {expected}")]
+    Unsplattable {
+        /// The scene's setting, as a scene file has it.
+        field: &'static str,
+        /// What splatting knows.
+        expected: &'static str,
+    },
+    /// Records of too many voxels.
+    #[error("splatting: records of the voxels would take {bytes} bytes; accepted: at most {limit}")]
+    Records {
+        /// What they would take.
+        bytes: u64,
+        /// What this program allows.
+        limit: u64,
+    },
     /// A part of the volume cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),

@@ -28,6 +28,7 @@ pub mod segments;
 pub mod shard;
 pub mod simd;
 pub mod source;
+pub mod splat;
 mod stream;
 pub mod table;
 pub mod threads;

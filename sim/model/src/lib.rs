@@ -21,6 +21,7 @@
 //! | warp        | base plane into the viewer's image                         |                 |
 //! | render      | one ray, all rays                                          |                 |
 //! | perspective | the same of rays from an eye                               | equation 7      |
+//! | splat       | voxels into sheets of the image, in place of rays            | section 4.6     |
 //! | absorb      | rays through volumes of colour and extinction | Kraus and Bürger, section 3.4 |
 //! | levels      | rays through boxes of several levels | LaMar, section 4 |
 //! | pyramid     | volumes of half the voxels                                 | Kraus and Bürger, section 4 |
@@ -46,6 +47,7 @@ pub mod rays;
 mod render;
 mod segment;
 pub mod shade;
+pub mod splat;
 pub mod spline;
 #[cfg(test)]
 mod testing;

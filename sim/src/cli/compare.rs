@@ -7,6 +7,7 @@ use slicecast_compare::colours::{CONVERGED, compare_colours, compare_sampling};
 use slicecast_compare::exchange;
 use slicecast_compare::image::ImageFigures;
 use slicecast_compare::perspective::compare as in_perspective;
+use slicecast_compare::splat::compare as compare_splatted;
 use slicecast_compare::stages::StageReport;
 use slicecast_compare::statistics::Figures;
 use slicecast_compare::{Comparison, ModelPositions, Split, compare, split};
@@ -14,6 +15,7 @@ use slicecast_engine::colours::Coloured;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::perspective::InPerspective;
+use slicecast_engine::splat::Splatted;
 use slicecast_engine::threads::on_threads;
 use slicecast_laboratory::texture::{self, Texture8};
 use slicecast_pyramid::volume::RgbaVolume;
@@ -28,6 +30,7 @@ use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
 use super::output::{Folder, check_free, write_file};
 use super::progress::with_bar;
 use super::sampled::SampledArgs;
+use super::splatted::{self, SplatArg};
 use super::tables;
 use super::textured::{self, Texture8Arg};
 use crate::visibility;
@@ -65,6 +68,11 @@ pub struct Args {
     /// converged integral. They have no specular light, and count a sample at a border as a whole step or not at all.
     #[arg(long, value_enum, value_name = "PIPELINE", value_delimiter = ',', conflicts_with_all = ["npy", "exact_positions", "converged"])]
     texture8: Vec<Texture8Arg>,
+    /// Compare the scene with its voxels splatted into sheets instead, with f64 of the same sheets at exact places. Each voxel is kept in
+    /// a record of 64 bits: fine, or as Squeeze has it (paper).
+    #[arg(long, value_enum, value_name = "RECORD", num_args = 0..=1, default_missing_value = "fine", require_equals = true,
+          conflicts_with_all = ["npy", "exact_positions", "converged", "texture8"])]
+    splat: Option<SplatArg>,
     /// Write the figures as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -199,6 +207,17 @@ impl Args {
         self.say(scene, &volume.name, [comparison.image, comparison.picture])
     }
 
+    /// Compares a scene whose voxels are splatted with the model, at exact places.
+    fn compare_splatted(&self, scene: &Scene, volume: &Volume, splat: SplatArg) -> Result<(), Failure> {
+        let splatted = Splatted::new(scene, volume, splat.into())?.with_simd(self.threads.simd());
+        let comparison = with_bar("comparing", |progress| {
+            on_threads(self.threads.count(), || {
+                compare_splatted(scene, volume, &splatted, progress)
+            })
+        })??;
+        self.say(scene, &volume.name, [comparison.image, comparison.picture])
+    }
+
     /// Says how far base plane and picture are from the model's.
     fn say(&self, scene: &Scene, volume: &str, [image, picture]: [ImageFigures; 2]) -> Result<(), Failure> {
         let precision = scene.precision.name();
@@ -243,6 +262,7 @@ impl Args {
         check_free(&self.json, self.force)?;
         if let Some((scene, volume)) = self.level.volume(&self.volume, &self.colours, &self.scene)? {
             textured::check_none(!self.texture8.is_empty())?;
+            splatted::check_none(self.splat.is_some(), "volume of colours")?;
             return self.compare_colours(&scene, &volume);
         }
         let loaded = self.volume.load()?;
@@ -251,7 +271,11 @@ impl Args {
         let chosen = self.scene.choose(&self.volume, &loaded)?;
         let scene = &chosen.scene;
         if let Some(perspective) = &scene.perspective {
+            splatted::check_none(self.splat.is_some(), "--fov and --eye")?;
             return self.compare_in_perspective(scene, perspective, &loaded.volume);
+        }
+        if let Some(splat) = self.splat {
+            return self.compare_splatted(scene, &loaded.volume, splat);
         }
         let prepared = Prepared::new(scene, &loaded.volume)?.with_simd(self.threads.simd());
         if !self.texture8.is_empty() {

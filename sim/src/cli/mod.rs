@@ -27,6 +27,7 @@ mod render;
 mod report;
 mod sampled;
 mod segments;
+mod splatted;
 mod sweep;
 mod sweep_table;
 mod table;

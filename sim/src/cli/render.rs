@@ -19,6 +19,7 @@ use slicecast_engine::perspective::{InPerspective, sharp};
 use slicecast_engine::rendering::Progress;
 use slicecast_engine::shard::Shard;
 use slicecast_engine::source::Source;
+use slicecast_engine::splat::Splatted;
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_pyramid::volume::RgbaVolume;
@@ -37,6 +38,7 @@ use super::output::{check_free, write_file};
 use super::picture::{self, PictureArgs, Target};
 use super::progress::with_bar;
 use super::sampled::SampledArgs;
+use super::splatted::{self, SplatArg};
 use super::textured::{self, Texture8Arg};
 use crate::raster::{Raster, png, rgb_png};
 use crate::slab::thicken;
@@ -54,6 +56,7 @@ const IN_PERSPECTIVE: u32 = 512;
   slicecast render angiogram.nrrd --scene mip -o vessels.png
   slicecast render --surface 200 --surface -300,#e0a080,0.3 -o skin-over-skull.png --depth-map depth.png
   slicecast render --scene ct-bone --fov 120 --eye 32,20,34 -o within.png
+  slicecast render --scene ct-bone --splat -o splatted.png
   slicecast render large.nrrd --memory 1GiB --scene bone.toml -o large.png
   slicecast render large.nrrd --budget 256MiB --scene bone.toml -o preview.png
   slicecast render colours.nrrd --alpha-distance 1 --precision wide -o colours.png
@@ -84,6 +87,11 @@ pub struct Args {
     /// are brought to their length again), before it (pre), or before it with colours times opacity (weighted); products after Blinn, or by one shift. `slicecast texture` says how far it is.
     #[arg(long, value_enum, value_name = "PIPELINE", conflicts_with_all = ["stream", "depth_map", "shard", "memory", "budget"])]
     texture8: Option<Texture8Arg>,
+    /// Splat the voxels into sheets that are parallel to the picture, in place of following rays: in samples, front to back, of the whole
+    /// volume. Each voxel is kept in a record of 64 bits: fine, or as Squeeze has it (paper).
+    #[arg(long, value_enum, value_name = "RECORD", num_args = 0..=1, default_missing_value = "fine", require_equals = true,
+          conflicts_with_all = ["stream", "depth_map", "shard", "memory", "budget", "texture8"])]
+    splat: Option<SplatArg>,
     /// The depth of the first surface, a PNG of 16-bit grey levels: 1 on the first plane to 65535 on the last, 0 where no
     /// surface is met.
     #[arg(long, value_name = "FILE", value_parser = picture::png_file)]
@@ -123,6 +131,7 @@ impl Args {
         }
         if let Some((scene, volume)) = self.level.volume(&self.volume, &self.colours, &self.scene)? {
             textured::check_none(self.texture8.is_some())?;
+            splatted::check_none(self.splat.is_some(), "volume of colours")?;
             return self.render_colours(target, scene, &volume);
         }
         let (budget_memory, budget_time) = self.budgets()?;
@@ -142,6 +151,7 @@ impl Args {
         };
         self.picture.apply(&mut chosen.scene);
         if let Some(perspective) = chosen.scene.perspective {
+            splatted::check_none(self.splat.is_some(), "--fov and --eye")?;
             return self.render_in_perspective(target, chosen.scene, &perspective, &loaded.volume);
         }
         let legend = match &target {
@@ -156,6 +166,9 @@ impl Args {
         let scenes = std::slice::from_ref(&chosen.scene);
         let framing = self.picture.frame(scenes, &loaded.volume, &self.scene)?;
         let scene = framing.scene(&chosen.scene, &loaded.volume);
+        if let (Some(splat), Some(target)) = (self.splat, &target) {
+            return self.render_splatted(target, &scene, &loaded.volume, splat);
+        }
         let prepared = match &on_disk {
             Some(volume) => Prepared::of(&scene, &loaded.volume, volume)?,
             None => Prepared::new(&scene, &loaded.volume)?,
@@ -285,6 +298,23 @@ impl Args {
             eprintln!("warning: the picture shows nothing: no ray meets a voxel with an opacity");
         }
         self.write(&target, &self.picture.raster(&scene, &prepared.setup.picture, frame))
+    }
+
+    /// Renders a scene whose voxels are splatted.
+    fn render_splatted(&self, target: &Target, scene: &Scene, volume: &Volume, splat: SplatArg) -> Result<(), Failure> {
+        let splatted = Splatted::new(scene, volume, splat.into())?.with_simd(self.threads.simd());
+        let frame = with_bar("splatting", |progress| {
+            on_threads(self.threads.count(), || splatted.render(progress))
+        })??;
+        let BaseImage {
+            planes: [.., transparency],
+            one,
+            ..
+        } = &frame.base;
+        if transparency.iter().all(|left| left == one) {
+            eprintln!("warning: the picture shows nothing: no sheet has a sample with an opacity");
+        }
+        self.write(target, &self.picture.raster(scene, &splatted.picture, frame))
     }
 
     /// Renders a view in perspective.

@@ -18,6 +18,7 @@ pub mod sampling;
 pub(crate) mod scenes;
 pub mod segments;
 pub mod sphere;
+pub mod splat;
 pub mod surfaces;
 pub mod transfer;
 pub mod views;
@@ -120,7 +121,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 16] = [
+    let groups: [Group; 17] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -129,6 +130,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         transfer::cases,
         views::cases,
         perspective::cases,
+        splat::cases,
         sampling::cases,
         segments::cases,
         surfaces::cases,
