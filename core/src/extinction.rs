@@ -20,7 +20,6 @@ use core::iter::zip;
 
 pub use self::factor::{Absorption, DEPTH_MAX, Medium, MediumError, PHI, phi};
 pub use self::slopes::Eighths;
-pub(crate) use self::slopes::Slopes;
 use crate::rows::take;
 use crate::slice::{Region, RowRange, Slice, SliceError, Voxel};
 

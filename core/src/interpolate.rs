@@ -278,6 +278,13 @@ impl<T, const WHOLE: bool> TwoRows<'_, T, WHOLE> {
         Some(Self(self.0.get(..len)?, self.1.get(..len)?))
     }
 
+    /// Those of both by whole vectors, whose lengths the compiler knows: nothing is compared at each load.
+    #[inline(always)]
+    fn vectors<V: Lanes>(&self) -> impl Iterator<Item = Self> {
+        let (one, other) = (self.0.chunks_exact(V::COUNT), self.1.chunks_exact(V::COUNT));
+        one.zip(other).map(|(one, other)| Self(one, other))
+    }
+
     /// Their elements from the second vector on.
     #[inline(always)]
     fn behind<V: Lanes>(&self) -> Self {
@@ -322,22 +329,33 @@ fn yx_row_of<P: Precision, V: Lanes, T, const WHOLE: bool>(
     let (wx, wy) = (V::splat(cut(p, wx)), V::splat(cut(p, wy)));
     let mut here = rows.between::<P, V>(p, 0, wy);
     let behind = rows.behind::<V>();
-    let (len, behind) = if V::COUNT == 1 {
+    if V::COUNT == 1 {
         // A single lane stops before an element that has no right neighbour.
         let len = out.len().min(behind.len());
-        (len, behind.first(len))
-    } else {
-        (out.len(), Some(behind))
-    };
-    let (Some(behind), Some((inner, last))) = (behind, out.split_at_mut_checked(len)) else {
+        let (Some(behind), Some((inner, last))) = (behind.first(len), out.split_at_mut_checked(len)) else {
+            return;
+        };
+        for at in places::<V>(len) {
+            let next = behind.between::<P, V>(p, at, wy);
+            lerp_x(p, here, here.followed_by(next), wx).store(inner, at);
+            here = next;
+        }
+        lerp_x(p, here, V::splat(0), wx).store(last, 0);
         return;
-    };
-    for at in places::<V>(len) {
-        let next = behind.between::<P, V>(p, at, wy);
-        lerp_x(p, here, here.followed_by(next), wx).store(inner, at);
-        here = next;
     }
-    lerp_x(p, here, V::splat(0), wx).store(last, 0);
+    let mut at = 0;
+    for (next, out) in behind.vectors::<V>().zip(out.chunks_exact_mut(V::COUNT)) {
+        let next = next.between::<P, V>(p, 0, wy);
+        lerp_x(p, here, here.followed_by(next), wx).store(out, 0);
+        here = next;
+        at += V::COUNT;
+    }
+    while at < out.len() {
+        let next = behind.between::<P, V>(p, at, wy);
+        lerp_x(p, here, here.followed_by(next), wx).store(out, at);
+        here = next;
+        at += V::COUNT;
+    }
 }
 
 #[cfg(test)]

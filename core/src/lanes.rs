@@ -63,6 +63,8 @@ pub(crate) use each;
 pub trait Kernel {
     /// What comes of it.
     type Output;
+    /// Whether one lane does it where it is called: little work beside a call, or called from a function that does nothing else.
+    const BRIEF: bool = false;
     /// Does the work.
     fn run(self) -> Self::Output;
 }
@@ -277,6 +279,11 @@ pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
     /// The low 32 bits after a right shift by 1 to 31.
     #[inline(always)]
     fn shr_narrow(self, by: u32) -> Self::Narrow {
+        self.shr(by).narrow()
+    }
+    /// The low 32 bits after a right shift by 32 to 63.
+    #[inline(always)]
+    fn shr_upper(self, by: u32) -> Self::Narrow {
         self.shr(by).narrow()
     }
     /// The low 32 bits after a right shift by 1 to 31, at most 2^31 as an unsigned number.

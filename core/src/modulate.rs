@@ -26,7 +26,7 @@ use crate::lanes::{Lanes, Wide as _, places};
 use crate::normalise::{Normal, block, room, square_of};
 use crate::precision::Precision;
 use crate::rows::part;
-use crate::shade::{Phong, Shader, Weights, weighed};
+use crate::shade::{Phong, SamplesAndGradients, Shader, Weights, weighed};
 use crate::table::Coding;
 
 /// Nodes of a table of factors.
@@ -202,7 +202,7 @@ impl Weights for Light<'_> {
 }
 
 impl<P: Precision> Shader<P> for Modulated<P> {
-    const LIT: bool = true;
+    type Asked = SamplesAndGradients;
     const MODULATES: bool = true;
 
     fn reads_normals(&self) -> bool {

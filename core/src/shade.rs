@@ -51,10 +51,34 @@ pub const LIGHTS_MAX: usize = 8;
 /// The largest log2 of a specular exponent (256).
 pub const EXPONENT_LOG2_MAX: u32 = 8;
 
+/// What a shader asks of the source of samples: pipelines that ask the same share their source.
+pub trait Asked: Copy + core::fmt::Debug + Sync + 'static {
+    /// Whether gradients are made.
+    const GRADIENTS: bool;
+}
+
+/// Samples.
+#[derive(Clone, Copy, Debug)]
+pub struct SamplesAlone;
+
+/// Samples and their gradients.
+#[derive(Clone, Copy, Debug)]
+pub struct SamplesAndGradients;
+
+impl Asked for SamplesAlone {
+    const GRADIENTS: bool = false;
+}
+
+impl Asked for SamplesAndGradients {
+    const GRADIENTS: bool = true;
+}
+
 /// Turns a classified colour into the one that is composited.
 pub trait Shader<P: Precision>: Sync {
+    /// What it asks of the source of samples.
+    type Asked: Asked;
     /// Whether normals are read. Without them the pipeline holds no gradient rows and two slices instead of four.
-    const LIT: bool;
+    const LIT: bool = Self::Asked::GRADIENTS;
     /// Whether magnitudes of gradients weigh light and opacities ([`modulate`](crate::modulate)). Without it the pipeline holds no row of
     /// them.
     const MODULATES: bool = false;
@@ -126,7 +150,7 @@ impl Weights for Unweighed {
 pub struct Unlit;
 
 impl<P: Precision> Shader<P> for Unlit {
-    const LIT: bool = false;
+    type Asked = SamplesAlone;
 
     #[inline(always)]
     fn shade_row<V: Lanes>(&self, _: [&[i32]; 3], _: &[i32], _: &mut Colours<'_, i32>) {}
@@ -653,7 +677,7 @@ fn least_bright<P: Precision>(p: P, exponent_log2: u32) -> u32 {
 }
 
 impl<P: Precision> Shader<P> for Phong<P> {
-    const LIT: bool = true;
+    type Asked = SamplesAndGradients;
 
     #[inline(always)]
     fn shade_row<V: Lanes>(&self, g: [&[i32]; 3], r: &[i32], colours: &mut Colours<'_, i32>) {

@@ -1,5 +1,6 @@
 //! Rows of pixels, and how a row of samples is folded into them.
 
+use core::iter::zip;
 use core::ops::Range;
 
 use super::{Channel, Dither, Order, Pixel, Recurrence};
@@ -58,6 +59,23 @@ impl<'a, C> PixelRow<'a, C> {
         g.store_as(green, at, C::from_bits);
         b.store_as(blue, at, C::from_bits);
         pixel.transparency.store_as(self.transparency, at, C::from_bits);
+    }
+
+    /// The pixels by whole vectors, whose lengths the compiler knows.
+    #[inline(always)]
+    pub(super) fn vectors<V: Lanes>(&mut self) -> impl Iterator<Item = PixelRow<'_, C>> {
+        let Self {
+            colour: [red, green, blue],
+            transparency,
+        } = self;
+        let colour = zip(
+            red.chunks_exact_mut(V::COUNT),
+            zip(green.chunks_exact_mut(V::COUNT), blue.chunks_exact_mut(V::COUNT)),
+        );
+        zip(colour, transparency.chunks_exact_mut(V::COUNT)).map(|((red, (green, blue)), transparency)| PixelRow {
+            colour: [red, green, blue],
+            transparency,
+        })
     }
 
     /// Some of the pixels.

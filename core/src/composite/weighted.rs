@@ -10,9 +10,12 @@
 //!
 //! Rounding: down (1.31), or with the plane's dither (16 bits), the same for all four. Overflow: none.
 
+use core::iter::zip;
+
 use super::{Channel as _, Dither, Dithered, Pixel, PixelRow, Recurrence, Telescoping31};
 use crate::extinction::Absorption;
 use crate::lanes::{Lanes, Wide as _, places};
+use crate::rows::part;
 
 /// A pixel that takes samples of colour and extinction.
 pub trait Weighted: Recurrence {
@@ -56,15 +59,14 @@ impl Weighted for Dithered {
     }
 }
 
-/// `sum >> (n + 13)`. With 12 fraction bits n is at least 26, and a single lane looks at the upper half alone.
+/// `sum >> (n + 13)`: with 12 fraction bits n is at least 26.
 #[inline(always)]
 fn taken<V: Lanes>(sum: V::Wide, n: u32) -> V {
-    if V::COUNT == 1 {
-        sum.shr(32).narrow().shr_unsigned(n - 19)
-    } else {
-        sum.shr(n + 13).narrow()
-    }
+    sum.shr_upper(n + 13)
 }
+
+/// Samples whose optical depths are found together.
+const BLOCK: usize = 64;
 
 /// Folds a row of samples into its pixels: rows of extinction, red, green and blue, as long as each other. Vectors without
 /// extinction or without light are left out, which changes nothing.
@@ -72,25 +74,92 @@ fn taken<V: Lanes>(sum: V::Wide, n: u32) -> V {
 pub(crate) fn fold_weighted_row<R: Weighted, V: Lanes>(
     recurrence: R,
     row: &mut PixelRow<'_, R::Channel>,
-    [extinction, red, green, blue]: [&[i32]; 4],
+    samples: [&[i32]; 4],
     absorption: Absorption,
     dither: Dither,
     floor: R::Channel,
 ) {
     let floor = V::splat(floor.bits() as i32);
-    for at in places::<V>(extinction.len()) {
-        let t = V::load(extinction, at);
-        if t.all_zero() {
-            continue;
-        }
-        let pixel = row.lanes::<V>(at);
-        if pixel.transparency.all_zero() {
-            continue;
-        }
-        let sample = [t, V::load(red, at), V::load(green, at), V::load(blue, at)];
-        let factor = (absorption.factor(t), absorption.shift);
-        let mut out = recurrence.over_factor(pixel, sample, factor, dither);
-        out.transparency = out.transparency.at_least_then(floor, out.transparency);
-        row.set_lanes(at, out);
+    if V::COUNT == 1 {
+        fold_weighted_block::<R, V>(recurrence, row, samples, (absorption, &[]), (dither, floor));
+        return;
     }
+    // Look-ups take their places from memory. A loop of its own, since the compiler would take a vector apart that is read where it was
+    // written.
+    let mut depths = [0; BLOCK];
+    let [extinction, ..] = samples;
+    let mut first = 0;
+    while first < extinction.len() {
+        let block = first..(first + BLOCK).min(extinction.len());
+        let samples = samples.map(|run| part(run, block.clone()));
+        let [extinction, ..] = samples;
+        for at in places::<V>(extinction.len()) {
+            absorption.depth(V::load(extinction, at)).store(&mut depths, at);
+        }
+        let row = &mut row.span(block);
+        fold_weighted_block::<R, V>(recurrence, row, samples, (absorption, &depths), (dither, floor));
+        first += BLOCK;
+    }
+}
+
+/// Folds samples of these depths; one lane finds them itself.
+#[inline(always)]
+fn fold_weighted_block<R: Weighted, V: Lanes>(
+    recurrence: R,
+    row: &mut PixelRow<'_, R::Channel>,
+    [extinction, red, green, blue]: [&[i32]; 4],
+    (absorption, depths): (Absorption, &[i32]),
+    (dither, floor): (Dither, V),
+) {
+    let samples = zip(
+        zip(extinction.chunks_exact(V::COUNT), red.chunks_exact(V::COUNT)),
+        zip(green.chunks_exact(V::COUNT), blue.chunks_exact(V::COUNT)),
+    );
+    let mut at = 0;
+    for (mut row, ((t, red), (green, blue))) in zip(row.vectors::<V>(), samples) {
+        fold_weighted::<R, V>(
+            recurrence,
+            &mut row,
+            [t, red, green, blue],
+            (absorption, part(depths, at..at + V::COUNT)),
+            (dither, floor),
+        );
+        at += V::COUNT;
+    }
+    if V::COUNT > 1 && at < extinction.len() {
+        let rest = at..extinction.len();
+        let samples = [extinction, red, green, blue].map(|run| part(run, rest.clone()));
+        fold_weighted::<R, V>(
+            recurrence,
+            &mut row.span(rest),
+            samples,
+            (absorption, part(depths, at..at + V::COUNT)),
+            (dither, floor),
+        );
+    }
+}
+
+/// Folds a vector.
+#[inline(always)]
+fn fold_weighted<R: Weighted, V: Lanes>(
+    recurrence: R,
+    row: &mut PixelRow<'_, R::Channel>,
+    [extinction, red, green, blue]: [&[i32]; 4],
+    (absorption, depths): (Absorption, &[i32]),
+    (dither, floor): (Dither, V),
+) {
+    let t = V::load(extinction, 0);
+    let transparency: V = V::load_as(row.transparency, 0, R::Channel::bits);
+    if t.all_zero() || transparency.all_zero() {
+        return;
+    }
+    let sample = [t, V::load(red, 0), V::load(green, 0), V::load(blue, 0)];
+    let factor = if V::COUNT == 1 {
+        absorption.factor(t)
+    } else {
+        absorption.factor_at(depths, 0)
+    };
+    let mut out = recurrence.over_factor(row.lanes::<V>(0), sample, (factor, absorption.shift), dither);
+    out.transparency = out.transparency.at_least_then(floor, out.transparency);
+    row.set_lanes(0, out);
 }

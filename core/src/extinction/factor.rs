@@ -138,8 +138,22 @@ impl Absorption {
     /// The factors of samples of extinction, 15.S. With one lane this function is the definition.
     #[inline(always)]
     pub fn factor<V: Lanes>(self, extinction: V) -> V {
-        let scale = V::splat(self.scale as i32);
-        scale_by(scale, phi(extinction.product(scale).shr(self.shift).narrow()))
+        const { assert!(V::COUNT <= 16) };
+        let mut depths = [0; 16];
+        self.depth(extinction).store(&mut depths, 0);
+        self.factor_at(&depths, 0)
+    }
+
+    /// The optical depths of samples of extinction, u4.28.
+    #[inline(always)]
+    pub(crate) fn depth<V: Lanes>(self, extinction: V) -> V {
+        extinction.product(V::splat(self.scale as i32)).shr(self.shift).narrow()
+    }
+
+    /// The factors of optical depths `at ..` of a row.
+    #[inline(always)]
+    pub(crate) fn factor_at<V: Lanes>(self, depths: &[i32], at: usize) -> V {
+        scale_by(V::splat(self.scale as i32), phi(depths, at))
     }
 }
 
@@ -149,18 +163,15 @@ fn scale_by<V: Lanes>(scale: V, phi: V) -> V {
     phi.product31(scale)
 }
 
-/// phi of optical depths, u4.28 to u1.31.
+/// phi of the optical depths `at ..` of a row, u4.28 to u1.31.
 #[inline(always)]
-pub fn phi<V: Lanes>(depth: V) -> V {
-    const { assert!(V::COUNT <= 16) };
+pub fn phi<V: Lanes>(depths: &[i32], at: usize) -> V {
     let coding = Coding {
         offset: 0,
         bits: FRACTION_BITS,
     };
-    // Look-ups take their places from memory.
-    let mut depths = [0; 16];
-    depth.store(&mut depths, 0);
-    let [here, next] = V::look_up(&PHI, &depths, 0, coding);
+    let [here, next] = V::look_up(&PHI, depths, at, coding);
+    let depth = V::load(depths, at);
     let fraction = depth & V::splat((1 << FRACTION_BITS) - 1);
     let falls = here.wrapping_sub(next).product(fraction) + V::Wide::splat(1 << (FRACTION_BITS - 1));
     here.wrapping_sub(falls.shr_narrow(FRACTION_BITS))
@@ -175,7 +186,7 @@ mod tests {
     }
 
     fn of_depth(depth: u32) -> u32 {
-        phi(depth as i32) as u32
+        phi::<i32>(&[depth as i32], 0) as u32
     }
 
     /// The compiler's whole numbers against f64, whose own error is 1e-6 of them.

@@ -3,10 +3,7 @@
 //! Source: `docs/contract/extinction.md`, "Gradient". A code is read as eighths of a voxel, so that the row kernels of voxels, their
 //! ghosts beyond a face and their doubled differences have the range that they are made for, and no bit of the code is lost.
 
-use crate::composite::Colours;
-use crate::lanes::Lanes;
 use crate::precision::{Formats, Precision};
-use crate::shade::Shader;
 
 /// A precision whose voxels are eighths ([`Precision::VOXEL_FRACTION`]): extinctions of which gradients are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,20 +23,6 @@ impl<P: Precision> Precision for Eighths<P> {
     fn pixel(self) -> P::Pixel {
         self.0.pixel()
     }
-}
-
-/// Asks a source of samples for gradients; what is done with them is another's.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Slopes;
-
-impl<P: Precision> Shader<P> for Slopes {
-    const LIT: bool = true;
-
-    #[inline(always)]
-    fn shade_row<V: Lanes>(&self, _: [&[i32]; 3], _: &[i32], _: &mut Colours<'_, i32>) {}
-
-    #[inline(always)]
-    fn shade_weighted_row<V: Lanes>(&self, _: [&[i32]; 3], _: &[i32], _: &[i32], _: [&mut [i32]; 3]) {}
 }
 
 #[cfg(test)]

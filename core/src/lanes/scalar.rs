@@ -1,6 +1,6 @@
 //! One lane: the scalar definition.
 
-use super::{Lanes, Wide};
+use super::{Kernel, Lanes, Wide};
 use crate::reciprocal::reciprocal;
 use crate::root::reciprocal_root;
 use crate::table::Coding;
@@ -9,6 +9,16 @@ impl Lanes for i32 {
     type Wide = i64;
     type Halves = u16;
     const COUNT: usize = 1;
+
+    /// A function for each kernel, as of vectors: pipelines share it, and it shares no registers with what surrounds it.
+    #[inline(always)]
+    fn enter<K: Kernel>(kernel: K) -> K::Output {
+        #[inline(never)]
+        fn entry<K: Kernel>(kernel: K) -> K::Output {
+            kernel.run()
+        }
+        if K::BRIEF { kernel.run() } else { entry(kernel) }
+    }
 
     #[inline(always)]
     fn splat(bits: i32) -> Self {
@@ -183,6 +193,11 @@ impl Wide for i64 {
     #[inline(always)]
     fn times(self, other: i32) -> Self {
         self * Self::from(other as u32)
+    }
+    /// Of the upper half alone.
+    #[inline(always)]
+    fn shr_upper(self, by: u32) -> i32 {
+        ((self as u64 >> 32) as u32 >> (by - 32)) as i32
     }
     #[inline(always)]
     fn shr_to_one(self, by: u32) -> Self {

@@ -266,6 +266,10 @@ impl Wide for SmallWide {
         }
     }
     #[inline(always)]
+    fn shr_upper(self, by: u32) -> Small {
+        Small(self.0.shr_upper(by))
+    }
+    #[inline(always)]
     fn shr_to_one(self, by: u32) -> Self {
         Self(self.0.shr_to_one(by))
     }

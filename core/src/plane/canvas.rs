@@ -241,6 +241,7 @@ pub(super) struct AllFinished;
 
 impl<C: Channel, V: Lanes> Kernel for (AllFinished, PhantomData<V>, &[C]) {
     type Output = bool;
+    const BRIEF: bool = true;
 
     #[inline(always)]
     fn run(self) -> bool {
@@ -253,6 +254,7 @@ struct Visible;
 
 impl<C: Channel, O: Order, V: Lanes> Kernel for (Visible, PhantomData<(O, V)>, &[i32], &[C], usize) {
     type Output = Option<Range<usize>>;
+    const BRIEF: bool = true;
 
     #[inline(always)]
     fn run(self) -> Option<Range<usize>> {
@@ -274,6 +276,7 @@ impl<R: Recurrence, O: Order, V: Lanes> Kernel
     )
 {
     type Output = ();
+    const BRIEF: bool = true;
 
     #[inline(always)]
     fn run(self) {

@@ -182,8 +182,8 @@ where
             let Some((before, ahead, [front_kept, kept])) = before else {
                 return;
             };
-            let sheared = Sheared::<P, V, S>::new(precision, extent, behind, spacing, source, kept);
-            let front = Sheared::<P, V, S>::new(precision, before, ahead, spacing, front, front_kept);
+            let sheared = Sheared::<P, V, S::Asked>::new(precision, extent, behind, spacing, source, kept);
+            let front = Sheared::<P, V, S::Asked>::new(precision, before, ahead, spacing, front, front_kept);
             let mut slabs = Slabs::new([front, sheared], [before, extent], front_gradients);
             let before = Some((before, ahead));
             if V::SMALL {
@@ -196,7 +196,8 @@ where
             }
             return;
         }
-        let mut sheared = Sheared::<P, V, S>::new(precision, extent, behind, spacing, source, KeptRows::default());
+        let mut sheared =
+            Sheared::<P, V, S::Asked>::new(precision, extent, behind, spacing, source, KeptRows::default());
         if V::SMALL {
             let mut rows = WholeRows::new(plane, around, None, support, &mut sheared, met, None);
             fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
@@ -326,7 +327,7 @@ where
         // Behind the first plane there is no segment; a constant, without which no code for them is compiled.
         if C::SLABS {
             let mut kept = kept.filter(|_| !V::SMALL);
-            while let Some(Segments { mut ends, inner, .. }) = parts.segments(window, S::LIT) {
+            while let Some(Segments { mut ends, inner, .. }) = parts.segments::<V>(window, S::LIT) {
                 let narrowed = tap.is_none() && rest.narrow(plan, &mut ends, true, (first, met));
                 let [front, back] = &ends;
                 let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
@@ -349,7 +350,7 @@ where
             }
             return Ok(());
         }
-        while let Some(mut samples) = parts.samples(window) {
+        while let Some(mut samples) = parts.samples::<V>(window) {
             if seen.is_none() && tap.is_none() {
                 rest.narrow(plan, core::slice::from_mut(&mut samples), false, (first, met));
             }

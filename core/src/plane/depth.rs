@@ -18,7 +18,7 @@ use crate::lanes::{Kernel, Lanes, Small, places};
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::part_mut;
-use crate::shade::Unlit;
+use crate::shade::SamplesAlone;
 use crate::slice::Code12;
 use crate::surface::{Crossings, Surface, SurfaceError, check, position, ranks, threshold};
 use crate::tap::Tap;
@@ -137,7 +137,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
         }
         let mut parts = Parts::of(plan, plane, Columns::Alone);
         let (spacing, mut kept) = (plan.spacing(), kept.filter(|_| !V::SMALL));
-        while let Some(Segments { mut ends, inner, way }) = parts.segments(&at.window, false) {
+        while let Some(Segments { mut ends, inner, way }) = parts.segments::<V>(&at.window, false) {
             let narrowed = rest.narrow(plan, &mut ends, true, (rows.first, count));
             let [front, back] = &ends;
             let (ahead, window, extent, behind) = (&front.extent, &front.window, &back.extent, &back.window);
@@ -146,8 +146,10 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
                 _ => Default::default(),
             };
             let Scratch { source, front, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
-            let mut front = Sheared::<P, V, Unlit>::new(self.precision, ahead, window, spacing, front, front_rows);
-            let mut back = Sheared::<P, V, Unlit>::new(self.precision, extent, behind, spacing, source, back_rows);
+            let mut front =
+                Sheared::<P, V, SamplesAlone>::new(self.precision, ahead, window, spacing, front, front_rows);
+            let mut back =
+                Sheared::<P, V, SamplesAlone>::new(self.precision, extent, behind, spacing, source, back_rows);
             let clipped = Clipped::of(&rest, extent, 0);
             for row in extent.met(rows.first, count) {
                 let (front_row, back_row) = (ahead.voxel_row(row), extent.voxel_row(row));

@@ -155,6 +155,7 @@ struct OpacityRow;
 
 impl<C: Classifier<P>, P: Precision, V: Lanes> Kernel for (OpacityRow, &Kernels<'_, C, P, V>, Slab<'_>, &mut [i32]) {
     type Output = ();
+    const BRIEF: bool = true;
 
     #[inline(always)]
     fn run(self) {
@@ -181,6 +182,7 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> Kernel
     for (ColourRow, &Kernels<'_, C, P, V>, Slab<'_>, [&mut [i32]; 3])
 {
     type Output = ();
+    const BRIEF: bool = true;
 
     #[inline(always)]
     fn run(self) {

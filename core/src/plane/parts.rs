@@ -11,7 +11,7 @@ use super::extent::Extent;
 use super::slabs::window_behind;
 use crate::borders::{Borders, Part, Side, about_k, along_k, fraction_row};
 use crate::format::{Position, Weight};
-use crate::lanes::Small;
+use crate::lanes::{Lanes, Small};
 use crate::locate::{Cell, Plane, cell, cut, end_plane, inside};
 use crate::plan::Plan;
 use crate::slice::Window;
@@ -215,7 +215,37 @@ impl<'a> Parts<'a> {
 
     /// The next samples.
     #[inline(always)]
-    pub(super) fn samples<'w>(&mut self, window: &Window<'w>) -> Option<Samples<'w>> {
+    pub(super) fn samples<'w, V: Lanes>(&mut self, window: &Window<'w>) -> Option<Samples<'w>> {
+        if V::SMALL {
+            self.next_samples(window)
+        } else {
+            self.samples_once(window)
+        }
+    }
+
+    /// The next segments that end at the plane, given the window of their front ends; none end at the first.
+    #[inline(always)]
+    pub(super) fn segments<'w, V: Lanes>(&mut self, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
+        if V::SMALL {
+            self.next_segments(window, lit)
+        } else {
+            self.segments_once(window, lit)
+        }
+    }
+
+    /// A host has the code once for all pipelines.
+    #[inline(never)]
+    fn samples_once<'w>(&mut self, window: &Window<'w>) -> Option<Samples<'w>> {
+        self.next_samples(window)
+    }
+
+    #[inline(never)]
+    fn segments_once<'w>(&mut self, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
+        self.next_segments(window, lit)
+    }
+
+    #[inline(always)]
+    fn next_samples<'w>(&mut self, window: &Window<'w>) -> Option<Samples<'w>> {
         if let Some(exact) = self.plan.exact() {
             return (exact.samples)(self, window);
         }
@@ -228,9 +258,8 @@ impl<'a> Parts<'a> {
         })
     }
 
-    /// The next segments that end at the plane, given the window of their front ends; none end at the first.
     #[inline(always)]
-    pub(super) fn segments<'w>(&mut self, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
+    fn next_segments<'w>(&mut self, window: &Window<'w>, lit: bool) -> Option<Segments<'w>> {
         if self.plan.exact().is_some() {
             return exact_segments(self, window, lit);
         }
@@ -487,7 +516,7 @@ mod tests {
                     for columns in [Columns::InRows, Columns::InBlocks, Columns::Alone] {
                         let mut parts = Parts::of(&plan, &at, columns);
                         let mut found = BTreeMap::new();
-                        while let Some(samples) = parts.samples(&window) {
+                        while let Some(samples) = parts.samples::<i32>(&window) {
                             noted(&mut found, &samples)?;
                         }
                         let side = |axis, start| Side::of(&plan, start, axis, index);
@@ -499,7 +528,7 @@ mod tests {
                     let at = end_plane(&plan, phase, index + 1);
                     let mut parts = Parts::of(&plan, &at, Columns::InRows);
                     let mut found = [BTreeMap::new(), BTreeMap::new()];
-                    while let Some(Segments { ends, inner, .. }) = parts.segments(&window, true) {
+                    while let Some(Segments { ends, inner, .. }) = parts.segments::<i32>(&window, true) {
                         for (found, end) in found.iter_mut().zip(&ends) {
                             noted(found, end)?;
                         }

@@ -14,7 +14,7 @@ use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::project::{Projection, pixel};
 use crate::rows::{part, part_mut};
-use crate::shade::Unlit;
+use crate::shade::SamplesAlone;
 use crate::slice::Code12;
 use crate::stage::Stage;
 use crate::tap::{Beam, Tap};
@@ -93,13 +93,13 @@ impl<P: Precision, C: Classifier<P>, X: Projection> Pipeline for Project<P, C, X
             return Ok(());
         }
         let mut parts = Parts::of(plan, plane, Columns::Alone);
-        while let Some(mut samples) = parts.samples(&at.window) {
+        while let Some(mut samples) = parts.samples::<V>(&at.window) {
             if tap.is_none() {
                 rest.narrow(plan, core::slice::from_mut(&mut samples), false, (rows.first, count));
             }
             let Samples { extent, window, .. } = samples;
             let Scratch { source, .. } = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
-            let mut source = Sheared::<P, V, Unlit>::new(
+            let mut source = Sheared::<P, V, SamplesAlone>::new(
                 self.precision,
                 &extent,
                 &window,

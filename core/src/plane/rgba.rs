@@ -14,13 +14,13 @@ use super::smooth::{self, Smooth};
 use super::source::{Sheared, Source as _};
 use super::{At, ChannelOf, Pipeline, Rows, composite};
 use crate::composite::{FrontToBack, Pixel, Recurrence as _, Weighted};
-use crate::extinction::{Eighths, Medium, Rgba15, Slopes};
+use crate::extinction::{Eighths, Medium, Rgba15};
 use crate::lanes::{Kernel, Lanes};
 use crate::normalise::normalise_row;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut, three};
-use crate::shade::{Shader, Unlit};
+use crate::shade::{SamplesAlone, SamplesAndGradients, Shader, Unlit};
 use crate::slice::Window;
 use crate::stage::Stage;
 use crate::tap::{Beam, Tap};
@@ -100,7 +100,7 @@ impl<P: Precision, S, F> Rgba<P, S, F> {
 
 /// The source of a channel's samples. The filter decides which it is, so that a pipeline has no code of the other.
 enum Run<'s, 'w, P, V, F> {
-    Linear(Sheared<'s, 'w, P, V, Unlit>),
+    Linear(Sheared<'s, 'w, P, V, SamplesAlone>),
     Smooth(Smooth<'s, 'w, P, V>, PhantomData<F>),
 }
 
@@ -153,7 +153,7 @@ impl<'s, 'w, P: Precision, V: Lanes, F: Filter> Run<'s, 'w, P, V, F> {
 /// The rows of a plane's parts: four channels, and the source of gradients.
 struct Sources<'s, 'w, P, V, F> {
     channels: [Run<'s, 'w, P, V, F>; 4],
-    slopes: Sheared<'s, 'w, Eighths<P>, V, Slopes>,
+    slopes: Sheared<'s, 'w, Eighths<P>, V, SamplesAndGradients>,
     g: [&'s mut [i32]; 3],
     r: &'s mut [i32],
 }
@@ -188,7 +188,12 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
         loop {
             let [t, r, g, b] = &mut parts;
             let [wt, wr, wg, wb] = &windows;
-            let found = [t.samples(wt), r.samples(wr), g.samples(wg), b.samples(wb)];
+            let found = [
+                t.samples::<V>(wt),
+                r.samples::<V>(wr),
+                g.samples::<V>(wg),
+                b.samples::<V>(wb),
+            ];
             let [Some(t), Some(r), Some(g), Some(b)] = found else {
                 return Ok(());
             };

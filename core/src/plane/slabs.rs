@@ -13,7 +13,7 @@ use super::source::{Sheared, Source, SourceAt};
 use crate::classify::Slab;
 use crate::lanes::{Kernel, Lanes, places};
 use crate::precision::Precision;
-use crate::shade::Shader;
+use crate::shade::Asked;
 use crate::slice::Window;
 use crate::surface::turned;
 
@@ -34,19 +34,19 @@ pub(super) fn window_behind<'w>(window: &Window<'w>, further: bool, lit: bool) -
 }
 
 /// Rows of slabs of sheared rays.
-pub(super) struct Slabs<'s, 'w, P, V, S> {
-    front: Sheared<'s, 'w, P, V, S>,
-    back: Sheared<'s, 'w, P, V, S>,
+pub(super) struct Slabs<'s, 'w, P, V, A> {
+    front: Sheared<'s, 'w, P, V, A>,
+    back: Sheared<'s, 'w, P, V, A>,
     /// From a voxel row of the back plane to that of the front plane.
     rows: i32,
     gradients: [&'s mut [i32]; 3],
 }
 
-impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Slabs<'s, 'w, P, V, S> {
+impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Slabs<'s, 'w, P, V, A> {
     /// Slabs between two planes whose extents cover the same pixels.
     #[inline(always)]
     pub(super) fn new(
-        [front, back]: [Sheared<'s, 'w, P, V, S>; 2],
+        [front, back]: [Sheared<'s, 'w, P, V, A>; 2],
         [front_extent, back_extent]: [&Extent; 2],
         gradients: [&'s mut [i32]; 3],
     ) -> Self {
@@ -59,7 +59,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Slabs<'s, 'w, P, V, S> {
     }
 }
 
-impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Slabs<'_, '_, P, V, S> {
+impl<P: Precision, V: Lanes, A: Asked> Source<i32> for Slabs<'_, '_, P, V, A> {
     #[inline(always)]
     fn make(&mut self, row: i32) {
         self.front.make(row.wrapping_add(self.rows));
@@ -85,7 +85,7 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Slabs<'_, '_, P, V, S
             .map(|row| row.get_mut(..len).unwrap_or(&mut []));
         let front = row.wrapping_add(self.rows);
         self.front.gradients(front, span, None, [&mut *fx, &mut *fy, &mut *fz]);
-        if S::LIT {
+        if A::GRADIENTS {
             let fronts = [&*fx, &*fy, &*fz];
             match turns {
                 None => V::enter((Sum, PhantomData::<V>, [x, y, z], fronts)),

@@ -15,7 +15,7 @@ use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::quadratic::{is_behind, slopes, weights, x_row, x_slope_row, y_row, y_slope_row, z_row, z_slope_row};
 use crate::rows::{part, part_mut, three};
-use crate::shade::Shader;
+use crate::shade::Asked;
 use crate::slice::{RowRange, Slice, Window};
 
 /// Rows of samples of one plane. A row is named by the voxel row before its samples.
@@ -177,7 +177,7 @@ impl<P: Precision, V: Lanes> Kernel for (MakeRow, &mut Smooth<'_, '_, P, V>, i32
 }
 
 /// Rows of samples of values, and of their gradients: those of the spline itself, of the same 27 voxels.
-pub(super) struct Sloped<'s, 'w, P, V, S> {
+pub(super) struct Sloped<'s, 'w, P, V, A> {
     smooth: Smooth<'s, 'w, P, V>,
     spacing: [Intensity; 3],
     /// Slopes along z, of three voxel rows, as [`Smooth`] has its rows.
@@ -185,10 +185,10 @@ pub(super) struct Sloped<'s, 'w, P, V, S> {
     z_row: [i32; 3],
     /// What is made along y, on its way to x.
     y: &'s mut [i32],
-    shader: PhantomData<S>,
+    asked: PhantomData<A>,
 }
 
-impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sloped<'s, 'w, P, V, S> {
+impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Sloped<'s, 'w, P, V, A> {
     #[inline(always)]
     pub(super) fn new(
         precision: P,
@@ -208,7 +208,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sloped<'s, 'w, P, V, S> {
             }),
             z_row: [NO_ROW; 3],
             y,
-            shader: PhantomData,
+            asked: PhantomData,
         }
     }
 
@@ -264,7 +264,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sloped<'s, 'w, P, V, S> {
     }
 }
 
-impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sloped<'_, '_, P, V, S> {
+impl<P: Precision, V: Lanes, A: Asked> Source<i32> for Sloped<'_, '_, P, V, A> {
     #[inline(always)]
     fn make(&mut self, row: i32) {
         self.smooth.make(row);
@@ -278,7 +278,7 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sloped<'_, '_, P, V, 
     #[inline(always)]
     fn gradients(&mut self, row: i32, span: Range<usize>, _: Option<&[i32]>, out: [&mut [i32]; 3]) {
         // Unlit pipelines have no such code.
-        if S::LIT {
+        if A::GRADIENTS {
             V::enter((MakeGradients, self, row, span, out));
         }
     }
@@ -286,10 +286,10 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sloped<'_, '_, P, V, 
 
 struct MakeGradients;
 
-impl<P: Precision, V: Lanes, S: Shader<P>> Kernel
+impl<P: Precision, V: Lanes, A: Asked> Kernel
     for (
         MakeGradients,
-        &mut Sloped<'_, '_, P, V, S>,
+        &mut Sloped<'_, '_, P, V, A>,
         i32,
         Range<usize>,
         [&mut [i32]; 3],

@@ -18,7 +18,7 @@ use crate::interpolate::{Difference, extend_ends, extend_row, yx_row, yx_row_in_
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::rows::{part, part_mut, three};
-use crate::shade::Shader;
+use crate::shade::Asked;
 use crate::slice::{Slice, Window};
 
 /// Rows of samples and gradients of one plane, in words `W`. A row is named by the voxel row before its samples.
@@ -102,7 +102,7 @@ impl Samples<'_> {
 /// In lit scenes every buffer has a place for the voxel before the first and one for the voxel behind the last (the volume
 /// continued linearly), because gradients look one sample beyond the row. So it has where samples at an end lie beyond the voxels
 /// and are held to them: there the last voxel stands behind itself, whatever the weight.
-pub(super) struct Sheared<'s, 'w, P, V, S> {
+pub(super) struct Sheared<'s, 'w, P, V, A> {
     extent: &'s Extent,
     window: &'s Window<'w>,
     /// Place of the first voxel, and of the sample behind it, in a row.
@@ -116,10 +116,10 @@ pub(super) struct Sheared<'s, 'w, P, V, S> {
     /// Which row and which of its columns the derivatives are of.
     made: [(usize, Range<usize>); 2],
     precision: P,
-    kinds: PhantomData<(V, S)>,
+    kinds: PhantomData<(V, A)>,
 }
 
-impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
+impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Sheared<'s, 'w, P, V, A> {
     #[inline(always)]
     pub(super) fn new(
         precision: P,
@@ -129,7 +129,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         rows: SourceRows<'s, i32>,
         kept: KeptRows<'s>,
     ) -> Self {
-        let first = usize::from(S::LIT || extent.is_wide());
+        let first = usize::from(A::GRADIENTS || extent.is_wide());
         let len = window.near.width() + 2 * first;
         let cut = |row: &'s mut [i32]| {
             let len = len.min(row.len());
@@ -160,7 +160,9 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
     /// A row of samples with its places beyond the volume.
     #[inline(always)]
     fn whole(&self, row: i32) -> &[i32] {
-        self.samples.at::<V>(row, S::LIT).map_or(&[], |(_, samples)| samples)
+        self.samples
+            .at::<V>(row, A::GRADIENTS)
+            .map_or(&[], |(_, samples)| samples)
     }
 
     /// Places of the samples of a plane's extent.
@@ -177,7 +179,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
     #[inline(always)]
     pub(super) fn samples_mut(&mut self, row: i32) -> &mut [i32] {
         let places = self.places();
-        match self.samples.at_mut::<V>(row, S::LIT) {
+        match self.samples.at_mut::<V>(row, A::GRADIENTS) {
             Some((name, samples)) => {
                 *name = NO_ROW;
                 part_mut(samples, places)
@@ -194,7 +196,11 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
 
     #[inline(always)]
     fn make_row(&mut self, row: i32) {
-        if self.samples.at::<V>(row, S::LIT).is_some_and(|(held, _)| held == row) {
+        if self
+            .samples
+            .at::<V>(row, A::GRADIENTS)
+            .is_some_and(|(held, _)| held == row)
+        {
             return;
         }
         if V::SMALL {
@@ -214,14 +220,14 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
     #[inline(always)]
     fn make_anew(&mut self, row: i32) {
         let extent = self.extent;
-        let beyond = if S::LIT { extent.height } else { extent.height - 1 };
+        let beyond = if A::GRADIENTS { extent.height } else { extent.height - 1 };
         // Behind the last row there is none; its weight is zero.
         let next = if row < beyond { row + 1 } else { row };
-        if !S::LIT && !V::SMALL && extent.in_slice() {
+        if !A::GRADIENTS && !V::SMALL && extent.in_slice() {
             let voxels = |row: i32| self.window.near.row(row.max(0) as usize);
             let (a, b) = (voxels(row), voxels(next));
             let (p, first, places) = (self.precision, self.first, self.places());
-            if let Some((key, out)) = self.samples.at_mut::<V>(row, S::LIT) {
+            if let Some((key, out)) = self.samples.at_mut::<V>(row, A::GRADIENTS) {
                 yx_row_in_slice::<P, V>(p, a, b, extent.weights(), part_mut(out, first..first + a.len()));
                 let at = |place: usize, (a, b): (Option<&u16>, Option<&u16>), out: &mut [i32]| {
                     if let (Some(a), Some(b)) = (a, b) {
@@ -246,11 +252,11 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         let [even, odd] = &self.z;
         let pick = |row: i32| if row & 1 == 0 { &**even } else { &**odd };
         let (a, b, in_slice) = (pick(row), pick(next), extent.in_slice());
-        let slot = Samples::slot(row, S::LIT);
-        if let Some((key, out)) = self.samples.at_mut::<V>(row, S::LIT) {
+        let slot = Samples::slot(row, A::GRADIENTS);
+        if let Some((key, out)) = self.samples.at_mut::<V>(row, A::GRADIENTS) {
             yx_row::<P, V>(p, a, b, in_slice, extent.weights(), out);
             *key = row;
-            if !S::LIT || !extent.is_wide() {
+            if !A::GRADIENTS || !extent.is_wide() {
                 return;
             }
             let ends = [places.start, places.end - 1].into_iter().zip(faces).zip(extent.held);
@@ -296,7 +302,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Sheared<'s, 'w, P, V, S> {
         let rows = |row: i32| (window.near.row(row as usize), far.row(row as usize));
         let (near_row, far_row) = rows(edge);
         z_row::<P, V>(self.precision, near_row, far_row, weight, part_mut(out, voxels.clone()));
-        if S::LIT {
+        if A::GRADIENTS {
             if edge != row {
                 // One row beyond a face: twice the edge less the row inside it.
                 let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
@@ -440,7 +446,7 @@ pub(super) fn spaced<P: Precision, V: Lanes>(p: P, [gx, gy, gz]: [&mut [i32]; 3]
     }
 }
 
-impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sheared<'_, '_, P, V, S> {
+impl<P: Precision, V: Lanes, A: Asked> Source<i32> for Sheared<'_, '_, P, V, A> {
     #[inline(always)]
     fn make(&mut self, row: i32) {
         V::enter((MakeRow, self, row));
@@ -454,7 +460,7 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sheared<'_, '_, P, V,
     #[inline(always)]
     fn gradients(&mut self, row: i32, span: Range<usize>, _: Option<&[i32]>, out: [&mut [i32]; 3]) {
         // Unlit pipelines have no such code.
-        if S::LIT {
+        if A::GRADIENTS {
             V::enter((MakeGradients, self, row, span, out));
         }
     }
@@ -462,7 +468,7 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Source<i32> for Sheared<'_, '_, P, V,
 
 struct MakeRow;
 
-impl<P: Precision, V: Lanes, S: Shader<P>> Kernel for (MakeRow, &mut Sheared<'_, '_, P, V, S>, i32) {
+impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeRow, &mut Sheared<'_, '_, P, V, A>, i32) {
     type Output = ();
 
     #[inline(always)]
@@ -474,10 +480,10 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Kernel for (MakeRow, &mut Sheared<'_,
 
 struct MakeGradients;
 
-impl<P: Precision, V: Lanes, S: Shader<P>> Kernel
+impl<P: Precision, V: Lanes, A: Asked> Kernel
     for (
         MakeGradients,
-        &mut Sheared<'_, '_, P, V, S>,
+        &mut Sheared<'_, '_, P, V, A>,
         i32,
         Range<usize>,
         [&mut [i32]; 3],

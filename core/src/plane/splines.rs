@@ -81,7 +81,7 @@ where
         let clipped = Clipped::of(rest, extent, precision.pixel().colour_bits());
         batch.opacities = part_mut(batch.opacities, 0..n);
         let (met, support) = (extent.met(first, count), (support, clipped.as_ref()));
-        let mut sloped = Sloped::<P, V, S>::new(precision, extent, window, plan.spacing(), (samples, slopes));
+        let mut sloped = Sloped::<P, V, S::Asked>::new(precision, extent, window, plan.spacing(), (samples, slopes));
         let around = (extent, window);
         if V::SMALL {
             let mut rows = WholeRows::new(plane, around, None, support, &mut sloped, met, None).by_splines();
@@ -149,7 +149,7 @@ where
             return Ok(());
         }
         let mut parts = Parts::of(plan, plane, Columns::Alone);
-        while let Some(mut samples) = parts.samples(window) {
+        while let Some(mut samples) = parts.samples::<V>(window) {
             if tap.is_none() {
                 rest.narrow(plan, core::slice::from_mut(&mut samples), false, (first, count));
             }

@@ -264,7 +264,7 @@ where
         let shader = Towards(Kernels::<S, P, V>::of(shader, precision));
         let (source_rows, mut batch) = memory;
         batch.opacities = part_mut(batch.opacities, 0..columns.len());
-        let mut source = Source::<P, V, S>::new(
+        let mut source = Source::<P, V, S::Asked>::new(
             precision,
             (plan, spread, plane),
             lines,

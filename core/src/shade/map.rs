@@ -19,7 +19,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::{Classified, Coloured, Matter, Phong, Shader, Unweighed};
+use super::{Classified, Coloured, Matter, Phong, SamplesAndGradients, Shader, Unweighed};
 use crate::composite::Colours;
 use crate::lanes::{Lanes, Wide as _, places};
 use crate::normalise::{block, normalise};
@@ -354,7 +354,7 @@ impl<V: Lanes> Place<V> {
 }
 
 impl<M: AsRef<[u32]> + Sync, P: Precision> Shader<P> for Mapped<M, P> {
-    const LIT: bool = true;
+    type Asked = SamplesAndGradients;
 
     fn reads_normals(&self) -> bool {
         false

@@ -428,10 +428,6 @@ impl<L: Pipeline, V: Lanes> FoldPlane<L::Voxel> for OfLanes<'_, '_, L, V> {
             tap,
             width,
         } = &mut *self.0;
-        let tap: Option<&mut dyn Tap> = match tap {
-            Some(tap) => Some(&mut **tap),
-            None => None,
-        };
         // Rows that come and go are not kept.
         let kept = kept.as_mut().filter(|_| pixels.is_none());
         let (width, row_len) = (*width, *width * L::CHANNELS);
@@ -443,10 +439,7 @@ impl<L: Pipeline, V: Lanes> FoldPlane<L::Voxel> for OfLanes<'_, '_, L, V> {
         }
         let is_cut = columns.len() < width;
         if is_cut {
-            own.clear();
-            for run in data.chunks_exact(width) {
-                own.extend_from_slice(&run[columns.clone()]);
-            }
+            take_columns(data, width, &columns, own);
         }
         // Named once for each width: it is a program of its own wherever it is named.
         let rows = Rows {
@@ -454,20 +447,40 @@ impl<L: Pipeline, V: Lanes> FoldPlane<L::Voxel> for OfLanes<'_, '_, L, V> {
             data: if is_cut { own } else { &mut *data },
         };
         if V::COUNT == 1 && !V::SMALL {
+            let tap: Option<&mut dyn Tap> = match tap {
+                Some(tap) => Some(&mut **tap),
+                None => None,
+            };
             fold_native(*pipeline, at, rows, scratch, kept, tap)?;
         } else {
-            pipeline.fold::<V>(at, rows, scratch, kept, tap)?;
+            // Observers are shown one lane (`fold_tiles_tapped`), and vectors have no code for them.
+            pipeline.fold::<V>(at, rows, scratch, kept, None)?;
         }
         if is_cut {
-            for (run, own) in data.chunks_exact_mut(width).zip(own.chunks_exact(columns.len())) {
-                run[columns.clone()].copy_from_slice(own);
-            }
+            put_columns(data, width, &columns, own);
         }
         Ok(())
     }
 
     fn finished(&self, plan: &Plan) -> bool {
         self.0.pipeline.finished::<V>(plan, self.0.rows.data)
+    }
+}
+
+/// Copies some columns of runs of a width. Pipelines with the same elements share it.
+#[inline(never)]
+fn take_columns<E: Copy>(runs: &[E], width: usize, columns: &Range<usize>, own: &mut Vec<E>) {
+    own.clear();
+    for run in runs.chunks_exact(width) {
+        own.extend_from_slice(&run[columns.clone()]);
+    }
+}
+
+/// Puts them back.
+#[inline(never)]
+fn put_columns<E: Copy>(runs: &mut [E], width: usize, columns: &Range<usize>, own: &[E]) {
+    for (run, own) in runs.chunks_exact_mut(width).zip(own.chunks_exact(columns.len())) {
+        run[columns.clone()].copy_from_slice(own);
     }
 }
 

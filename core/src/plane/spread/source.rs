@@ -14,7 +14,7 @@ use crate::perspective::{ALONG_K, Line, Spread, Way, square};
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut, three};
-use crate::shade::Shader;
+use crate::shade::Asked;
 use crate::slice::Window;
 
 /// Rows of samples of rays that spread, of one plane.
@@ -34,7 +34,7 @@ pub(super) trait Spreads<W> {
 }
 
 /// A plane's rows on their way.
-pub(super) struct Source<'s, 'w, P, V, S> {
+pub(super) struct Source<'s, 'w, P, V, A> {
     window: &'s Window<'w>,
     /// Columns of the image that have a sample.
     columns: Range<usize>,
@@ -54,13 +54,13 @@ pub(super) struct Source<'s, 'w, P, V, S> {
     /// Columns of voxels that samples and gradients look at.
     voxels: Range<usize>,
     precision: P,
-    kinds: PhantomData<(V, S)>,
+    kinds: PhantomData<(V, A)>,
 }
 
 /// A derivative row that none is.
 const NONE: usize = usize::MAX;
 
-impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Source<'s, 'w, P, V, S> {
+impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
     #[inline(always)]
     pub(super) fn new(
         precision: P,
@@ -112,7 +112,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Source<'s, 'w, P, V, S> {
     /// Where a voxel row's interpolation along z lies.
     #[inline(always)]
     fn slot(row: i32) -> usize {
-        (row & if S::LIT { 3 } else { 1 }) as usize
+        (row & if A::GRADIENTS { 3 } else { 1 }) as usize
     }
 
     /// Places of the voxels that are looked at, with those beyond faces, in a row.
@@ -173,7 +173,7 @@ impl<'s, 'w, P: Precision, V: Lanes, S: Shader<P>> Source<'s, 'w, P, V, S> {
     #[inline(always)]
     fn make_y(&mut self, row: i32, number: usize) {
         let height = self.window.near.height() as i32;
-        let beyond = if S::LIT { height } else { height - 1 };
+        let beyond = if A::GRADIENTS { height } else { height - 1 };
         // Behind the last row there is none; its weight is zero.
         let next = if row < beyond { row + 1 } else { row };
         self.make_z(row);
@@ -307,7 +307,7 @@ fn along_y<P: Precision, V: Lanes>(p: P, [a, b]: [&[i32]; 2], weight: Weight, ou
     }
 }
 
-impl<P: Precision, V: Lanes, S: Shader<P>> Spreads<i32> for Source<'_, '_, P, V, S> {
+impl<P: Precision, V: Lanes, A: Asked> Spreads<i32> for Source<'_, '_, P, V, A> {
     #[inline(always)]
     fn voxel_row(&self, row: u32) -> i32 {
         cell(self.line.at(row)).index
@@ -331,7 +331,7 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Spreads<i32> for Source<'_, '_, P, V,
     #[inline(always)]
     fn gradients(&mut self, span: Range<usize>, out: [&mut [i32]; 3]) {
         // Unlit pipelines have no such code.
-        if S::LIT {
+        if A::GRADIENTS {
             V::enter((MakeGradients, self, span, out));
         }
     }
@@ -344,7 +344,7 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Spreads<i32> for Source<'_, '_, P, V,
 
 struct MakeRow;
 
-impl<P: Precision, V: Lanes, S: Shader<P>> Kernel for (MakeRow, &mut Source<'_, '_, P, V, S>, u32) {
+impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeRow, &mut Source<'_, '_, P, V, A>, u32) {
     type Output = ();
 
     #[inline(always)]
@@ -356,10 +356,10 @@ impl<P: Precision, V: Lanes, S: Shader<P>> Kernel for (MakeRow, &mut Source<'_, 
 
 struct MakeGradients;
 
-impl<P: Precision, V: Lanes, S: Shader<P>> Kernel
+impl<P: Precision, V: Lanes, A: Asked> Kernel
     for (
         MakeGradients,
-        &mut Source<'_, '_, P, V, S>,
+        &mut Source<'_, '_, P, V, A>,
         Range<usize>,
         [&mut [i32]; 3],
     )

@@ -608,6 +608,12 @@ impl Wide for Products {
         Avx2(avx2!(_mm256_blend_epi32::<0b1010_1010>(even, odd)))
     }
     #[inline(always)]
+    fn shr_upper(self, by: u32) -> Avx2 {
+        let even = avx2!(_mm256_srl_epi64(self.0, _mm_cvtsi32_si128(by as i32)));
+        let odd = avx2!(_mm256_srl_epi64(self.1, _mm_cvtsi32_si128(by as i32 - 32)));
+        Avx2(avx2!(_mm256_blend_epi32::<0b1010_1010>(even, odd)))
+    }
+    #[inline(always)]
     fn narrow(self) -> Avx2 {
         let odd = avx2!(_mm256_slli_epi64::<32>(self.1));
         Avx2(avx2!(_mm256_blend_epi32::<0b1010_1010>(self.0, odd)))

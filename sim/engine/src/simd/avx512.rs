@@ -228,18 +228,23 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
+        if is_half::<T>() {
+            let halves = avx512!(_mm512_cvtepi32_epi16(self.0));
+            match chunk_mut::<_, 16>(row, at) {
+                Some(place) => avx512!(_mm256_storeu_si256(place.as_mut_ptr().cast(), halves)),
+                None => {
+                    let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
+                    avx512!(_mm256_mask_storeu_epi16(first.cast(), mask, halves));
+                }
+            }
+            return;
+        }
         let lanes = self.to_array();
         match chunk_mut::<_, 16>(row, at) {
             Some(place) => *place = lanes.map(|bits| element(bits as u32)),
             None => {
                 let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
-                if is_half::<T>() {
-                    let elements = lanes.map(|bits| element(bits as u32));
-                    avx512!({
-                        let elements = _mm256_loadu_si256(elements.as_ptr().cast());
-                        _mm256_mask_storeu_epi16(first.cast(), mask, elements);
-                    });
-                } else if is_word::<T>() {
+                if is_word::<T>() {
                     let elements = lanes.map(|bits| element(bits as u32));
                     avx512!({
                         let elements = _mm512_loadu_si512(elements.as_ptr().cast());
@@ -573,6 +578,12 @@ impl Wide for Products {
         // The odd lanes' bits go straight to where they belong.
         let even = avx512!(_mm512_srl_epi64(self.0, _mm_cvtsi32_si128(by as i32)));
         let odd = avx512!(_mm512_sll_epi64(self.1, _mm_cvtsi32_si128(32 - by as i32)));
+        Avx512(avx512!(_mm512_mask_mov_epi32(odd, 0x5555, even)))
+    }
+    #[inline(always)]
+    fn shr_upper(self, by: u32) -> Avx512 {
+        let even = avx512!(_mm512_srl_epi64(self.0, _mm_cvtsi32_si128(by as i32)));
+        let odd = avx512!(_mm512_srl_epi64(self.1, _mm_cvtsi32_si128(by as i32 - 32)));
         Avx512(avx512!(_mm512_mask_mov_epi32(odd, 0x5555, even)))
     }
     #[inline(always)]
