@@ -44,11 +44,6 @@ fn roots_come_back() {
     assert_eq!(root_of(crate::format::Opacity::ONE), 65535);
 }
 
-/// Signed bits.
-fn signed(bits: u16) -> i32 {
-    i32::from(bits as i16)
-}
-
 proptest! {
     #![proptest_config(config(1))]
 

@@ -182,7 +182,7 @@ where
             tap.plane(plane);
         }
         let mut parts = Parts::of(plan, plane, Columns::Alone);
-        while let Some(samples) = parts.samples(window) {
+        while let Some(samples) = parts.samples::<V>(window) {
             let memory = FastScratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
             self.fold_extent::<V>(at, &samples, (first, &mut *data), memory, again(&mut tap));
         }

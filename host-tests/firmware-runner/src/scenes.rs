@@ -228,7 +228,7 @@ impl Named {
     fn in_precision(&self, precision: PrecisionName) -> Scene {
         let code = match precision {
             PrecisionName::Paper => AlphaCodeName::Sqrt8,
-            PrecisionName::Compact => AlphaCodeName::Sqrt16,
+            PrecisionName::Compact | PrecisionName::Fast => AlphaCodeName::Sqrt16,
             PrecisionName::Wide => AlphaCodeName::Colour16,
         };
         Scene {
