@@ -1,4 +1,4 @@
-//! The golden manifest: named frames in three precisions, a checksum for every stage boundary, the base-plane image and
+//! The golden manifest: named frames in three precisions, and in `fast` where it knows them, a checksum for every stage boundary, the base-plane image and
 //! the picture, as `golden/manifest.txt` has them.
 //!
 //! Frames are stated in integers (no sine, no logarithm), so the numbers are the same on every machine, in debug and in
@@ -39,6 +39,8 @@ use slicecast_scene::{AlphaCodeName, Blend, LookupName, PrecisionName};
 use slicecast_volume::Volume;
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
+
+use super::fast::is_fast;
 
 const HEAD: &str = "\
 # Checksums of the frames in tests/golden.rs: frame/precision/boundary: 64 bits, hexadecimal.
@@ -885,7 +887,8 @@ fn measured() -> BTreeMap<String, u64> {
     measured_colours(&mut lines);
     measured_splats(&mut lines);
     for (name, frame) in frames() {
-        for precision in PrecisionName::ALL {
+        let fast = is_fast(&frame).then_some(PrecisionName::Fast);
+        for precision in PrecisionName::ALL.into_iter().chain(fast) {
             for (boundary, checksum) in of_frame(&frame.in_precision(precision)) {
                 let line = format!("{name}/{}/{boundary}", precision.name());
                 assert_eq!(lines.insert(line.clone(), checksum), None, "two frames called {line}");

@@ -6,6 +6,7 @@ mod c;
 mod colours;
 mod cost;
 mod exported;
+mod fast;
 mod faults;
 mod footprint;
 mod images;
@@ -27,6 +28,7 @@ use clap::Parser;
 use slicecast_firmware_shared::angles;
 
 use crate::colours::Colours;
+use crate::fast::Fast;
 use crate::footprint::Footprint;
 use crate::images::{Case, Report, Workshop, execute, first_difference, parse};
 use crate::machines::{BUILT_ONLY, MACHINES, Machine};
@@ -85,10 +87,12 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     let segments = Segments::new(&scenes)?;
     let colours = Colours::new(&scenes)?;
     let perspective = Perspective::new(&scenes)?;
+    let fast = Fast::new(&scenes)?;
     let mut source = scenes::source(&scenes, |named, kind| references[&(named.name, kind)].0.image)?;
     source.push_str(&segments.source()?);
     source.push_str(&colours.source());
     source.push_str(&perspective.source());
+    source.push_str(&fast.source());
     let workshop = Workshop {
         toolchain,
         scenes: directory.join("scenes.rs"),
@@ -126,7 +130,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     for machine in &machines {
         let renders_head = machine.name == exported::MACHINE;
-        let mut names = vec!["bits", "segments", "colours", "perspective", "bands", "queue"];
+        let mut names = vec!["bits", "segments", "colours", "perspective", "fast", "bands", "queue"];
         names.extend(renders_head.then_some("exported"));
         let programs = workshop.images(machine, "release", &names)?;
         failed += bits(&programs, machine, &references)?;
@@ -142,6 +146,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         failed += segments.check(&workshop, &programs, machine, &library)?;
         failed += colours.check(&programs, machine)?;
         failed += perspective.check(&programs, machine)?;
+        failed += fast.check(&programs, machine)?;
         failed += proofs::prove(&workshop, machine, &library)?;
         failed += c::on_machine(&workshop, machine, &library)?;
         if renders_head {

@@ -4,6 +4,7 @@ use slicecast::classify::{AlphaCode, Colour16, Linear, Lookup, Nearest, PointTab
 use slicecast::composite::{ChannelFormat, FrontToBack, Recurrence};
 use slicecast::cut::CutError;
 use slicecast::extinction::{Medium, MediumError};
+use slicecast::fast::FastPhong;
 use slicecast::format::{Coefficient, Direction, Intensity, Opacity, Step, Vector};
 use slicecast::integral::{Colours, Integral, IntegralError, Length};
 use slicecast::perspective::{Eye, EyeError, Spread};
@@ -213,6 +214,22 @@ impl<P: Precision> Lights<P> for Unlit {
 impl<P: Precision> Lights<P> for Phong<P> {
     const NAME: &'static str = "lit";
     fn of(precision: P, lighting: &Lighting) -> Result<Self, SceneError> {
+        let lights = lighting.lights();
+        Self::new(
+            precision,
+            lighting.ambient.map(Coefficient::from_bits),
+            lights.get(..lighting.lights.len()).unwrap_or(&lights),
+            lighting.viewer.map(Vector::from_bits),
+            lighting.highlight(),
+            lighting.exponent_log2,
+        )
+        .map_err(SceneError::Phong)
+    }
+}
+
+impl Lighting {
+    /// The lights as core takes them; behind them dark ones.
+    fn lights(&self) -> [Light; slicecast::shade::LIGHTS_MAX] {
         let dark = Light {
             direction: [Vector::ZERO; 3],
             half: [Vector::ZERO; 3],
@@ -220,7 +237,7 @@ impl<P: Precision> Lights<P> for Phong<P> {
             specular: [Coefficient::ZERO; 3],
         };
         let mut lights = [dark; slicecast::shade::LIGHTS_MAX];
-        for (light, (direction, half, diffuse, specular)) in lights.iter_mut().zip(lighting.lights) {
+        for (light, (direction, half, diffuse, specular)) in lights.iter_mut().zip(self.lights) {
             *light = Light {
                 direction: direction.map(Vector::from_bits),
                 half: half.map(Vector::from_bits),
@@ -228,17 +245,29 @@ impl<P: Precision> Lights<P> for Phong<P> {
                 specular: specular.map(Coefficient::from_bits),
             };
         }
-        Self::new(
-            precision,
-            lighting.ambient.map(Coefficient::from_bits),
-            lights.get(..lighting.lights.len()).unwrap_or(&lights),
-            lighting.viewer.map(Vector::from_bits),
-            if lighting.half_vector {
-                Highlight::HalfVector
-            } else {
-                Highlight::Reflection
-            },
-            lighting.exponent_log2,
+        lights
+    }
+
+    const fn highlight(&self) -> Highlight {
+        if self.half_vector {
+            Highlight::HalfVector
+        } else {
+            Highlight::Reflection
+        }
+    }
+
+    /// The shader of 16-bit lanes.
+    ///
+    /// # Errors
+    /// [`SceneError::Phong`] if a number is out of range.
+    pub fn fast(&self) -> Result<FastPhong, SceneError> {
+        let lights = self.lights();
+        FastPhong::new(
+            self.ambient.map(Coefficient::from_bits),
+            lights.get(..self.lights.len()).unwrap_or(&lights),
+            self.viewer.map(Vector::from_bits),
+            self.highlight(),
+            self.exponent_log2,
         )
         .map_err(SceneError::Phong)
     }

@@ -1,0 +1,129 @@
+//! 16-bit lanes on a device: the dense scene in `fast` beside `compact`.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::oriented::Turned;
+use slicecast_engine::rendering::in_memory_order;
+use slicecast_engine::simd::Simd;
+use slicecast_firmware_shared::sum::Sum;
+use slicecast_scene::PrecisionName;
+
+use crate::images::{execute, parse};
+use crate::line;
+use crate::machines::Machine;
+use crate::reference::places;
+use crate::scenes::{Kind, Named};
+use crate::shell::{Failure, fail};
+
+/// What the host knows.
+#[derive(Debug)]
+pub struct Fast {
+    scene: &'static str,
+    /// Places of samples.
+    places: u64,
+    /// Unlit and lit.
+    images: Vec<(&'static str, u32)>,
+}
+
+/// The sum of the image of a scene in 16-bit lanes, and the places of its samples.
+fn image(named: &Named, kind: Kind) -> Result<(u32, u64), Failure> {
+    let words = |error: &dyn std::error::Error| Failure(format!("{}, fast: {error}", named.name));
+    let mut scene = named.of_kind(kind);
+    scene.precision = PrecisionName::Fast;
+    scene.check().map_err(|e| words(&e))?;
+    let prepared = Prepared::new(&scene, &named.volume).map_err(|e| words(&e))?;
+    let plan = prepared.setup.plan;
+    let mut turned = Turned::new(&named.volume, &plan);
+    let slices = turned.slices().map_err(|e| words(&e))?;
+    let mut rendering = prepared.begun().map_err(|e| words(&e))?;
+    rendering.fold_rows(&slices, 32, Simd::widest(), &|_, _| ());
+    let mut sum = Sum::new();
+    in_memory_order(&rendering.base(), 1).for_each(|bits| sum.word(bits));
+    Ok((sum.get(), places(&plan)))
+}
+
+impl Fast {
+    /// Renders what devices will render.
+    ///
+    /// # Errors
+    /// If the scene cannot be rendered.
+    pub fn new(scenes: &[Named]) -> Result<Self, Failure> {
+        let Some(dense) = scenes.iter().find(|named| named.name == "dense") else {
+            return fail("there is no dense scene");
+        };
+        let (mut images, mut places) = (Vec::new(), 0);
+        for (name, lit) in [("unlit", false), ("lit", true)] {
+            let is_wanted = |kind: &Kind| kind.lit == lit && kind.precision() == PrecisionName::Compact;
+            if let Some(kind) = Kind::all().find(is_wanted) {
+                let (sum, count) = image(dense, kind)?;
+                images.push((name, sum));
+                places = count;
+            }
+        }
+        Ok(Self {
+            scene: dense.name,
+            places,
+            images,
+        })
+    }
+
+    /// Rust source of the sums.
+    pub fn source(&self) -> String {
+        let images: Vec<u32> = self.images.iter().map(|(_, image)| *image).collect();
+        let mut out = String::new();
+        let _ = writeln!(
+            out,
+            "/// The sums of the images in 16-bit lanes, unlit and lit.\npub static FAST_EXPECTED: [u32; 2] = {images:?};"
+        );
+        out
+    }
+
+    /// Holds a machine to the host, and prints what it costs; returns the number of failures.
+    ///
+    /// # Errors
+    /// If the program does not run.
+    pub fn check(&self, programs: &Path, machine: &Machine) -> Result<u32, Failure> {
+        let finished = execute(machine, &programs.join("fast"), true)?;
+        let report = parse(&finished.out)?;
+        let mut failed = 0;
+        for (shading, host) in self.images.iter().copied() {
+            let case = |precision: &str| {
+                let name = format!("{} {precision} {shading}", self.scene);
+                report.cases.iter().find(|case| case.name == name)
+            };
+            let (Some(compact), Some(fast)) = (case("compact"), case("fast")) else {
+                return fail("the program did not report its cases");
+            };
+            let image = fast.sums.image;
+            let verdict = (image != host).then(|| format!("found {image:08x}"));
+            failed += line(
+                machine,
+                &format!("{} fast {shading}", self.scene),
+                &format!("{host:08x}"),
+                verdict,
+            );
+            let each = |case: &crate::images::Case| {
+                let memory = case.memory.map_or(0, |parts| parts.iter().sum::<u64>());
+                (
+                    case.instructions.unwrap_or(u64::MAX) as f64 / self.places as f64,
+                    memory,
+                )
+            };
+            let ([of_compact, of_fast], memory) = {
+                let [(a, before), (b, after)] = [each(compact), each(fast)];
+                ([a, b], [before, after])
+            };
+            println!(
+                "    instructions a sample: compact {of_compact:.1}, fast {of_fast:.1}, {:.2} of them; memory {} and {}",
+                of_fast / of_compact,
+                memory[0],
+                memory[1]
+            );
+        }
+        let verdict = (!finished.passed || !report.verdict).then(|| "its own verdict: fail".to_owned());
+        failed += line(machine, "fast exit", "", verdict);
+        Ok(failed)
+    }
+}

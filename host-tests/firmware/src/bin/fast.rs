@@ -1,0 +1,123 @@
+//! 16-bit lanes: the dense scene in `fast` beside `compact`, unlit and lit. Prints the sums of the images and what the frames cost.
+#![no_std]
+#![no_main]
+
+use semihosting::println;
+use slicecast::composite::{Channel, FrontToBack, Unorm16};
+use slicecast::fast::table::{fill_colours, fill_roots};
+use slicecast::fast::{Colours, RootTable, Roots};
+use slicecast::plan::Plan;
+use slicecast::plane::{Fast, Pipeline};
+use slicecast::precision::Compact;
+use slicecast::shade::{Phong, Unlit};
+use slicecast::slice::Code12;
+use slicecast::stream::{Memory, Needs, Stream};
+use slicecast::table::ENTRIES;
+use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
+use slicecast_firmware::memory::{Reserved, with_image};
+use slicecast_firmware::scenes::{DENSE, FAST_EXPECTED};
+use slicecast_firmware::stack;
+use slicecast_firmware_shared::image;
+use slicecast_firmware_shared::scene::{Lights, Model, pipeline};
+use slicecast_firmware_shared::sum::Sum;
+use static_cell::ConstStaticCell;
+
+#[cfg(target_arch = "arm")]
+use cortex_m_rt::entry;
+#[cfg(target_arch = "riscv32")]
+use riscv_rt::entry;
+
+/// Pixels of the largest base plane.
+const PIXELS: usize = 128 * 128;
+
+/// Rows of scratch memory of `compact`, lit.
+const SCRATCH: usize = 16 * 66;
+
+static WORDS: ConstStaticCell<Reserved<Unorm16, { 4 * 64 * 64 }, 256, SCRATCH, { 4 * PIXELS }>> =
+    ConstStaticCell::new(Reserved::new(Unorm16(0)));
+static HALVES: ConstStaticCell<Reserved<u16, 0, 0, 0, { 4 * PIXELS }>> = ConstStaticCell::new(Reserved::new(0));
+static ROOTS: ConstStaticCell<Roots> = ConstStaticCell::new([0; ENTRIES]);
+static COLOURS: ConstStaticCell<Colours> = ConstStaticCell::new([[0; 4]; ENTRIES + 1]);
+
+#[entry]
+fn main() -> ! {
+    stack::paint();
+    start_counter();
+    let words = WORDS.take();
+    let halves = HALVES.take().lend().image;
+    let (roots, colours) = (ROOTS.take(), COLOURS.take());
+    let points = Compact::table(DENSE);
+    fill_roots(&points, roots);
+    let one = fill_colours(&points, colours);
+    let table = RootTable::new(&*roots, one.ok_or(&*colours));
+
+    compact::<Unlit>(words.lend());
+    let unlit = fast(
+        "unlit",
+        &Fast::<_, _, _, FrontToBack>::new(table, Unlit),
+        with_image(words.lend(), halves),
+    );
+    compact::<Phong<Compact>>(words.lend());
+    let lit = match DENSE.lighting.fast() {
+        Ok(phong) => fast(
+            "lit",
+            &Fast::<_, _, _, FrontToBack>::new(table, phong),
+            with_image(words.lend(), halves),
+        ),
+        Err(_) => 0,
+    };
+    println!("stack {}", stack::high_water());
+    finish([unlit, lit] == FAST_EXPECTED)
+}
+
+/// A frame of the dense scene in 32-bit lanes.
+#[inline(never)]
+fn compact<S: Lights<Compact>>(memory: Memory<'_, Unorm16>) {
+    println!("case {} compact {}", DENSE.name, S::NAME);
+    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline::<Compact, S>(DENSE)) else {
+        println!("error the scene is out of range");
+        return;
+    };
+    streamed(plan, &pipeline, memory);
+}
+
+/// The same in 16-bit lanes; the sum of its image.
+#[inline(never)]
+fn fast<L: Pipeline<Voxel = Code12, Element = u16>>(name: &str, pipeline: &L, memory: Memory<'_, u16>) -> u32 {
+    println!("case {} fast {}", DENSE.name, name);
+    let Ok(plan) = DENSE.plan() else {
+        println!("error the scene is out of range");
+        return 0;
+    };
+    streamed(plan, pipeline, memory)
+}
+
+/// Streams the dense scene's voxels, and prints what that costs; the sum of the image.
+#[inline(always)]
+fn streamed<L: Pipeline<Voxel = Code12, Element: Channel>>(
+    plan: Plan,
+    pipeline: &L,
+    memory: Memory<'_, L::Element>,
+) -> u32 {
+    let [slices, ranges, scratch, image] = Needs::of::<L>(&plan).bytes();
+    println!("memory {slices} {ranges} {scratch} {image}");
+    let Ok(mut stream) = Stream::new(plan, pipeline, memory) else {
+        println!("error too little memory");
+        return 0;
+    };
+    let [width, height, _] = plan.dims();
+    let mut total = 0u64;
+    for slice in DENSE.voxels.chunks_exact((width * height) as usize) {
+        let before = ticks();
+        let pushed = stream.push(slice);
+        total += u64::from(ticks_between(before, ticks()));
+        if pushed.is_err() {
+            println!("error slice refused");
+        }
+    }
+    println!("instructions {}", total * instructions_a_tick());
+    let mut sum = Sum::new();
+    image::add_rows(&mut sum, stream.image());
+    println!("image {:08x}", sum.get());
+    sum.get()
+}
