@@ -136,7 +136,7 @@ impl FastPhong {
                 .zip(light.direction)
                 .map(|(v, l)| i64::from(v.to_bits()) * i64::from(l.to_bits()))
                 .sum();
-            let held = |c: i64| c.max(0).min(0xffff) as u16;
+            let held = |c: i64| c.clamp(0, 0xffff) as u16;
             // A highlight's base lacks as much at its top, where 2 (N.V)(N.L) is 1 + V.L; its power 2^n times that.
             let lack = match highlight {
                 Highlight::HalfVector => LACK,

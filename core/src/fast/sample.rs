@@ -87,7 +87,7 @@ fn along_y<H: Halves, const WHOLE: bool>([a, b]: [&[u16]; 2], at: usize, shift: 
 /// The first elements of two rows, and those behind each of them, all equally long: then one comparison finds that a vector lies inside
 /// all of them.
 #[inline(always)]
-fn beside<'a>([a, b]: [&'a [u16]; 2], len: usize) -> Option<[[&'a [u16]; 2]; 2]> {
+fn beside([a, b]: [&[u16]; 2], len: usize) -> Option<[[&[u16]; 2]; 2]> {
     Some([[a.get(..len)?, b.get(..len)?], [a.get(1..=len)?, b.get(1..=len)?]])
 }
 

@@ -114,7 +114,7 @@ proptest! {
         let (nl, nv) = (dot(normal, l), dot(normal, v));
         let y = if half { dot(normal, h) } else { 2.0 * nl * nv - dot(v, l) };
         let lit = nl > 0.0 && (half || nv > 0.0);
-        let y = if lit { y.max(0.0).min(1.0).powi(1 << n) } else { 0.0 };
+        let y = if lit { y.clamp(0.0, 1.0).powi(1 << n) } else { 0.0 };
         for (channel, ks) in [0.3, 0.2, 0.1].into_iter().enumerate() {
             let exact = f64::from(colour[channel]) * (0.1 + 0.5 * nl.max(0.0)) + 65535.0 * ks * y;
             // A cosine errs by at most 8 of its last bits: 4 by the root, 1 by its product, 3 by the vector; a highlight by twice that
@@ -135,7 +135,7 @@ fn tables_are_linear_between_codes() {
         let root = if code < 100 {
             0
         } else {
-            (code * 2_654_435_761 >> 7) as u16
+            ((code * 2_654_435_761) >> 7) as u16
         };
         let [high, rest] = root.to_be_bytes();
         *entry_at = entry([code as u8, (code >> 4) as u8, 200], high);

@@ -163,7 +163,6 @@ impl Halves for u16 {
         let [ax, ay, az] = signed(a);
         // Below 2^31 - 2^14 in magnitude: |a| 2^k < 2^16, |b| < 2^15.
         let dot = (ax * i32::from(bx) + ay * i32::from(by) + az * i32::from(bz)) << k;
-        // Not `clamp`, which may panic.
-        ((dot + (1 << 14)) >> 15).max(0).min(0xffff) as Self
+        ((dot + (1 << 14)) >> 15).clamp(0, 0xffff) as Self
     }
 }
