@@ -72,7 +72,7 @@ impl Given<'_> {
     #[inline(always)]
     fn at<H: Halves, const WHOLE: bool>(self, at: usize) -> H {
         match self {
-            Self::One(colour) => H::splat(colour),
+            Self::One(colour) => H::splat_here(colour),
             Self::Row(row) => H::load::<WHOLE>(row, at),
         }
     }

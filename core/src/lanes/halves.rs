@@ -13,6 +13,17 @@ pub trait Halves: Copy {
 
     /// The same number in all lanes.
     fn splat(bits: u16) -> Self;
+    /// The same number in all lanes, made at this place: outside of the loop a compiler widens it for products, and with it the other
+    /// factor.
+    #[inline(always)]
+    fn splat_here(bits: u16) -> Self {
+        Self::splat(if Self::COUNT > 1 {
+            core::hint::black_box(bits)
+        } else {
+            bits
+        })
+    }
+
     /// Elements `at ..` of a row; 0 behind its end. `WHOLE`: the row has as many.
     fn load<const WHOLE: bool>(row: &[u16], at: usize) -> Self;
     /// The lower and the upper halves of the numbers `at ..` of a row; 0 behind the last whole vector of it.

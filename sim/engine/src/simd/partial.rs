@@ -55,6 +55,48 @@ pub fn chunk_mut<T, const N: usize>(row: &mut [T], at: usize) -> Option<&mut [T;
     (at < row.len().saturating_sub(N - 1)).then(|| unsafe { &mut *row.as_mut_ptr().add(at).cast() })
 }
 
+/// A number of which there are zeros, as many as any vector has lanes.
+pub trait Zero: Copy + 'static {
+    /// They.
+    const ZEROS: &'static [Self; 32];
+}
+
+impl Zero for u16 {
+    const ZEROS: &'static [Self; 32] = &[0; 32];
+}
+
+impl Zero for u32 {
+    const ZEROS: &'static [Self; 32] = &[0; 32];
+}
+
+/// `N` elements of a row, if it has them; else zeros. Not a branch but a choice of places: a branch would part the operands of products
+/// from them, which the compiler then makes of twice as wide numbers.
+#[inline(always)]
+pub fn chunk_or_zeros<T: Zero, const N: usize>(row: &[T], at: usize) -> &[T; N] {
+    let inside = at < row.len().saturating_sub(N - 1);
+    const { assert!(N <= 32) };
+    let place = if inside {
+        row.as_ptr().wrapping_add(at).cast()
+    } else {
+        T::ZEROS.as_ptr().cast()
+    };
+    // SAFETY: `at + N <= row.len()`, or the zeros.
+    unsafe { &*place }
+}
+
+/// `N` elements of a row to write to, if it has them; else those of a row that nobody reads.
+#[inline(always)]
+pub fn chunk_mut_or<'a, const N: usize>(row: &'a mut [u16], at: usize, else_to: &'a mut [u16; N]) -> &'a mut [u16; N] {
+    let inside = at < row.len().saturating_sub(N - 1);
+    let place = if inside {
+        row.as_mut_ptr().wrapping_add(at).cast()
+    } else {
+        std::ptr::from_mut(else_to)
+    };
+    // SAFETY: `at + N <= row.len()`, or the other row; both are borrowed to be written to.
+    unsafe { &mut *place }
+}
+
 /// How many elements a row has from `at` on, where they are fewer than a chunk. What reads them must not be a call: the
 /// compiler would keep no vector in a register across it.
 #[inline(always)]

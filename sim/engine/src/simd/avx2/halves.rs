@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use slicecast::lanes::{Halves, Lanes as _};
 
 use super::{Avx2, SLIDING};
-use crate::simd::partial::{chunk, chunk_mut, rest};
+use crate::simd::partial::{chunk, chunk_mut, chunk_mut_or, chunk_or_zeros, rest};
 
 /// Sixteen 16-bit lanes.
 #[derive(Clone, Copy)]
@@ -78,9 +78,12 @@ impl Halves for Halves256 {
     }
     #[inline(always)]
     fn load<const WHOLE: bool>(row: &[u16], at: usize) -> Self {
+        if WHOLE {
+            let lanes = chunk_or_zeros::<_, 16>(row, at);
+            return Self(avx2!(_mm256_loadu_si256(lanes.as_ptr().cast())));
+        }
         match chunk::<_, 16>(row, at) {
             Some(lanes) => Self(avx2!(_mm256_loadu_si256(lanes.as_ptr().cast()))),
-            None if WHOLE => Self::splat(0),
             None => {
                 let (low, high) = (eight(row, at), eight(row, at.saturating_add(8)));
                 Self(avx2!(_mm256_set_m128i(high, low)))
@@ -89,26 +92,28 @@ impl Halves for Halves256 {
     }
     #[inline(always)]
     fn load_pairs<const N: usize>(row: &[u32; N], at: usize) -> [Self; 2] {
-        match chunk::<_, 16>(row, at) {
-            Some(lanes) => avx2!({
-                let first = _mm256_loadu_si256(lanes.as_ptr().cast());
-                let second = _mm256_loadu_si256(lanes.as_ptr().add(8).cast());
-                let lower = _mm256_set1_epi32(0xffff);
-                let low = _mm256_packus_epi32(_mm256_and_si256(first, lower), _mm256_and_si256(second, lower));
-                let high = _mm256_packus_epi32(_mm256_srli_epi32::<16>(first), _mm256_srli_epi32::<16>(second));
-                [
-                    Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(low)),
-                    Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(high)),
-                ]
-            }),
-            None => [Self::splat(0); 2],
-        }
+        let lanes = chunk_or_zeros::<_, 16>(row, at);
+        avx2!({
+            let first = _mm256_loadu_si256(lanes.as_ptr().cast());
+            let second = _mm256_loadu_si256(lanes.as_ptr().add(8).cast());
+            let lower = _mm256_set1_epi32(0xffff);
+            let low = _mm256_packus_epi32(_mm256_and_si256(first, lower), _mm256_and_si256(second, lower));
+            let high = _mm256_packus_epi32(_mm256_srli_epi32::<16>(first), _mm256_srli_epi32::<16>(second));
+            [
+                Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(low)),
+                Self(_mm256_permute4x64_epi64::<0b11_01_10_00>(high)),
+            ]
+        })
     }
     #[inline(always)]
     fn store<const WHOLE: bool>(self, row: &mut [u16], at: usize) {
+        if WHOLE {
+            let mut unread = [0; 16];
+            let lanes = chunk_mut_or(row, at, &mut unread);
+            return avx2!(_mm256_storeu_si256(lanes.as_mut_ptr().cast(), self.0));
+        }
         match chunk_mut::<_, 16>(row, at) {
             Some(lanes) => avx2!(_mm256_storeu_si256(lanes.as_mut_ptr().cast(), self.0)),
-            None if WHOLE => {}
             None => {
                 store_eight(avx2!(_mm256_castsi256_si128(self.0)), row, at);
                 store_eight(avx2!(_mm256_extracti128_si256::<1>(self.0)), row, at.saturating_add(8));

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use slicecast::lanes::Halves;
 
 use super::{ones, words};
-use crate::simd::partial::{chunk, chunk_mut, rest};
+use crate::simd::partial::{chunk, chunk_mut, chunk_mut_or, chunk_or_zeros, rest};
 
 /// Thirty-two 16-bit lanes.
 #[derive(Clone, Copy)]
@@ -33,9 +33,12 @@ impl Halves for Halves512 {
     }
     #[inline(always)]
     fn load<const WHOLE: bool>(row: &[u16], at: usize) -> Self {
+        if WHOLE {
+            let lanes = chunk_or_zeros::<_, 32>(row, at);
+            return Self(avx512!(_mm512_loadu_si512(lanes.as_ptr().cast())));
+        }
         match chunk::<_, 32>(row, at) {
             Some(lanes) => Self(avx512!(_mm512_loadu_si512(lanes.as_ptr().cast()))),
-            None if WHOLE => Self::splat(0),
             None => {
                 let first = row.as_ptr().wrapping_add(at).cast();
                 Self(avx512!(_mm512_maskz_loadu_epi16(ones(rest(row, at)), first)))
@@ -44,23 +47,25 @@ impl Halves for Halves512 {
     }
     #[inline(always)]
     fn load_pairs<const N: usize>(row: &[u32; N], at: usize) -> [Self; 2] {
-        match chunk::<_, 32>(row, at) {
-            Some(lanes) => avx512!({
-                let first = _mm512_loadu_si512(lanes.as_ptr().cast());
-                let second = _mm512_loadu_si512(lanes.as_ptr().add(16).cast());
-                [
-                    Self(_mm512_permutex2var_epi16(first, words::<0>(), second)),
-                    Self(_mm512_permutex2var_epi16(first, words::<1>(), second)),
-                ]
-            }),
-            None => [Self::splat(0); 2],
-        }
+        let lanes = chunk_or_zeros::<_, 32>(row, at);
+        avx512!({
+            let first = _mm512_loadu_si512(lanes.as_ptr().cast());
+            let second = _mm512_loadu_si512(lanes.as_ptr().add(16).cast());
+            [
+                Self(_mm512_permutex2var_epi16(first, words::<0>(), second)),
+                Self(_mm512_permutex2var_epi16(first, words::<1>(), second)),
+            ]
+        })
     }
     #[inline(always)]
     fn store<const WHOLE: bool>(self, row: &mut [u16], at: usize) {
+        if WHOLE {
+            let mut unread = [0; 32];
+            let lanes = chunk_mut_or(row, at, &mut unread);
+            return avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0));
+        }
         match chunk_mut::<_, 32>(row, at) {
             Some(lanes) => avx512!(_mm512_storeu_si512(lanes.as_mut_ptr().cast(), self.0)),
-            None if WHOLE => {}
             None => {
                 let (first, mask) = (row.as_mut_ptr().wrapping_add(at).cast(), ones(rest(row, at)));
                 avx512!(_mm512_mask_storeu_epi16(first, mask, self.0));
