@@ -110,6 +110,16 @@ pub fn yx_row<H: Halves>(a: &[u16], b: &[u16], shift: u32, [wx, wy]: [u16; 2], o
     let (Some(out), Some([left, right])) = (out.get_mut(..len), beside([a, b], len)) else {
         return;
     };
+    if H::COUNT == 1 {
+        // One lane makes each column once: what lies to the right of a sample lies to the left of the next.
+        let mut before = along_y::<H, true>(left, 0, shift, y);
+        for at in 0..len {
+            let behind = along_y::<H, true>(right, at, shift, y);
+            lerp(before, behind, x).store::<true>(out, at);
+            before = behind;
+        }
+        return;
+    }
     each!(H, len, |at, WHOLE| {
         let sample = lerp(
             along_y::<H, WHOLE>(left, at, shift, y),
@@ -213,6 +223,15 @@ pub fn mixed_row<H: Halves>(a: &[u16], b: &[u16], [wx, wy]: [u16; 2], out: &mut 
             x.mix(H::load::<WHOLE>(a, at), H::load::<WHOLE>(c, at))
                 .store::<WHOLE>(out, at);
         });
+        return;
+    }
+    if H::COUNT == 1 {
+        let mut left = y.mix_both(H::load::<true>(a, 0), H::load::<true>(b, 0));
+        for at in 0..len {
+            let right = y.mix_both(H::load::<true>(c, at), H::load::<true>(d, at));
+            x.mix_both(left, right).store::<true>(out, at);
+            left = right;
+        }
         return;
     }
     each!(H, len, |at, WHOLE| {

@@ -20,7 +20,9 @@ use slicecast::splat::{
 };
 use slicecast::view::View;
 use slicecast::warp::Warp;
-use slicecast_scene::{Blend, CameraAxes, Classification, Frame as Frames, Interpolation, Light, Lighting, Scene};
+use slicecast_scene::{
+    Blend, CameraAxes, Classification, Frame as Frames, Interpolation, Light, Lighting, PrecisionName, Scene,
+};
 use slicecast_volume::Volume;
 
 use crate::camera::{CameraError, Material, PICTURE_SIDE_MAX, Picture, check_spacing, extent, fitting_pixel, size_at};
@@ -439,6 +441,11 @@ fn check(scene: &Scene) -> Result<(), RenderError> {
             "\"point\" or \"auto\", which is then \"point\"",
         ),
         ("surfaces", scene.surfaces.is_empty(), "no surfaces"),
+        (
+            "render.precision",
+            scene.precision != PrecisionName::Fast,
+            "\"paper\", \"compact\" or \"wide\"",
+        ),
         ("render.blend", scene.blend == Blend::FrontToBack, "\"front-to-back\""),
     ] {
         if !known {

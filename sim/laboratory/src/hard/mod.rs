@@ -9,6 +9,7 @@ pub mod clip;
 pub mod compositing;
 pub mod crop;
 pub mod extremes;
+pub mod fast;
 pub mod gradients;
 pub mod gradual;
 pub mod levels;
@@ -121,7 +122,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 17] = [
+    let groups: [Group; 18] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -131,6 +132,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         views::cases,
         perspective::cases,
         splat::cases,
+        fast::cases,
         sampling::cases,
         segments::cases,
         surfaces::cases,
