@@ -105,6 +105,39 @@ fn extremes_are_refused_by_name_or_rendered() {
     place.succeeds("render large.nrrd -o b.png");
 }
 
+/// 16-bit lanes know some scenes, and some commands do not know them: each says which field or precision it is.
+#[test]
+fn what_sixteen_bit_lanes_do_not_know_is_refused() {
+    let place = Place::new();
+    for (words, said) in [
+        ("render --fov 40 -o a.png", "`view.projection` is given"),
+        (
+            "render --interpolation quadratic -o a.png",
+            "`sampling.interpolation` is given",
+        ),
+        ("render --blend maximum -o a.png", "`render.blend` is given"),
+        (
+            "render --classification integral -o a.png",
+            "`render.classification` is given",
+        ),
+        ("render --reflectance 32 -o a.png", "`reflectance` is given"),
+        ("render --lookup nearest -o a.png", "`render.lookup` is given"),
+        ("render --splat -o a.png", "render.precision is given"),
+        ("explain --scene ct-bone --ray 40,40", "use --precision compact"),
+        ("vectors --scene ct-bone -o sets", "use --precision compact"),
+        (
+            "export --scene ct-bone --format rust -o numbers",
+            "use --precision compact",
+        ),
+    ] {
+        let text = place.refuses(&format!("{words} --precision fast"));
+        assert!(text.contains(said) && !text.contains("panicked"), "{words}: {text}");
+    }
+    place.succeeds(
+        "render --precision fast --scene ct-bone --crop 10:50,:,: --blend back-to-front --rays 1 --planes 1 -o a.png",
+    );
+}
+
 /// The lines of a page have at most 100 columns.
 #[test]
 fn pages_fit_a_hundred_columns() {

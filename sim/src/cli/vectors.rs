@@ -137,6 +137,7 @@ impl Args {
         let loaded = self.volume.load()?;
         let scene = self.scene.load_for(&self.volume, &loaded)?;
         let prepared = Prepared::new(&scene, &loaded.volume)?;
+        prepared.check_staged()?;
         let part = self.part(&Part::whole(&prepared.setup.plan))?;
         let [samples, bytes] = frame::at_most(&prepared, &part, &self.formats());
         self.announce(&format!("at most {samples} samples"), bytes)?;
