@@ -1,7 +1,7 @@
 //! The look-up table of the `fast` precision: square roots of opacities, and colours, both linear between two codes.
 //!
 //! Of a sample s, 12.3: code `n = s >> 3`, fraction `f = 2^13 (s & 7)`, 0.16. A value is
-//! `v[n] - high(v[n], f) + high(v[n + 1], f)` with `high(a, b) = (a b) >> 16`: v[n] where f is 0 or both are equal, and never
+//! `v[n] - high(v[n], f) + high(v[n + 1], f)` with `high(a, b) = (a b) >> 16`: `v[n]` where f is 0 or both are equal, and never
 //! above 65535 (`docs/contract/fast.md`).
 //!
 //! Source: Squeeze, section 4.4 (a table of roots). The opacity is the root's square, so it bends between two codes.
