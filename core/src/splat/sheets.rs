@@ -31,15 +31,15 @@ pub const fn sample(sums: u64, least: u64, bits: u32) -> i32 {
     }
 }
 
-/// The difference of a sample's neighbours along an axis; twice that to one of them where the other does not exist. This function is
-/// the definition.
+/// The difference of a sample's neighbours along an axis; twice that to one of them where the other does not exist; 0 of a sample that
+/// does not exist itself and has one neighbour. This function is the definition.
 #[inline(always)]
 pub const fn slope(before: i32, at: i32, behind: i32) -> i32 {
-    match (before == MISSING, behind == MISSING) {
-        (false, false) => behind - before,
-        (true, false) => 2 * (behind - at),
-        (false, true) => 2 * (at - before),
-        (true, true) => 0,
+    match (before == MISSING, at == MISSING, behind == MISSING) {
+        (false, _, false) => behind - before,
+        (true, false, false) => 2 * (behind - at),
+        (false, false, true) => 2 * (at - before),
+        (true, _, true) | (_, true, _) => 0,
     }
 }
 

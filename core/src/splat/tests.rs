@@ -474,6 +474,8 @@ fn slopes_look_at_what_there_is() {
     assert_eq!(slope(MISSING, 5, 11), 12);
     assert_eq!(slope(1, 5, MISSING), 8);
     assert_eq!(slope(MISSING, 5, MISSING), 0);
+    assert_eq!(slope(1, MISSING, 11), 10);
+    assert_eq!(slope(MISSING, MISSING, 11) | slope(1, MISSING, MISSING), 0);
     assert_eq!(sample(0, 1, 15), MISSING);
     assert_eq!(sample((100 << 38) | (100 * 4095), 100, 15), 4095 << 15);
     assert_eq!(sample((99 << 38) | (99 * 4095), 100, 15), MISSING);
