@@ -250,7 +250,7 @@ fn speeds_have_a_spread_and_rows_are_told_once() {
                 "{row}"
             );
         }
-        assert_eq!(seen.len(), 3, "compact, wide and f32");
+        assert_eq!(seen.len(), 4, "fast, compact, wide and f32");
     }
     assert!(out.contains("± %") && out.contains("to f32"), "{out}");
     let sweep = "sweep a.nrrd --scene ct-fog --only compact,paper,position-8 --rounds 4 --json s.json";
