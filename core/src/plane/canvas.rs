@@ -236,6 +236,17 @@ impl<R: Recurrence, O: Order, V: Lanes> Packing<i32> for Image<'_, R, O, V> {
     }
 }
 
+/// Whether no ray of whole rows of this width goes on.
+#[inline(always)]
+pub(super) fn rows_finished<C: Channel, V: Lanes>(width: usize, data: &[C]) -> bool {
+    for row in data.chunks_exact((4 * width).max(1)) {
+        if !V::enter((AllFinished, PhantomData::<V>, part(row, 3 * width..4 * width))) {
+            return false;
+        }
+    }
+    true
+}
+
 /// [`all_finished`].
 pub(super) struct AllFinished;
 

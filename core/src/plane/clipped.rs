@@ -3,10 +3,15 @@
 use core::ops::Range;
 
 use super::extent::Extent;
+use super::kernels::ClassifierRows;
 use super::parts::Samples;
 use super::{At, parts};
+use crate::borders::WHOLE;
+use crate::classify::Slab;
 use crate::clip::{Boxed, Clipper, Clipping, Distances, Left, Remainder};
 use crate::plan::Plan;
+use crate::rows::part_mut;
+use crate::surface::Turn;
 
 /// What clip planes leave of rows of a plane.
 pub(super) enum Rest<'c> {
@@ -135,13 +140,6 @@ impl<'c> Clipped<'c> {
         self.clips.cues()
     }
 
-    /// Turns the colours of a row of segments, from a column on, counted from the extent's first.
-    pub(super) fn turn(&self, row: u32, first: usize, colours: [&mut [i32]; 3]) {
-        let column = self.boxed.columns.start + first;
-        self.clips
-            .turn(self.distances, (row, column), colours, self.colour_bits);
-    }
-
     /// Turns colours times extinction alike.
     pub(super) fn turn_weighted(&self, row: u32, first: usize, extinction: &[i32], colours: [&mut [i32]; 3]) {
         let column = self.boxed.columns.start + first;
@@ -152,5 +150,153 @@ impl<'c> Clipped<'c> {
     /// The share of a segment's step that lies in the box and is left, 0.16.
     pub(super) fn fraction(&self, left: Remainder) -> u32 {
         ((u64::from(self.boxed.part.length()) * u64::from(left.weight()) + (1 << 15)) >> 16) as u32
+    }
+}
+
+/// What clip planes leave of rows of words `W`: nothing is done to rows of words that know no clip planes.
+pub(super) trait ClipRows<W> {
+    /// Leaves of the opacities of a part of a row what is left of its samples or segments.
+    #[inline(always)]
+    fn clip<C: ClassifierRows<W> + ?Sized>(&self, _row: u32, _slab: Slab<'_, W>, _by: (&C, u32), _opacities: &mut [W]) {
+    }
+
+    /// Makes the colours of a span of visible segments those of what is left of them.
+    #[inline(always)]
+    fn clip_colours<C: ClassifierRows<W> + ?Sized>(
+        &self,
+        _row: u32,
+        _of: (Slab<'_, W>, Range<usize>),
+        _by: (&C, u32),
+        _colours: [&mut [W]; 3],
+    ) {
+    }
+
+    /// Makes the turns of a span of visible crossings those of what is left of their segments.
+    #[inline(always)]
+    fn clip_turns<C: ClassifierRows<W> + ?Sized>(
+        &self,
+        _row: u32,
+        _of: (Slab<'_, W>, Range<usize>),
+        _by: (&C, u32),
+        _turns: &mut [W],
+    ) {
+    }
+
+    /// Turns the colours of a row of segments, from a column on, counted from the extent's first.
+    #[inline(always)]
+    fn turn(&self, _row: u32, _first: usize, _colours: [&mut [W]; 3]) {}
+}
+
+impl ClipRows<u16> for Clipped<'_> {}
+
+/// The ends of what is left of a segment.
+fn rest(slab: Slab<'_>, columns: &Range<usize>, left: Remainder) -> [i32; 2] {
+    let Slab { front, back, .. } = slab.span(columns.clone());
+    match (front.first(), back.first()) {
+        (Some(front), Some(back)) => left.ends([*front, *back]),
+        _ => [0; 2],
+    }
+}
+
+/// A segment alone.
+fn one([front, back]: &[i32; 2]) -> Slab<'_> {
+    Slab::between(core::slice::from_ref(front), core::slice::from_ref(back))
+}
+
+impl Clipped<'_> {
+    /// Goes through those segments of a span that are cut: their places in it, what is left of them, its ends, and its share of
+    /// a step.
+    #[inline(always)]
+    fn each_rest(
+        &self,
+        row: u32,
+        (slab, span): (Slab<'_>, Range<usize>),
+        see: &mut dyn FnMut(usize, Remainder, [i32; 2], u32),
+    ) {
+        if slab.front.is_empty() {
+            return;
+        }
+        let first = span.start;
+        self.each(row, span, &mut |columns, left| {
+            if left != Remainder::WHOLE && left.weight() > 0 {
+                see(
+                    columns.start - first,
+                    left,
+                    rest(slab, &columns, left),
+                    self.fraction(left),
+                );
+            }
+        });
+    }
+}
+
+impl ClipRows<i32> for Clipped<'_> {
+    #[inline(always)]
+    fn clip<C: ClassifierRows<i32> + ?Sized>(
+        &self,
+        row: u32,
+        slab: Slab<'_>,
+        (classifier, part): (&C, u32),
+        opacities: &mut [i32],
+    ) {
+        let all = 0..opacities.len();
+        if slab.front.is_empty() {
+            self.weigh(row, all, opacities);
+            return;
+        }
+        self.each(row, all, &mut |columns, left| {
+            let opacities = part_mut(&mut *opacities, columns.clone());
+            if left.weight() == 0 {
+                opacities.fill(0);
+            } else if left != Remainder::WHOLE {
+                let ends = rest(slab, &columns, left);
+                classifier.opacity_row(
+                    one(&ends).of_part(part).of_fraction(self.fraction(left)),
+                    &mut *opacities,
+                );
+                // The opacity of a surface has no length.
+                if part & 1 == 1 && left.fade < WHOLE {
+                    self.fade(opacities, left.fade);
+                }
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn clip_colours<C: ClassifierRows<i32> + ?Sized>(
+        &self,
+        row: u32,
+        of: (Slab<'_>, Range<usize>),
+        (classifier, part): (&C, u32),
+        [red, green, blue]: [&mut [i32]; 3],
+    ) {
+        self.each_rest(row, of, &mut |at, _, ends, fraction| {
+            let colours = [&mut *red, &mut *green, &mut *blue];
+            let colours = colours.map(|row| part_mut(row, at..at + 1));
+            classifier.colour_row(one(&ends).of_part(part).of_fraction(fraction), colours);
+        });
+    }
+
+    #[inline(always)]
+    fn clip_turns<C: ClassifierRows<i32> + ?Sized>(
+        &self,
+        row: u32,
+        of: (Slab<'_>, Range<usize>),
+        (classifier, part): (&C, u32),
+        turns: &mut [i32],
+    ) {
+        self.each_rest(row, of, &mut |at, left, ends, _| {
+            let turns = part_mut(&mut *turns, at..at + 1);
+            classifier.turn_row(one(&ends).of_part(part), &mut *turns);
+            for turn in turns {
+                *turn = left.turn(Turn::from_bits(*turn)).to_bits();
+            }
+        });
+    }
+
+    fn turn(&self, row: u32, first: usize, colours: [&mut [i32]; 3]) {
+        let column = self.boxed.columns.start + first;
+        self.clips
+            .turn(self.distances, (row, column), colours, self.colour_bits);
     }
 }

@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use super::blocks::Blocks;
-use super::canvas::{AllFinished, Canvas, Image, Packing};
+use super::canvas::{Canvas, Image, Packing, rows_finished};
 use super::clipped::{Clipped, Rest};
 use super::extent::Extent;
 use super::fold::{WholeRows, fold};
@@ -20,7 +20,7 @@ use crate::composite::{Channel, Order, Pixel, Recurrence};
 use crate::lanes::Lanes;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::{part, part_mut};
+use crate::rows::part_mut;
 use crate::seen::Seen;
 use crate::shade::Shader;
 use crate::slice::{Code12, Window};
@@ -373,16 +373,7 @@ where
 
     #[inline(always)]
     fn finished<V: Lanes>(&self, plan: &Plan, data: &[ChannelOf<P>]) -> bool {
-        if O::BACK_TO_FRONT {
-            return false;
-        }
-        let width = plan.base()[0] as usize;
-        for row in data.chunks_exact((4 * width).max(1)) {
-            if !V::enter((AllFinished, PhantomData::<V>, part(row, 3 * width..4 * width))) {
-                return false;
-            }
-        }
-        true
+        !O::BACK_TO_FRONT && rows_finished::<_, V>(plan.base()[0] as usize, data)
     }
 
     fn pixel(&self, row: &[ChannelOf<P>], column: usize) -> Pixel<ChannelOf<P>> {

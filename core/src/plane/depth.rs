@@ -5,6 +5,7 @@ use core::marker::PhantomData;
 use super::clipped::{Clipped, Rest};
 use super::extent::around;
 use super::kept::Kept;
+use super::kernels::staged;
 use super::parts::{Columns, Parts, Segments, Way};
 use super::scratch::{self, Scratch, ScratchError};
 use super::source::{Sheared, Source};
@@ -121,6 +122,7 @@ impl<P: Precision, S: AsRef<[Surface]> + Sync> Pipeline for Depth<P, S> {
         kept: Option<&mut Kept<'_>>,
         mut tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
+        staged::<Self::Precision>();
         let (plan, plane) = (at.plan, &at.plane);
         let [width, _, _] = plan.dims();
         let (scratch, _) = scratch::with_spare(scratch, Self::SCRATCH, width, false)?;

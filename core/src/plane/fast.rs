@@ -5,30 +5,28 @@ mod pixels;
 mod source;
 
 use core::marker::PhantomData;
-use core::ops::{Deref, Range};
+use core::ops::Deref;
 
 use self::kernels::{FastKernels, Lit};
 use self::pixels::Pixels;
 use self::source::Short;
-use super::canvas::Canvas;
+use super::canvas::{Canvas, rows_finished};
 use super::composite::again;
-use super::extent::{Extent, around};
-use super::fold::{Batches, fold};
+use super::fold::{WholeRows, fold};
 use super::kernels::{ClassifierRows, ShaderRows};
 use super::parts::{Columns, Parts, Samples};
 use super::scratch::{self, BatchRows, FastScratch, ScratchError};
 use super::source::Source;
-use super::{At, Kept, Pipeline, Reading, Rows};
-use crate::classify::{Slab, Support};
-use crate::composite::{Colours, Order, Pixel, Unorm16};
+use super::{At, Kept, Pipeline, Rows};
+use crate::classify::Support;
+use crate::composite::{Order, Pixel, Unorm16};
 use crate::fast::{self, RootTable};
-use crate::lanes::{Halves as _, Kernel, Lanes, each};
-use crate::locate::Plane;
+use crate::lanes::Lanes;
 use crate::plan::Plan;
 use crate::precision;
-use crate::rows::{part, part_mut, three};
-use crate::slice::{Code12, Window};
-use crate::tap::{Beam, Tap};
+use crate::rows::{part_mut, three};
+use crate::slice::Code12;
+use crate::tap::Tap;
 
 pub use self::kernels::FastShader;
 
@@ -110,12 +108,12 @@ where
         let mut short = Short::<V, S>::new((extent, window), plan.spacing(), (z, samples), (derivatives, slope));
         let (rows, support) = (extent.met(first, count), self.table.support());
         if V::SMALL {
-            let mut rows = ShortRows::new(plane, (extent, window), support, &mut short, rows, None);
+            let mut rows = WholeRows::new(plane, (extent, window), None, (support, None), &mut short, rows, None);
             fold(&mut rows, (&classifier, &shader), &mut pixels, batch, tap);
         } else {
             let reading = at.reading.filter(|_| *whole_rows);
             let source: &mut dyn Source<u16> = &mut short;
-            let mut rows = ShortRows::new(plane, (extent, window), support, source, rows, reading);
+            let mut rows = WholeRows::new(plane, (extent, window), None, (support, None), source, rows, reading);
             fold_rows(&mut rows, (&classifier, &shader), &mut pixels, batch, tap);
         }
     }
@@ -124,7 +122,7 @@ where
 /// Whole rows through the driver, of which there is one copy for all pipelines of 16 bits.
 #[inline(never)]
 fn fold_rows(
-    rows: &mut ShortRows<'_, '_, dyn Source<u16> + '_>,
+    rows: &mut WholeRows<'_, '_, dyn Source<u16> + '_>,
     slots: (&dyn ClassifierRows<u16>, &dyn ShaderRows<u16>),
     canvas: &mut dyn Canvas<u16>,
     memory: BatchRows<'_, u16>,
@@ -191,16 +189,7 @@ where
 
     #[inline(always)]
     fn finished<V: Lanes>(&self, plan: &Plan, data: &[u16]) -> bool {
-        if O::BACK_TO_FRONT {
-            return false;
-        }
-        let width = plan.base()[0] as usize;
-        for row in data.chunks_exact((4 * width).max(1)) {
-            if !V::enter((AllZero, PhantomData::<V>, part(row, 3 * width..4 * width))) {
-                return false;
-            }
-        }
-        true
+        !O::BACK_TO_FRONT && rows_finished::<_, V>(plan.base()[0] as usize, data)
     }
 
     fn pixel(&self, row: &[u16], column: usize) -> Pixel<Unorm16> {
@@ -214,144 +203,5 @@ where
             colour: three([0, 1, 2], run),
             transparency: run(3),
         }
-    }
-}
-
-/// Whether all of a row is 0.
-struct AllZero;
-
-impl<V: Lanes> Kernel for (AllZero, PhantomData<V>, &[u16]) {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(self) -> bool {
-        let (_, _, row) = self;
-        each!(V::Halves, row.len(), |at, WHOLE| {
-            if !V::Halves::load::<WHOLE>(row, at).all_zero() {
-                return false;
-            }
-        });
-        true
-    }
-}
-
-/// Whole rows, one after the other, as [`WholeRows`](super::fold::WholeRows): nothing is clipped or cut.
-struct ShortRows<'s, 'w, S: ?Sized> {
-    plane: &'s Plane,
-    extent: &'s Extent,
-    window: &'s Window<'w>,
-    support: Support,
-    source: &'s mut S,
-    rows: Range<u32>,
-    reading: Option<&'s dyn Reading>,
-    row: u32,
-    from: usize,
-}
-
-impl<'s, 'w, S: ?Sized> ShortRows<'s, 'w, S> {
-    #[inline(always)]
-    fn new(
-        plane: &'s Plane,
-        (extent, window): (&'s Extent, &'s Window<'w>),
-        support: Support,
-        source: &'s mut S,
-        rows: Range<u32>,
-        reading: Option<&'s dyn Reading>,
-    ) -> Self {
-        Self {
-            plane,
-            extent,
-            window,
-            support,
-            source,
-            rows,
-            reading,
-            row: 0,
-            from: 0,
-        }
-    }
-
-    #[inline(always)]
-    fn voxel_row(&self) -> i32 {
-        self.extent.voxel_row(self.row)
-    }
-}
-
-impl<X: Canvas<u16> + ?Sized, S: Source<u16> + ?Sized> Batches<u16, X> for ShortRows<'_, '_, S> {
-    const WHOLE_ROWS: bool = true;
-
-    #[inline(always)]
-    fn next(&mut self, canvas: &mut X) -> Option<usize> {
-        loop {
-            self.row = self.rows.next()?;
-            if canvas.finished(self.row) {
-                continue;
-            }
-            let voxel_row = self.voxel_row();
-            if self
-                .support
-                .meets(around(self.window, self.extent.voxel_rows(voxel_row)))
-            {
-                if let Some(reading) = self.reading {
-                    reading.row(voxel_row);
-                }
-                self.source.make(voxel_row);
-                self.from = 0;
-                return Some(self.extent.columns.len());
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn slab(&self) -> Slab<'_, u16> {
-        self.source.slab(self.voxel_row())
-    }
-
-    #[inline(always)]
-    fn again(&mut self) {
-        self.from = 0;
-    }
-
-    #[inline(always)]
-    fn clip<C: ClassifierRows<u16> + ?Sized>(&self, _: &C, _: u32, _: &mut [u16]) {}
-
-    #[inline(always)]
-    fn visible(&mut self, canvas: &mut X, opacities: &mut [u16]) -> Option<Range<usize>> {
-        if self.from >= opacities.len() {
-            return None;
-        }
-        let span = canvas.visible(self.row, opacities, self.from)?;
-        self.from = span.end;
-        Some(span)
-    }
-
-    #[inline(always)]
-    fn gradients(&mut self, visible: Range<usize>, _: &[u16], turns: Option<&[u16]>, out: [&mut [u16]; 3]) {
-        self.source.gradients(self.voxel_row(), visible, turns, out);
-    }
-
-    #[inline(always)]
-    fn weigh(&self, _: &X, _: Range<usize>, _: &mut [u16], _: &[u16]) {}
-
-    #[inline(always)]
-    fn fold(
-        &mut self,
-        canvas: &mut X,
-        visible: Range<usize>,
-        colours: &Colours<'_, u16>,
-        opacities: &[u16],
-        _: Option<&[u16]>,
-    ) {
-        canvas.fold(self.row, visible.clone(), colours, part(opacities, visible));
-    }
-
-    #[inline(always)]
-    fn beam(&self, offset: usize, part: u32) -> Option<Beam<'_>> {
-        Some(Beam {
-            plane: self.plane,
-            row: self.row,
-            column: (self.extent.columns.start + offset) as u32,
-            part,
-        })
     }
 }

@@ -8,21 +8,18 @@ use core::ops::Range;
 
 use super::Reading;
 use super::canvas::Canvas;
-use super::clipped::Clipped;
+use super::clipped::{ClipRows, Clipped};
 use super::extent::{Extent, around};
 use super::kernels::{Beside, ClassifierRows, ShaderRows};
 use super::scratch::BatchRows;
 use super::smooth;
 use super::source::Source;
-use crate::borders::WHOLE;
 use crate::classify::{Slab, Support};
-use crate::clip::Remainder;
 use crate::composite::Colours;
 use crate::locate::Plane;
 use crate::rows::{part, part_mut, three};
 use crate::slice::Window;
 use crate::stage::Stage;
-use crate::surface::Turn;
 use crate::tap::{Beam, Bits, Tap};
 
 /// A way through the samples of a plane, batch by batch.
@@ -299,46 +296,10 @@ impl<'s, 'w, S: ?Sized> WholeRows<'s, 'w, S> {
     }
 }
 
-/// The ends of what is left of a segment.
-fn rest(slab: Slab<'_>, columns: &Range<usize>, left: Remainder) -> [i32; 2] {
-    let Slab { front, back, .. } = slab.span(columns.clone());
-    match (front.first(), back.first()) {
-        (Some(front), Some(back)) => left.ends([*front, *back]),
-        _ => [0; 2],
-    }
-}
-
-/// A segment alone.
-fn one([front, back]: &[i32; 2]) -> Slab<'_> {
-    Slab::between(core::slice::from_ref(front), core::slice::from_ref(back))
-}
-
-impl<S: Source<i32> + ?Sized> WholeRows<'_, '_, S> {
-    /// Goes through those segments of a span that are cut: their places in it, what is left of them, its ends, and its share of
-    /// a step.
-    #[inline(always)]
-    fn each_rest(&self, span: Range<usize>, see: &mut dyn FnMut(usize, Remainder, [i32; 2], u32)) {
-        let (Some(clipped), slab) = (self.clipped, self.source.slab(self.voxel_row())) else {
-            return;
-        };
-        if slab.front.is_empty() {
-            return;
-        }
-        let first = span.start;
-        clipped.each(self.row, span, &mut |columns, left| {
-            if left != Remainder::WHOLE && left.weight() > 0 {
-                see(
-                    columns.start - first,
-                    left,
-                    rest(slab, &columns, left),
-                    clipped.fraction(left),
-                );
-            }
-        });
-    }
-}
-
-impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for WholeRows<'_, '_, S> {
+impl<W, X: Canvas<W> + ?Sized, S: Source<W> + ?Sized> Batches<W, X> for WholeRows<'_, '_, S>
+where
+    for<'c> Clipped<'c>: ClipRows<W>,
+{
     const WHOLE_ROWS: bool = true;
 
     #[inline(always)]
@@ -370,68 +331,48 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     }
 
     #[inline(always)]
-    fn slab(&self) -> Slab<'_> {
+    fn slab(&self) -> Slab<'_, W> {
         self.source.slab(self.voxel_row())
     }
 
     #[inline(always)]
-    fn clip<C: ClassifierRows<i32> + ?Sized>(&self, classifier: &C, part: u32, opacities: &mut [i32]) {
-        let (Some(clipped), all) = (self.clipped, 0..opacities.len()) else {
-            return;
-        };
-        let slab = self.source.slab(self.voxel_row());
-        if slab.front.is_empty() {
-            clipped.weigh(self.row, all, opacities);
-            return;
+    fn clip<C: ClassifierRows<W> + ?Sized>(&self, classifier: &C, part: u32, opacities: &mut [W]) {
+        if let Some(clipped) = self.clipped {
+            clipped.clip(
+                self.row,
+                self.source.slab(self.voxel_row()),
+                (classifier, part),
+                opacities,
+            );
         }
-        clipped.each(self.row, all, &mut |columns, left| {
-            let opacities = part_mut(&mut *opacities, columns.clone());
-            if left.weight() == 0 {
-                opacities.fill(0);
-            } else if left != Remainder::WHOLE {
-                let ends = rest(slab, &columns, left);
-                classifier.opacity_row(
-                    one(&ends).of_part(part).of_fraction(clipped.fraction(left)),
-                    &mut *opacities,
-                );
-                // The opacity of a surface has no length.
-                if part & 1 == 1 && left.fade < WHOLE {
-                    clipped.fade(opacities, left.fade);
-                }
-            }
-        });
     }
 
     #[inline(always)]
-    fn clip_colours<C: ClassifierRows<i32> + ?Sized>(
+    fn clip_colours<C: ClassifierRows<W> + ?Sized>(
         &self,
         classifier: &C,
         part: u32,
         visible: Range<usize>,
-        [red, green, blue]: [&mut [i32]; 3],
+        colours: [&mut [W]; 3],
     ) {
-        self.each_rest(visible, &mut |at, _, ends, fraction| {
-            let colours = [&mut *red, &mut *green, &mut *blue];
-            let colours = colours.map(|row| part_mut(row, at..at + 1));
-            classifier.colour_row(one(&ends).of_part(part).of_fraction(fraction), colours);
-        });
+        if let Some(clipped) = self.clipped {
+            let slab = self.source.slab(self.voxel_row());
+            clipped.clip_colours(self.row, (slab, visible), (classifier, part), colours);
+        }
     }
 
     #[inline(always)]
-    fn clip_turns<C: ClassifierRows<i32> + ?Sized>(
+    fn clip_turns<C: ClassifierRows<W> + ?Sized>(
         &self,
         classifier: &C,
         part: u32,
         visible: Range<usize>,
-        turns: &mut [i32],
+        turns: &mut [W],
     ) {
-        self.each_rest(visible, &mut |at, left, ends, _| {
-            let turns = part_mut(&mut *turns, at..at + 1);
-            classifier.turn_row(one(&ends).of_part(part), &mut *turns);
-            for turn in turns {
-                *turn = left.turn(Turn::from_bits(*turn)).to_bits();
-            }
-        });
+        if let Some(clipped) = self.clipped {
+            let slab = self.source.slab(self.voxel_row());
+            clipped.clip_turns(self.row, (slab, visible), (classifier, part), turns);
+        }
     }
 
     #[inline(always)]
@@ -440,10 +381,10 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     }
 
     #[inline(always)]
-    fn turn(&self, visible: Range<usize>, colours: &mut Colours<'_, i32>) {
+    fn turn(&self, visible: Range<usize>, colours: &mut Colours<'_, W>) {
         if let Some(clipped) = self.clipped {
             let [red, green, blue] = &mut colours.rows;
-            clipped.turn(self.row, visible.start, [red, green, blue]);
+            ClipRows::turn(clipped, self.row, visible.start, [red, green, blue]);
         }
     }
 
@@ -453,7 +394,7 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     }
 
     #[inline(always)]
-    fn visible(&mut self, canvas: &mut X, opacities: &mut [i32]) -> Option<Range<usize>> {
+    fn visible(&mut self, canvas: &mut X, opacities: &mut [W]) -> Option<Range<usize>> {
         // Most rows are one span, and a call per row counts.
         if self.from >= opacities.len() {
             return None;
@@ -464,12 +405,12 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
     }
 
     #[inline(always)]
-    fn gradients(&mut self, visible: Range<usize>, _: &[i32], turns: Option<&[i32]>, out: [&mut [i32]; 3]) {
+    fn gradients(&mut self, visible: Range<usize>, _: &[W], turns: Option<&[W]>, out: [&mut [W]; 3]) {
         self.source.gradients(self.voxel_row(), visible, turns, out);
     }
 
     #[inline(always)]
-    fn weigh(&self, canvas: &X, visible: Range<usize>, opacities: &mut [i32], factors: &[i32]) {
+    fn weigh(&self, canvas: &X, visible: Range<usize>, opacities: &mut [W], factors: &[W]) {
         canvas.weigh(part_mut(opacities, visible), factors);
     }
 
@@ -478,9 +419,9 @@ impl<X: Canvas<i32> + ?Sized, S: Source<i32> + ?Sized> Batches<i32, X> for Whole
         &mut self,
         canvas: &mut X,
         visible: Range<usize>,
-        colours: &Colours<'_, i32>,
-        opacities: &[i32],
-        _: Option<&[i32]>,
+        colours: &Colours<'_, W>,
+        opacities: &[W],
+        _: Option<&[W]>,
     ) {
         canvas.fold(self.row, visible.clone(), colours, part(opacities, visible));
     }

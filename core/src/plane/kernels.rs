@@ -59,6 +59,11 @@ pub(super) struct Beside<'a, W> {
     pub(super) towards: [&'a [W]; 3],
 }
 
+/// That a precision's stages are those of 32-bit lanes: with another nothing is compiled.
+pub(super) const fn staged<P: Precision>() {
+    const { assert!(P::STAGED, "this precision has a pipeline of its own") };
+}
+
 /// A classifier or shader in a precision, compiled for lanes.
 pub(super) struct Kernels<'a, T, P, V>(&'a T, P, Fractions, PhantomData<V>);
 
@@ -70,8 +75,9 @@ struct Fractions {
     exact: Option<&'static Exact>,
 }
 
-impl<'a, T, P, V> Kernels<'a, T, P, V> {
+impl<'a, T, P: Precision, V> Kernels<'a, T, P, V> {
     pub(super) const fn of(slot: &'a T, precision: P) -> Self {
+        staged::<P>();
         let whole = Fractions {
             row: WHOLE,
             ends: [None; 2],

@@ -4,6 +4,7 @@ use core::marker::PhantomData;
 
 use super::clipped::{Clipped, Rest};
 use super::kept::{Kept, KeptRows};
+use super::kernels::staged;
 use super::parts::{Columns, Parts, Samples};
 use super::scratch::{self, Scratch, ScratchError};
 use super::source::{Sheared, Source};
@@ -78,6 +79,7 @@ impl<P: Precision, C: Classifier<P>, X: Projection> Pipeline for Project<P, C, X
         _: Option<&mut Kept<'_>>,
         mut tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
+        staged::<Self::Precision>();
         let (plan, plane) = (at.plan, &at.plane);
         let [width, _, _] = plan.dims();
         let (scratch, _) = scratch::with_spare(scratch, Self::SCRATCH, width, false)?;

@@ -4,10 +4,11 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use super::canvas::{AllFinished, Canvas as _, Image};
+use super::canvas::{Canvas as _, Image, rows_finished};
 use super::clipped::{Clipped, Rest};
 use super::extent::{Extent, around};
 use super::kept::{Kept, KeptRows};
+use super::kernels::staged;
 use super::parts::{Columns, Parts, Samples};
 use super::scratch::{self, ColourScratch, RunRows, ScratchError};
 use super::smooth::{self, Smooth};
@@ -426,6 +427,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Pipeline for Rgba<P
         _: Option<&mut Kept<'_>>,
         tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
+        staged::<Self::Precision>();
         // The products of a small machine's own lane are made for 14 bits.
         if V::SMALL {
             self.fold_plane::<i32>(at, rows, scratch, tap)
@@ -436,9 +438,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Pipeline for Rgba<P
 
     #[inline(always)]
     fn finished<V: Lanes>(&self, plan: &Plan, data: &[ChannelOf<P>]) -> bool {
-        let width = plan.base()[0] as usize;
-        let mut rows = data.chunks_exact((4 * width).max(1));
-        rows.all(|row| V::enter((AllFinished, PhantomData::<V>, part(row, 3 * width..4 * width))))
+        rows_finished::<_, V>(plan.base()[0] as usize, data)
     }
 
     fn pixel(&self, row: &[ChannelOf<P>], column: usize) -> Pixel<ChannelOf<P>> {

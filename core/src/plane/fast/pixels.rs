@@ -3,11 +3,10 @@
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use super::AllZero;
 use crate::composite::{Colours, Order, PixelRow};
 use crate::fast::fold::{Given, Offsets, fold_row};
 use crate::lanes::{Halves, Kernel, Lanes};
-use crate::plane::canvas::Canvas;
+use crate::plane::canvas::{AllFinished, Canvas};
 use crate::rows::part;
 use crate::tap::Bits;
 
@@ -69,7 +68,7 @@ impl<O: Order, V: Lanes> Canvas<u16> for Pixels<'_, O, V> {
 
     #[inline(always)]
     fn finished(&self, row: u32) -> bool {
-        !O::BACK_TO_FRONT && V::enter((AllZero, PhantomData::<V>, self.run(row, 3)))
+        !O::BACK_TO_FRONT && V::enter((AllFinished, PhantomData::<V>, self.run(row, 3)))
     }
 
     #[inline(always)]
