@@ -345,7 +345,7 @@ fn whole(c: &mut Criterion) {
         ..unlit.clone()
     };
     for (name, frame) in [("unlit", unlit), ("lit", lit)] {
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             let frame = frame.in_precision(precision);
             frame.with_prepared(|prepared, slices| {
                 group.bench_function(format!("{name}/{}", precision.name()), |b| {

@@ -119,7 +119,7 @@ proptest! {
 
     #[test]
     fn every_layer_follows_the_definitions(frame in frame()) {
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             if let Err(difference) = hold_together(&frame.in_precision(precision)) {
                 prop_assert!(false, "{}: {difference}", precision.name());
             }
@@ -133,7 +133,7 @@ proptest! {
     /// Rays from an eye.
     #[test]
     fn every_layer_follows_the_definitions_in_perspective(frame in frame_in_perspective()) {
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             if let Err(difference) = hold_together(&frame.in_precision(precision)) {
                 prop_assert!(false, "{}: {difference}", precision.name());
             }
@@ -147,7 +147,7 @@ proptest! {
     #[test]
     fn splines_follow_the_definitions(frame in prop_oneof![9 => frame().boxed(), 1 => wide_frame().boxed()]) {
         let frame = splined(frame);
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             if let Err(difference) = hold_together(&frame.in_precision(precision)) {
                 prop_assert!(false, "{}: {difference}", precision.name());
             }
@@ -161,7 +161,7 @@ proptest! {
     /// By every vector width, and in blocks or rows.
     #[test]
     fn depths_are_the_definition(frame in frame()) {
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             frame.in_precision(precision).with_prepared(|prepared, slices| {
                 let expected = rays::depths(prepared).expect("a material that core takes");
                 for simd in Simd::available() {
@@ -180,7 +180,7 @@ proptest! {
 
 /// Holds both kernels of every width of vectors against whole rows by one lane.
 fn by_rows_and_blocks(frame: &Frame) -> Result<(), TestCaseError> {
-    for precision in PrecisionName::ALL {
+    for precision in PrecisionName::STAGED {
         let frame = frame.in_precision(precision);
         let expected = rendered(&frame, Simd::Scalar, WHOLE, 0.0);
         for simd in Simd::available() {
@@ -293,7 +293,7 @@ proptest! {
 
     #[test]
     fn pictures_are_the_definition_of_the_warp(frame in frame()) {
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             frame.in_precision(precision).with_prepared(|prepared, _| {
                 let made = prepared.render(Layer::Tiles(5), &|_, _| ()).unwrap();
                 prop_assert!(made.picture.bytes == by_definition(prepared, &made.base), "{}", precision.name());
@@ -351,7 +351,7 @@ proptest! {
         picture in warps(),
         background in prop_oneof![Just([0.0; 3]), Just([1.0; 3]), prop::array::uniform3(0.0..=1.0f64)],
     ) {
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             let frame = Frame { rays_per_voxel, ..frame.in_precision(precision) };
             frame.with_prepared(|prepared, _| {
                 let mut scene = prepared.scene.clone();
@@ -424,7 +424,7 @@ fn thin_volumes_from_every_side() {
                     borders,
                     planes_per_voxel: 2,
                     material: Some(light(3, 1)),
-                    precision: PrecisionName::ALL[frames % 3],
+                    precision: PrecisionName::STAGED[frames % 3],
                     ..Frame::new(volume.clone(), table.clone())
                 };
                 if let Err(difference) = hold_together(&frame) {

@@ -272,7 +272,7 @@ fn check(frame: &Framed) -> Result<(), ShardError> {
 }
 
 fn precision(name: &str) -> Result<PrecisionName, ShardError> {
-    let named = PrecisionName::EVERY
+    let named = PrecisionName::ALL
         .into_iter()
         .find(|precision| precision.name() == name);
     named.ok_or(ShardError::Damaged("its precision"))
@@ -315,7 +315,7 @@ mod tests {
     fn scenes() -> Vec<Scene> {
         let bone = built_in("ct-bone").unwrap();
         let mut scenes = Vec::new();
-        for precision in PrecisionName::EVERY {
+        for precision in PrecisionName::ALL {
             scenes.push(Scene {
                 precision,
                 ..bone.clone()

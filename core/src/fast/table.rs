@@ -72,6 +72,12 @@ impl<R: Deref<Target = Roots>, C: Deref<Target = Colours>> RootTable<R, C> {
         }
     }
 
+    /// Bytes of roots and colours.
+    pub const fn bytes(&self) -> usize {
+        let colours = if self.colours.is_ok() { 0 } else { size_of::<Colours>() };
+        size_of::<Roots>() + colours
+    }
+
     /// Which voxel ranges can hold a visible sample.
     pub const fn support(&self) -> Support {
         self.support

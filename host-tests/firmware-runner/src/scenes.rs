@@ -38,7 +38,7 @@ pub struct Named {
 /// Which pipeline of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Kind {
-    /// Index into [`PrecisionName::ALL`].
+    /// Index into [`PrecisionName::STAGED`].
     precision: usize,
     /// With gradients and lights.
     pub lit: bool,
@@ -64,7 +64,7 @@ impl Kind {
 
     /// The precision.
     pub fn precision(self) -> PrecisionName {
-        PrecisionName::ALL[self.precision]
+        PrecisionName::STAGED[self.precision]
     }
 
     /// `lit` or `unlit`.

@@ -126,7 +126,7 @@ fn cost() -> Result<(), Box<dyn Error>> {
     for (lights, name) in [(0, "unlit"), (1, "lit")] {
         let colourful = false;
         let scene = fog(&volume, Fog { lights, colourful });
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             for simd in Simd::available() {
                 let [linear, smooth] = [Interpolation::Linear, Interpolation::Quadratic].map(|interpolation| Scene {
                     precision,

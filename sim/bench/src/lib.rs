@@ -140,28 +140,24 @@ pub fn measure(
     threads: &Threads,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(u64, Vec<Row>), RenderError> {
-    let scenes = PrecisionName::ALL
-        .into_iter()
-        .chain([PrecisionName::Fast])
+    // 16-bit lanes do not know every scene, and are not timed at others.
+    let scenes: Vec<Scene> = (PrecisionName::STAGED.into_iter().chain([PrecisionName::Fast]))
         .map(|precision| Scene {
             precision,
             ..scene.clone()
-        });
-    let scenes: Vec<Scene> = scenes.filter(|scene| scene.check().is_ok()).collect();
+        })
+        .filter(|scene| scene.precision != PrecisionName::Fast || scene.check().is_ok())
+        .collect();
     let prepared: Vec<Prepared<'_>> = (scenes.iter())
         .map(|scene| Prepared::new(scene, volume))
         .collect::<Result<_, _>>()?;
     // The opponent has none.
     prepared[0].check_unclipped()?;
-    let of = |precision| {
-        &prepared[scenes
-            .iter()
-            .position(|scene| scene.precision == precision)
-            .unwrap_or(0)]
-    };
-    // What 16-bit lanes do not know, they are not timed at.
-    let known = |subject: &&Subject| {
-        subject.engine != Engine::Fixed(PrecisionName::Fast) || scenes.len() > PrecisionName::ALL.len()
+    let place = |precision| scenes.iter().position(|scene| scene.precision == precision);
+    let of = |precision| &prepared[place(precision).unwrap_or(0)];
+    let known = |subject: &&Subject| match subject.engine {
+        Engine::Fixed(precision) | Engine::Rays(precision) => place(precision).is_some(),
+        Engine::Float => true,
     };
     let subjects: &Vec<Subject> = &subjects.iter().filter(known).copied().collect();
     let plan = prepared[0].setup.plan;

@@ -337,7 +337,7 @@ mod tests {
     #[test]
     fn scenes_name_precisions_as_core_does() {
         assert_eq!(
-            PrecisionName::ALL.map(PrecisionName::name),
+            PrecisionName::STAGED.map(PrecisionName::name),
             [Paper::NAME, Compact::NAME, Wide::NAME]
         );
     }

@@ -60,7 +60,7 @@ fn errors(volume: &Volume) -> Result<(), Box<dyn Error>> {
     println!("|---|---|---|---|---|---|---|---|");
     for name in ["headsq", "ct-fog", "ct-bone"] {
         for (fov, eye) in [(20.0, None), (60.0, None), (60.0, Some(WITHIN)), (120.0, Some(WITHIN))] {
-            for precision in PrecisionName::ALL {
+            for precision in PrecisionName::STAGED {
                 let mut scene = scene_of(built_in(name)?, 256);
                 scene.precision = precision;
                 let perspective = seen(fov, eye);

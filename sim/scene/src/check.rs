@@ -110,33 +110,18 @@ impl Scene {
             let shown = format!("{:?}", eye.at);
             return Err(FieldError::new("view.eye", shown, "three numbers from -1e9 to 1e9"));
         }
-        let segments = !matches!(self.classification, Classification::Point) || !self.surfaces.is_empty();
-        for (field, known, expected) in [
-            ("sampling.borders", self.borders == Borders::Whole, "\"whole\""),
-            (
-                "sampling.interpolation",
-                self.interpolation == Interpolation::Linear,
-                "\"linear\"",
-            ),
-            ("crop", self.crop.is_none(), "no crop box"),
-            ("clip", self.clips.is_empty(), "no clip planes"),
-            ("cueing", self.cueing.is_none(), "no depth cueing"),
-            ("modulation", self.modulation.is_none(), "no modulation"),
-            ("reflectance", self.reflectance.is_none(), "no reflectance map"),
-            ("colours", self.colours.is_none(), "a volume of one value a voxel"),
-            ("render.classification", !segments, "\"point\", without surfaces"),
-            (
-                "render.blend",
-                self.blend.is_composited(),
-                "\"front-to-back\" or \"back-to-front\"",
-            ),
-        ] {
-            if !known {
-                let expected = format!("{expected}: a view in perspective knows no other");
-                return Err(FieldError::new(field, "given", expected));
-            }
-        }
-        Ok(())
+        self.plain_samples(
+            "a view in perspective",
+            [
+                ("sampling.borders", self.borders == Borders::Whole, "\"whole\""),
+                (
+                    "sampling.interpolation",
+                    self.interpolation == Interpolation::Linear,
+                    "\"linear\"",
+                ),
+                ("crop", self.crop.is_none(), "no crop box"),
+            ],
+        )
     }
 
     /// In 16-bit lanes there are samples of parallel rays, linear in the table, composited, which nothing clips.
@@ -144,37 +129,47 @@ impl Scene {
         if self.precision != PrecisionName::Fast {
             return Ok(());
         }
+        self.plain_samples(
+            "precision \"fast\"",
+            [
+                (
+                    "sampling.interpolation",
+                    self.interpolation != Interpolation::Quadratic,
+                    "\"linear\" or \"nearest\"",
+                ),
+                ("view.projection", self.perspective.is_none(), "\"parallel\""),
+                (
+                    "render.lookup",
+                    self.lookup.is_none_or(|lookup| lookup == LookupName::Linear),
+                    "\"linear\"",
+                ),
+            ],
+        )
+    }
+
+    /// That there are composited samples of values, which nothing clips, turns or modulates, and what is asked besides.
+    fn plain_samples(&self, who: &str, besides: [(&str, bool, &str); 3]) -> Result<(), FieldError> {
         let segments = !matches!(self.classification, Classification::Point) || !self.surfaces.is_empty();
-        for (field, known, expected) in [
-            (
-                "sampling.interpolation",
-                self.interpolation != Interpolation::Quadratic,
-                "\"linear\" or \"nearest\"",
-            ),
+        let common = [
             ("clip", self.clips.is_empty(), "no clip planes"),
             ("cueing", self.cueing.is_none(), "no depth cueing"),
             ("modulation", self.modulation.is_none(), "no modulation"),
             ("reflectance", self.reflectance.is_none(), "no reflectance map"),
             ("colours", self.colours.is_none(), "a volume of one value a voxel"),
-            ("view.projection", self.perspective.is_none(), "\"parallel\""),
             ("render.classification", !segments, "\"point\", without surfaces"),
             (
                 "render.blend",
                 self.blend.is_composited(),
                 "\"front-to-back\" or \"back-to-front\"",
             ),
-            (
-                "render.lookup",
-                self.lookup.is_none_or(|lookup| lookup == LookupName::Linear),
-                "\"linear\"",
-            ),
-        ] {
-            if !known {
-                let expected = format!("{expected}: precision \"fast\" knows no other");
-                return Err(FieldError::new(field, "given", expected));
+        ];
+        match besides.into_iter().chain(common).find(|(_, known, _)| !known) {
+            Some((field, _, expected)) => {
+                let expected = format!("{expected}: {who} knows no other");
+                Err(FieldError::new(field, "given", expected))
             }
+            None => Ok(()),
         }
-        Ok(())
     }
 
     fn cueing(&self) -> Result<(), FieldError> {

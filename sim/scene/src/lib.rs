@@ -441,11 +441,11 @@ pub enum PrecisionName {
 }
 
 impl PrecisionName {
-    /// Those of one set of stages in 32-bit lanes, in the order of reports.
-    pub const ALL: [Self; 3] = [Self::Paper, Self::Compact, Self::Wide];
+    /// Those of one set of stages, in 32-bit lanes, in the order of reports.
+    pub const STAGED: [Self; 3] = [Self::Paper, Self::Compact, Self::Wide];
 
     /// All of them.
-    pub const EVERY: [Self; 4] = [Self::Fast, Self::Paper, Self::Compact, Self::Wide];
+    pub const ALL: [Self; 4] = [Self::Fast, Self::Paper, Self::Compact, Self::Wide];
 
     /// The name in scenes and reports.
     pub const fn name(self) -> &'static str {

@@ -81,7 +81,7 @@ enum Field {
 impl Field {
     /// The subjects, where "all" are so many threads: of one thread, each only once.
     fn subjects(self, threads: usize) -> Vec<Subject> {
-        let fixed = PrecisionName::EVERY.into_iter().rev().map(Engine::Fixed);
+        let fixed = PrecisionName::ALL.into_iter().rev().map(Engine::Fixed);
         let rays = [PrecisionName::Compact, PrecisionName::Wide].map(Engine::Rays);
         let mut subjects = Vec::new();
         for simd in Simd::available() {

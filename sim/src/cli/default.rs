@@ -42,7 +42,7 @@ fn names() -> Vec<String> {
             format!("head-{name}.json"),
         ]
     };
-    let mut names: Vec<String> = PrecisionName::ALL.into_iter().flat_map(per_precision).collect();
+    let mut names: Vec<String> = PrecisionName::STAGED.into_iter().flat_map(per_precision).collect();
     names.push("head-model.png".into());
     names
 }
@@ -73,7 +73,7 @@ impl Args {
         let mut summary = Vec::new();
         let mut written = Vec::new();
         let mut captions = Vec::new();
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             let name = precision.name();
             let scene = Scene {
                 precision,

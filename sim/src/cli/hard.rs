@@ -57,7 +57,7 @@ fn page(cases: &[Case], all: bool) -> String {
         let line = format!("{}: {}{said}", case.group, case.name);
         (!said.is_empty()).then(|| paragraph(&line, "  "))
     });
-    let shown = |case: &&Case| all || !case.outcomes.iter().any(|o| NAMED.contains(&o.who.as_str()));
+    let shown = |case: &&Case| all || !case.outcomes.iter().all(|o| NAMED.contains(&o.who.as_str()));
     let parts = [
         table(cases).to_string(),
         told.collect::<Vec<_>>().join("\n"),

@@ -5,12 +5,13 @@ use slicecast::integral::Length;
 use slicecast::project::Sum;
 use slicecast::view::Axis;
 use slicecast_engine::camera::{Material, clips, plan};
+use slicecast_engine::fast;
 use slicecast_engine::integrals::Cumulative;
 use slicecast_engine::modulation;
 use slicecast_engine::pipelines::{Parameters, compile, rendering, rendering_of_segments};
 use slicecast_engine::segments;
 use slicecast_engine::tiles::Geometry;
-use slicecast_scene::Classification;
+use slicecast_scene::{Classification, PrecisionName};
 use slicecast_volume::Mapping;
 
 use super::Failure;
@@ -71,7 +72,10 @@ impl Args {
             offset: 0.0,
         };
         let table = compile(&scene, &codes, 1.0);
-        let mut table_bytes = table.bytes();
+        let mut table_bytes = match scene.precision {
+            PrecisionName::Fast => fast::table(&table).bytes(),
+            PrecisionName::Paper | PrecisionName::Compact | PrecisionName::Wide => table.bytes(),
+        };
         let clips = clips(&scene, &plan, self.spacing).map_err(Failure::input)?;
         let geometry = Geometry {
             plan: &plan,

@@ -71,7 +71,7 @@ impl Args {
         let prepared = Prepared::new(&scene, &loaded.volume)?;
         let rows = self.sweep(&prepared)?;
         let mut comparisons = Vec::new();
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             // The table of each precision is its own, unless the scene asks for one.
             let scene = Scene {
                 precision,
@@ -88,7 +88,7 @@ impl Args {
             )??;
             comparisons.push((precision.name(), comparison));
         }
-        let shown = PrecisionName::ALL
+        let shown = PrecisionName::STAGED
             .iter()
             .position(|p| *p == scene.precision)
             .unwrap_or(0);
@@ -96,7 +96,7 @@ impl Args {
         let split = if self.without.no_converged || scene.interpolation == Interpolation::Nearest {
             None
         } else {
-            let name = PrecisionName::ALL[shown].name();
+            let name = PrecisionName::STAGED[shown].name();
             Some(with_titled_bar(
                 &format!("{name}: comparing with the converged integral"),
                 |progress| {

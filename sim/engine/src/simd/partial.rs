@@ -84,7 +84,7 @@ pub fn chunk_or_zeros<T: Zero, const N: usize>(row: &[T], at: usize) -> &[T; N] 
     unsafe { &*place }
 }
 
-/// `N` elements of a row to write to, if it has them; else those of a row that nobody reads.
+/// `N` elements of a row to write to, if it has them; else those of another, which is not read.
 #[inline(always)]
 pub fn chunk_mut_or<'a, const N: usize>(row: &'a mut [u16], at: usize, else_to: &'a mut [u16; N]) -> &'a mut [u16; N] {
     let inside = at < row.len().saturating_sub(N - 1);

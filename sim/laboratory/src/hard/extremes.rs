@@ -195,7 +195,7 @@ fn whole(tally: &mut Tally, views: u32) -> Result<(), slicecast_engine::error::R
             roll: 0.0,
         };
         scene.sampling.planes_per_voxel = 1 + view % 16;
-        for precision in PrecisionName::ALL {
+        for precision in PrecisionName::STAGED {
             let base = compared(&scene, &board, precision)?.frame.base;
             for plane in &base.planes {
                 plane.iter().for_each(|bits| tally.check(*bits <= base.one));

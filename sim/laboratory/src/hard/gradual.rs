@@ -67,7 +67,7 @@ fn flat() -> Result<Case, RenderError> {
         "there is no gradient anywhere",
     );
     let block = volume([6, 5, 4], [1.0, 0.5, 2.0], |_| 3000.0);
-    for precision in PrecisionName::ALL {
+    for precision in PrecisionName::STAGED {
         let mut scene = scene(&[(0.0, 0.5)]);
         scene.precision = precision;
         scene.modulation = Some(Modulation {
