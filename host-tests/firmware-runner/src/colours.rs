@@ -14,7 +14,7 @@ use slicecast_pyramid::volume::{RgbaVolume, Voxels};
 use slicecast_scene::{PrecisionName, Scene};
 use slicecast_volume::values::Orientation;
 
-use crate::images::{execute, parse};
+use crate::images::{Pair, execute, parse};
 use crate::line;
 use crate::machines::Machine;
 use crate::reference::places;
@@ -128,18 +128,13 @@ impl Colours {
         let report = parse(&finished.out)?;
         let mut failed = 0;
         for (precision, kind, host) in self.images.iter().copied() {
-            let case = |way: &str| {
-                let name = format!("{way} {} {} {}", self.scene, precision.name(), kind.shading());
-                report.cases.iter().find(|case| case.name == name)
-            };
-            let (Some(points), Some(colours)) = (case("points"), case("colours")) else {
-                return fail("the program did not report its cases");
-            };
-            let each = |instructions: Option<u64>| instructions.unwrap_or(u64::MAX) as f64 / self.places as f64;
-            let [of_points, of_colours] = [points, colours].map(|case| each(case.instructions));
+            let names = ["points", "colours"]
+                .map(|way| format!("{way} {} {} {}", self.scene, precision.name(), kind.shading()));
+            let pair = Pair::of(&report, names, [self.places; 2])?;
+            let [of_points, of_colours] = pair.each();
             let ratio = of_colours / of_points;
-            let verdict = if colours.sums.image != host {
-                Some(format!("found {:08x}", colours.sums.image))
+            let verdict = if pair.image() != host {
+                Some(format!("found {:08x}", pair.image()))
             } else if machine.core == "Cortex-M4"
                 && precision == PrecisionName::Compact
                 && !kind.lit
@@ -157,14 +152,8 @@ impl Colours {
                 &format!("{host:08x}"),
                 verdict,
             );
-            let memory = |case: &crate::images::Case| case.memory.map_or(0, |parts| parts.iter().sum::<u64>());
-            println!(
-                "    instructions a sample: points {of_points:.1}, colours {of_colours:.1}, {ratio:.2} times; frames {} and {}; memory {} and {}",
-                points.instructions.unwrap_or(0),
-                colours.instructions.unwrap_or(0),
-                memory(points),
-                memory(colours)
-            );
+            let [points, colours] = pair.instructions();
+            println!("{}; frames {points} and {colours}", pair.cost(["points", "colours"]));
         }
         let verdict = (!finished.passed || !report.verdict).then(|| "its own verdict: fail".to_owned());
         failed += line(machine, "colours exit", "", verdict);

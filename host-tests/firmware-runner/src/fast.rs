@@ -10,7 +10,7 @@ use slicecast_engine::simd::Simd;
 use slicecast_firmware_shared::sum::Sum;
 use slicecast_scene::PrecisionName;
 
-use crate::images::{execute, parse};
+use crate::images::{Pair, execute, parse};
 use crate::line;
 use crate::machines::Machine;
 use crate::reference::places;
@@ -89,14 +89,9 @@ impl Fast {
         let report = parse(&finished.out)?;
         let mut failed = 0;
         for (shading, host) in self.images.iter().copied() {
-            let case = |precision: &str| {
-                let name = format!("{} {precision} {shading}", self.scene);
-                report.cases.iter().find(|case| case.name == name)
-            };
-            let (Some(compact), Some(fast)) = (case("compact"), case("fast")) else {
-                return fail("the program did not report its cases");
-            };
-            let image = fast.sums.image;
+            let names = ["compact", "fast"].map(|precision| format!("{} {precision} {shading}", self.scene));
+            let pair = Pair::of(&report, names, [self.places; 2])?;
+            let image = pair.image();
             let verdict = (image != host).then(|| format!("found {image:08x}"));
             failed += line(
                 machine,
@@ -104,23 +99,7 @@ impl Fast {
                 &format!("{host:08x}"),
                 verdict,
             );
-            let each = |case: &crate::images::Case| {
-                let memory = case.memory.map_or(0, |parts| parts.iter().sum::<u64>());
-                (
-                    case.instructions.unwrap_or(u64::MAX) as f64 / self.places as f64,
-                    memory,
-                )
-            };
-            let ([of_compact, of_fast], memory) = {
-                let [(a, before), (b, after)] = [each(compact), each(fast)];
-                ([a, b], [before, after])
-            };
-            println!(
-                "    instructions a sample: compact {of_compact:.1}, fast {of_fast:.1}, {:.2} of them; memory {} and {}",
-                of_fast / of_compact,
-                memory[0],
-                memory[1]
-            );
+            println!("{}", pair.cost(["compact", "fast"]));
         }
         let verdict = (!finished.passed || !report.verdict).then(|| "its own verdict: fail".to_owned());
         failed += line(machine, "fast exit", "", verdict);

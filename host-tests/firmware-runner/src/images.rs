@@ -16,6 +16,60 @@ use crate::toolchain::{Toolchain, build};
 /// How long a program may run.
 const LIMIT: Duration = Duration::from_secs(300);
 
+/// Two frames of one program, and the places of samples in each.
+#[derive(Debug)]
+pub struct Pair<'a> {
+    cases: [&'a Case; 2],
+    places: [u64; 2],
+}
+
+impl<'a> Pair<'a> {
+    /// The cases of these names.
+    ///
+    /// # Errors
+    /// If the program reported another.
+    pub fn of(report: &'a Report, names: [String; 2], places: [u64; 2]) -> Result<Self, Failure> {
+        let [first, second] = names.map(|name| report.cases.iter().find(|case| case.name == name));
+        match (first, second) {
+            (Some(first), Some(second)) => Ok(Self {
+                cases: [first, second],
+                places,
+            }),
+            _ => fail("the program did not report its cases"),
+        }
+    }
+
+    /// The sum of the second's image.
+    pub const fn image(&self) -> u32 {
+        self.cases[1].sums.image
+    }
+
+    /// Instructions of both.
+    pub fn instructions(&self) -> [u64; 2] {
+        self.cases.map(|case| case.instructions.unwrap_or(u64::MAX))
+    }
+
+    /// Instructions of a sample.
+    pub fn each(&self) -> [f64; 2] {
+        let [first, second] = self.instructions();
+        let [of_first, of_second] = self.places;
+        [first as f64 / of_first as f64, second as f64 / of_second as f64]
+    }
+
+    /// Instructions of a sample and memory of both, by these words.
+    pub fn cost(&self, [first, second]: [&str; 2]) -> String {
+        let ([each, other], [memory, lent]) = (
+            self.each(),
+            self.cases
+                .map(|case| case.memory.map_or(0, |parts| parts.iter().sum::<u64>())),
+        );
+        format!(
+            "    instructions a sample: {first} {each:.1}, {second} {other:.1}, {:.2} times; memory {memory} and {lent}",
+            other / each
+        )
+    }
+}
+
 /// What is needed to build and run images.
 #[derive(Debug)]
 pub struct Workshop {

@@ -12,7 +12,7 @@ use slicecast_firmware_shared::scene::plan_in_perspective;
 use slicecast_firmware_shared::sum::Sum;
 use slicecast_scene::PrecisionName;
 
-use crate::images::{execute, parse};
+use crate::images::{Pair, execute, parse};
 use crate::line;
 use crate::machines::Machine;
 use crate::reference::places;
@@ -93,18 +93,9 @@ impl Perspective {
         let report = parse(&finished.out)?;
         let mut failed = 0;
         for (kind, host) in self.images.iter().copied() {
-            let case = |way: &str| {
-                let name = format!("{way} {} {}", self.scene, kind.name());
-                report.cases.iter().find(|case| case.name == name)
-            };
-            let (Some(parallel), Some(perspective)) = (case("parallel"), case("perspective")) else {
-                return fail("the program did not report its cases");
-            };
-            let each =
-                |case: &crate::images::Case, places: u64| case.instructions.unwrap_or(u64::MAX) as f64 / places as f64;
-            let [places, spread] = self.places;
-            let [of_parallel, of_perspective] = [each(parallel, places), each(perspective, spread)];
-            let image = perspective.sums.image;
+            let names = ["parallel", "perspective"].map(|way| format!("{way} {} {}", self.scene, kind.name()));
+            let pair = Pair::of(&report, names, self.places)?;
+            let image = pair.image();
             let verdict = (image != host).then(|| format!("found {image:08x}"));
             failed += line(
                 machine,
@@ -112,13 +103,7 @@ impl Perspective {
                 &format!("{host:08x}"),
                 verdict,
             );
-            let memory = |case: &crate::images::Case| case.memory.map_or(0, |parts| parts.iter().sum::<u64>());
-            println!(
-                "    instructions a sample: parallel {of_parallel:.1}, in perspective {of_perspective:.1}, {:.2} times; memory {} and {}",
-                of_perspective / of_parallel,
-                memory(parallel),
-                memory(perspective)
-            );
+            println!("{}", pair.cost(["parallel", "in perspective"]));
         }
         let verdict = (!finished.passed || !report.verdict).then(|| "its own verdict: fail".to_owned());
         failed += line(machine, "perspective exit", "", verdict);

@@ -1,7 +1,10 @@
 //! One pipeline alone in a program: what it takes in flash, RAM, stack and instructions.
 
 use semihosting::println;
-use slicecast::plane::ChannelOf;
+use slicecast::composite::Channel;
+use slicecast::plan::Plan;
+use slicecast::plane::{ChannelOf, Pipeline};
+use slicecast::slice::Code12;
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast_firmware_shared::image;
 use slicecast_firmware_shared::scene::{Lights, Model, SceneData, pipeline};
@@ -16,15 +19,25 @@ pub fn measure<P: Model, S: Lights<P>>(scene: &SceneData, memory: Memory<'_, Cha
         println!("error the scene is out of range");
         return 0;
     };
-    let [slices, ranges, scratch, image] =
-        Needs::of::<slicecast_firmware_shared::scene::PipelineOf<'_, P, S>>(&plan).bytes();
+    start_counter();
+    streamed(scene, plan, &pipeline, memory)
+}
+
+/// Streams a scene's voxels under a plan; prints the memory lent, the instructions and the image's sum. Returns the sum, 0 for none.
+#[inline(always)]
+pub fn streamed<L: Pipeline<Voxel = Code12, Element: Channel>>(
+    scene: &SceneData,
+    plan: Plan,
+    pipeline: &L,
+    memory: Memory<'_, L::Element>,
+) -> u32 {
+    let [slices, ranges, scratch, image] = Needs::of::<L>(&plan).bytes();
     println!("memory {slices} {ranges} {scratch} {image}");
-    let Ok(mut stream) = Stream::new(plan, &pipeline, memory) else {
+    let Ok(mut stream) = Stream::new(plan, pipeline, memory) else {
         println!("error too little memory");
         return 0;
     };
     let [width, height, _] = plan.dims();
-    start_counter();
     let tick = instructions_a_tick();
     let mut total = 0u64;
     for slice in scene.voxels.chunks_exact((width * height) as usize) {

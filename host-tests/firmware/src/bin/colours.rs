@@ -10,12 +10,13 @@ use slicecast::plane::{ChannelOf, Rgba};
 use slicecast::precision::{Compact, Wide};
 use slicecast::shade::{Phong, Unlit};
 use slicecast::stream::{Memory, Needs, Stream};
+use slicecast_firmware::frame::streamed;
 use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
 use slicecast_firmware::memory::{Reserved, with_image};
 use slicecast_firmware::scenes::{COLOURS_EXPECTED, DENSE};
 use slicecast_firmware::stack;
 use slicecast_firmware_shared::image;
-use slicecast_firmware_shared::scene::{Lights, Model, PipelineOf, colour_entry, colour_medium, pipeline};
+use slicecast_firmware_shared::scene::{Lights, Model, colour_entry, colour_medium, pipeline};
 use slicecast_firmware_shared::sum::Sum;
 use static_cell::ConstStaticCell;
 
@@ -62,22 +63,7 @@ fn by_points<P: Model, S: Lights<P>>(memory: Memory<'_, ChannelOf<P>>) {
         println!("error the scene is out of range");
         return;
     };
-    memory_of(Needs::of::<PipelineOf<'_, P, S>>(&plan));
-    let Ok(mut stream) = Stream::new(plan, &pipeline, memory) else {
-        println!("error too little memory");
-        return;
-    };
-    let [width, height, _] = plan.dims();
-    let mut total = 0u64;
-    for slice in DENSE.voxels.chunks_exact((width * height) as usize) {
-        let before = ticks();
-        let pushed = stream.push(slice);
-        total += u64::from(ticks_between(before, ticks()));
-        if pushed.is_err() {
-            println!("error slice refused");
-        }
-    }
-    println!("instructions {}", total * instructions_a_tick());
+    streamed(DENSE, plan, &pipeline, memory);
 }
 
 /// A frame of the dense scene's entries; the sum of its image.
@@ -93,7 +79,8 @@ fn by_colours<P: Model<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>, S:
         println!("error the scene is out of range");
         return 0;
     };
-    memory_of(Needs::of::<Rgba<P, S>>(&plan));
+    let [slices, ranges, scratch, image] = Needs::of::<Rgba<P, S>>(&plan).bytes();
+    println!("memory {slices} {ranges} {scratch} {image}");
     let Ok(mut stream) = Stream::new(plan, Rgba::shaded(precision, medium, shader), memory) else {
         println!("error too little memory");
         return 0;
@@ -117,10 +104,4 @@ fn by_colours<P: Model<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>, S:
     image::add_rows(&mut sum, stream.image());
     println!("image {:08x}", sum.get());
     sum.get()
-}
-
-/// Prints the bytes that a stream is lent.
-fn memory_of(needs: Needs) {
-    let [slices, ranges, scratch, image] = needs.bytes();
-    println!("memory {slices} {ranges} {scratch} {image}");
 }

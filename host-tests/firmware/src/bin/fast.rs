@@ -3,23 +3,21 @@
 #![no_main]
 
 use semihosting::println;
-use slicecast::composite::{Channel, FrontToBack, Unorm16};
+use slicecast::composite::{FrontToBack, Unorm16};
 use slicecast::fast::table::{fill_colours, fill_roots};
 use slicecast::fast::{Colours, RootTable, Roots};
-use slicecast::plan::Plan;
 use slicecast::plane::{Fast, Pipeline};
 use slicecast::precision::Compact;
 use slicecast::shade::{Phong, Unlit};
 use slicecast::slice::Code12;
-use slicecast::stream::{Memory, Needs, Stream};
+use slicecast::stream::Memory;
 use slicecast::table::ENTRIES;
-use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
+use slicecast_firmware::frame::streamed;
+use slicecast_firmware::machine::{finish, start_counter};
 use slicecast_firmware::memory::{Reserved, with_image};
 use slicecast_firmware::scenes::{DENSE, FAST_EXPECTED};
 use slicecast_firmware::stack;
-use slicecast_firmware_shared::image;
 use slicecast_firmware_shared::scene::{Lights, Model, pipeline};
-use slicecast_firmware_shared::sum::Sum;
 use static_cell::ConstStaticCell;
 
 #[cfg(target_arch = "arm")]
@@ -78,7 +76,7 @@ fn compact<S: Lights<Compact>>(memory: Memory<'_, Unorm16>) {
         println!("error the scene is out of range");
         return;
     };
-    streamed(plan, &pipeline, memory);
+    streamed(DENSE, plan, &pipeline, memory);
 }
 
 /// The same in 16-bit lanes; the sum of its image.
@@ -89,35 +87,5 @@ fn fast<L: Pipeline<Voxel = Code12, Element = u16>>(name: &str, pipeline: &L, me
         println!("error the scene is out of range");
         return 0;
     };
-    streamed(plan, pipeline, memory)
-}
-
-/// Streams the dense scene's voxels, and prints what that costs; the sum of the image.
-#[inline(always)]
-fn streamed<L: Pipeline<Voxel = Code12, Element: Channel>>(
-    plan: Plan,
-    pipeline: &L,
-    memory: Memory<'_, L::Element>,
-) -> u32 {
-    let [slices, ranges, scratch, image] = Needs::of::<L>(&plan).bytes();
-    println!("memory {slices} {ranges} {scratch} {image}");
-    let Ok(mut stream) = Stream::new(plan, pipeline, memory) else {
-        println!("error too little memory");
-        return 0;
-    };
-    let [width, height, _] = plan.dims();
-    let mut total = 0u64;
-    for slice in DENSE.voxels.chunks_exact((width * height) as usize) {
-        let before = ticks();
-        let pushed = stream.push(slice);
-        total += u64::from(ticks_between(before, ticks()));
-        if pushed.is_err() {
-            println!("error slice refused");
-        }
-    }
-    println!("instructions {}", total * instructions_a_tick());
-    let mut sum = Sum::new();
-    image::add_rows(&mut sum, stream.image());
-    println!("image {:08x}", sum.get());
-    sum.get()
+    streamed(DENSE, plan, pipeline, memory)
 }

@@ -4,20 +4,17 @@
 #![no_main]
 
 use semihosting::println;
-use slicecast::composite::{Channel, Unorm16};
-use slicecast::plan::Plan;
-use slicecast::plane::{ChannelOf, Perspective, Pipeline};
+use slicecast::composite::Unorm16;
+use slicecast::plane::{ChannelOf, Perspective};
 use slicecast::precision::{Compact, Wide};
 use slicecast::shade::{Phong, Unlit};
-use slicecast::slice::Code12;
-use slicecast::stream::{Memory, Needs, Stream};
-use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
+use slicecast::stream::Memory;
+use slicecast_firmware::frame::streamed;
+use slicecast_firmware::machine::{finish, start_counter};
 use slicecast_firmware::memory::{Reserved, with_image};
 use slicecast_firmware::scenes::{DENSE, PERSPECTIVE_EXPECTED};
 use slicecast_firmware::stack;
-use slicecast_firmware_shared::image;
 use slicecast_firmware_shared::scene::{Lights, Model, pipeline, plan_in_perspective};
-use slicecast_firmware_shared::sum::Sum;
 use static_cell::ConstStaticCell;
 
 #[cfg(target_arch = "arm")]
@@ -61,7 +58,7 @@ fn parallel<P: Model, S: Lights<P>>(memory: Memory<'_, ChannelOf<P>>) {
         println!("error the scene is out of range");
         return;
     };
-    streamed(plan, &pipeline, memory);
+    streamed(DENSE, plan, &pipeline, memory);
 }
 
 /// A frame of the same voxels in perspective; the sum of its image.
@@ -73,35 +70,5 @@ fn in_perspective<P: Model, S: Lights<P>>(memory: Memory<'_, ChannelOf<P>>) -> u
         println!("error the scene is out of range");
         return 0;
     };
-    streamed(plan, &Perspective::new(pipeline, spread), memory)
-}
-
-/// Streams the dense scene's voxels, and prints what that costs; the sum of the image.
-#[inline(always)]
-fn streamed<L: Pipeline<Voxel = Code12, Element: Channel>>(
-    plan: Plan,
-    pipeline: &L,
-    memory: Memory<'_, L::Element>,
-) -> u32 {
-    let [slices, ranges, scratch, image] = Needs::of::<L>(&plan).bytes();
-    println!("memory {slices} {ranges} {scratch} {image}");
-    let Ok(mut stream) = Stream::new(plan, pipeline, memory) else {
-        println!("error too little memory");
-        return 0;
-    };
-    let [width, height, _] = plan.dims();
-    let mut total = 0u64;
-    for slice in DENSE.voxels.chunks_exact((width * height) as usize) {
-        let before = ticks();
-        let pushed = stream.push(slice);
-        total += u64::from(ticks_between(before, ticks()));
-        if pushed.is_err() {
-            println!("error slice refused");
-        }
-    }
-    println!("instructions {}", total * instructions_a_tick());
-    let mut sum = Sum::new();
-    image::add_rows(&mut sum, stream.image());
-    println!("image {:08x}", sum.get());
-    sum.get()
+    streamed(DENSE, plan, &Perspective::new(pipeline, spread), memory)
 }

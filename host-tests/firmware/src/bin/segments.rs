@@ -11,9 +11,10 @@ use slicecast::integral::Integral;
 use slicecast::plane::{ChannelOf, Composite, Depth};
 use slicecast::precision::{Compact, Wide};
 use slicecast::shade::{Phong, Unlit};
-use slicecast::stream::{Memory, Needs, Stream};
+use slicecast::stream::{Memory, Stream};
 use slicecast_firmware::boundaries::show;
-use slicecast_firmware::machine::{finish, instructions_a_tick, start_counter, ticks, ticks_between};
+use slicecast_firmware::frame::streamed;
+use slicecast_firmware::machine::{finish, start_counter};
 use slicecast_firmware::memory::{Reserved, with_image};
 use slicecast_firmware::scenes::{
     DENSE, DENSE_INTEGRALS, DEPTHS_EXPECTED, SURFACES_EXPECTED, TURN_INTEGRALS, TURNS, TURNS_EXPECTED,
@@ -171,24 +172,5 @@ fn counted<P: Model, C: Classifier<P>, S: Lights<P>>(
         println!("error the scene is out of range");
         return;
     };
-    let [slices, ranges, scratch, image] = Needs::of::<Composite<P, C, S, FrontToBack>>(&plan).bytes();
-    println!("memory {slices} {ranges} {scratch} {image}");
-    let Ok(mut stream) = Stream::new(plan, &pipeline, memory) else {
-        println!("error too little memory");
-        return;
-    };
-    let [width, height, _] = plan.dims();
-    let mut total = 0u64;
-    for slice in DENSE.voxels.chunks_exact((width * height) as usize) {
-        let before = ticks();
-        let pushed = stream.push(slice);
-        total += u64::from(ticks_between(before, ticks()));
-        if pushed.is_err() {
-            println!("error slice refused");
-        }
-    }
-    println!("instructions {}", total * instructions_a_tick());
-    let mut sum = Sum::new();
-    image::add_rows(&mut sum, stream.image());
-    println!("image {:08x}", sum.get());
+    streamed(DENSE, plan, &pipeline, memory);
 }
