@@ -31,6 +31,8 @@ fn every_file_is_a_module() {
     let mut files: Vec<String> = names.map(|name| name.trim_end_matches(".rs").to_owned()).collect();
     files.retain(|name| name != "main");
     files.sort();
+    // A module's own folder stands beside its file.
+    files.dedup();
     let lines = include_str!("main.rs").lines();
     let modules: Vec<&str> = lines
         .filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'))

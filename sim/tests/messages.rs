@@ -138,6 +138,44 @@ fn what_sixteen_bit_lanes_do_not_know_is_refused() {
     );
 }
 
+/// What is outside of what 16-bit lanes do well is said: an opacity that climbs at once, gradients of few codes. Other precisions say
+/// nothing.
+#[test]
+fn what_sixteen_bit_lanes_do_badly_is_said() {
+    let place = Place::new();
+    let codes = |most: u16| -> Vec<u8> { (0..512u16).flat_map(|n| (n * 37 % (most + 1)).to_le_bytes()).collect() };
+    place.nrrd("many.nrrd", "uint16", [8, 8, 8], &codes(511));
+    place.nrrd("few.nrrd", "uint16", [8, 8, 8], &codes(99));
+    let scene = |from: u32, to: u32| {
+        let point = |value, opacity| format!("{{ value = {value}.0, colour = \"#ffffff\", opacity = {opacity} }}");
+        let points = [point(from, "0.0"), point(to, "0.9")].join(", ");
+        format!("[transfer]\npoints = [{points}]\n[lighting]\n")
+    };
+    place.write("steep.toml", scene(30, 32));
+    place.write("gentle.toml", scene(0, 99));
+    for (volume, scene, said) in [
+        ("many.nrrd", "steep.toml", Some("climbs by")),
+        ("few.nrrd", "gentle.toml", Some("the volume has 100 codes, too few")),
+        ("many.nrrd", "gentle.toml", None),
+    ] {
+        let warned = |precision: &str| {
+            let [_, text] = place.succeeds(&format!(
+                "render {volume} --scene {scene} --precision {precision} --rays 1 --planes 1 -o a.png --force"
+            ));
+            text
+        };
+        let text = warned("fast");
+        match said {
+            Some(said) => assert!(
+                text.contains("warning: precision \"fast\"") && text.contains(said),
+                "{text}"
+            ),
+            None => assert!(!text.contains("warning"), "{text}"),
+        }
+        assert!(!warned("compact").contains("warning"));
+    }
+}
+
 /// The lines of a page have at most 100 columns.
 #[test]
 fn pages_fit_a_hundred_columns() {
