@@ -22,6 +22,7 @@
 //! | `sheets` | compositing of samples that voxels were splatted to |
 //! | `kernels` | row kernels of a classifier and a shader |
 //! | `canvas` | pixels |
+//! | `shape` | what a pipeline's type says, as values |
 //! | `fold`, `blocks` | the driver, and the two ways through a plane |
 //! | `scratch` | memory of the rows under way |
 
@@ -40,6 +41,7 @@ mod probe;
 mod project;
 mod rgba;
 mod scratch;
+mod shape;
 mod sheets;
 mod slabs;
 mod smooth;
@@ -48,7 +50,6 @@ mod splines;
 mod spread;
 
 use core::fmt::Debug;
-use core::ops::Range;
 
 pub use self::composite::Composite;
 pub use self::depth::{Depth, NO_DEPTH};
@@ -57,6 +58,7 @@ pub use self::kept::Kept;
 pub use self::project::Project;
 pub use self::rgba::{Filter, Rgba, Trilinear, Triquadratic};
 pub use self::scratch::{Rows as ScratchRows, ScratchError};
+pub use self::shape::Shape;
 pub use self::sheets::FoldSheet;
 pub use self::splines::Splines;
 pub use self::spread::Perspective;
@@ -64,8 +66,8 @@ use crate::classify::Support;
 use crate::clip::Clipper;
 use crate::composite::{ChannelFormat, Pixel, Recurrence};
 use crate::lanes::{Lanes, Native};
-use crate::locate::{self, Plane, cell};
-use crate::plan::{Phase, Plan};
+use crate::locate::Plane;
+use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::seen::Seen;
 use crate::slice::{Code12, Voxel, Window};
@@ -94,6 +96,17 @@ pub trait Pipeline: Sync {
     const SPREADS: bool = false;
     /// Whether planes go from the last to the first.
     const BACK_TO_FRONT: bool;
+    /// All of these and what the types say, as values.
+    const SHAPE: Shape = Shape {
+        channels: Self::CHANNELS,
+        element_bytes: size_of::<Self::Element>(),
+        slices: Self::SLICES,
+        words: Self::Voxel::WORDS,
+        scratch: Self::SCRATCH,
+        slabs: Self::SLABS,
+        spreads: Self::SPREADS,
+        back_to_front: Self::BACK_TO_FRONT,
+    };
     /// Which voxel ranges can change the image; `None` where any can.
     fn support(&self) -> Option<Support> {
         None
@@ -107,8 +120,8 @@ pub trait Pipeline: Sync {
     /// plane that was folded before into the same rows.
     ///
     /// # Errors
-    /// [`ScratchError`] if `scratch` holds fewer words than [`scratch_len`], or [`blocks_scratch_len`] where blocks are
-    /// named; no row is changed then.
+    /// [`ScratchError`] if `scratch` holds fewer words than [`Shape::scratch_len`], or [`Shape::blocks_scratch_len`] where blocks
+    /// are named; no row is changed then.
     fn fold<V: Lanes>(
         &self,
         at: &At<'_, Self::Voxel>,
@@ -118,6 +131,23 @@ pub trait Pipeline: Sync {
         tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError>;
 
+    /// [`Pipeline::fold`] in this machine's one lane: a program of its own, of which a host, whose tiles and streams fold so, needs
+    /// one.
+    ///
+    /// # Errors
+    /// As [`Pipeline::fold`].
+    #[inline(never)]
+    fn fold_native(
+        &self,
+        at: &At<'_, Self::Voxel>,
+        rows: Rows<'_, Self::Element>,
+        scratch: &mut [i32],
+        kept: Option<&mut Kept<'_>>,
+        tap: Option<&mut dyn Tap>,
+    ) -> Result<(), ScratchError> {
+        self.fold::<Native>(at, rows, scratch, kept, tap)
+    }
+
     /// Whether no further plane can change these whole rows.
     fn finished<V: Lanes>(&self, _plan: &Plan, _data: &[Self::Element]) -> bool {
         false
@@ -125,22 +155,6 @@ pub trait Pipeline: Sync {
 
     /// The pixel in a column of a finished row.
     fn pixel(&self, row: &[Self::Element], column: usize) -> Pixel<ChannelOf<Self::Precision>>;
-}
-
-/// [`Pipeline::fold`] in this machine's one lane. A program of its own, of which a host, whose tiles and streams fold so, needs one.
-///
-/// # Errors
-/// As [`Pipeline::fold`].
-#[inline(never)]
-pub fn fold_native<L: Pipeline>(
-    pipeline: &L,
-    at: &At<'_, L::Voxel>,
-    rows: Rows<'_, L::Element>,
-    scratch: &mut [i32],
-    kept: Option<&mut Kept<'_>>,
-    tap: Option<&mut dyn Tap>,
-) -> Result<(), ScratchError> {
-    pipeline.fold::<Native>(at, rows, scratch, kept, tap)
 }
 
 /// A pipeline whose channels make pictures: their type says what 1.0 is.
@@ -184,6 +198,18 @@ impl<L: Pipeline> Pipeline for &L {
     }
 
     #[inline(always)]
+    fn fold_native(
+        &self,
+        at: &At<'_, Self::Voxel>,
+        rows: Rows<'_, Self::Element>,
+        scratch: &mut [i32],
+        kept: Option<&mut Kept<'_>>,
+        tap: Option<&mut dyn Tap>,
+    ) -> Result<(), ScratchError> {
+        L::fold_native(self, at, rows, scratch, kept, tap)
+    }
+
+    #[inline(always)]
     fn finished<V: Lanes>(&self, plan: &Plan, data: &[Self::Element]) -> bool {
         L::finished::<V>(self, plan, data)
     }
@@ -193,25 +219,14 @@ impl<L: Pipeline> Pipeline for &L {
     }
 }
 
-/// Words of scratch memory that a pipeline needs for slices of this width; in perspective for rows of this length
-/// ([`Plan::longest_row`]).
-pub const fn scratch_len<L: Pipeline>(width: u32) -> usize {
-    L::SCRATCH.len(width)
-}
-
-/// Words of scratch memory that a pipeline needs for blocks of slices of this width.
-pub const fn blocks_scratch_len<L: Pipeline>(width: u32) -> usize {
-    scratch::blocks_len(L::SCRATCH, width)
-}
-
 /// A sample plane and what is around it.
 #[derive(Clone, Copy, Debug)]
 pub struct At<'a, X = Code12> {
     /// The plan.
     pub plan: &'a Plan,
-    /// The plane ([`plane`]).
+    /// The plane ([`Shape::plane`]).
     pub plane: Plane,
-    /// The slices from [`near_slice`] on.
+    /// The slices from [`Shape::near_slice`] on.
     pub window: Window<'a, X>,
     /// The blocks that can be seen; `None`: rows are made as a whole. The same bits, if they are all that the pipeline's
     /// [`support`](Pipeline::support) meets; slower where they are many. A tap sees whole rows.
@@ -220,32 +235,6 @@ pub struct At<'a, X = Code12> {
     pub clips: Option<Clipper<'a>>,
     /// What is told which rows of voxels are read; not by a small machine, nor of blocks.
     pub reading: Option<&'a dyn Reading>,
-}
-
-/// Numbers of the planes of a plan that a pipeline folds: those of its samples, or those at which segments end, of which the
-/// first ends none.
-pub const fn planes<L: Pipeline>(plan: &Plan) -> Range<u32> {
-    if L::SLABS { plan.ends_met() } else { plan.planes_met() }
-}
-
-/// The one with this number.
-pub fn plane<L: Pipeline>(plan: &Plan, phase: Phase, index: u32) -> Plane {
-    if L::SLABS {
-        locate::end_plane(plan, phase, index)
-    } else {
-        locate::plane(plan, phase, index)
-    }
-}
-
-/// Number, among those held, of the slice that is nearest in the window of a plane: the one before the plane, or before the one
-/// in front of it where both are folded together.
-pub fn near_slice<L: Pipeline>(plan: &Plan, index: u32) -> i32 {
-    let first = if L::SLABS {
-        index.saturating_sub(1).max(plan.ends_met().start)
-    } else {
-        index
-    };
-    cell(plane::<L>(plan, Phase::default(), first).z).index
 }
 
 /// What is told that a fold is about to read a row of voxels: a host then asks for those that will be read some slices later.

@@ -11,20 +11,19 @@
 //! same slices and the same memory: the same bits again, for one more reading of the volume a band.
 
 mod reserved;
+mod ring;
 
 use core::ops::Range;
 
 pub use self::reserved::Reserved;
+use self::ring::{Ring, place};
 use crate::clip::Clipper;
 use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::{Lanes as _, Native};
 use crate::plan::Plan;
-use crate::plane::{
-    At, ChannelOf, Pipeline, Rows, ScratchError, clear, fold_native, near_slice, plane, planes, scratch_len,
-};
+use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, Shape, clear};
 use crate::precision::Precision as _;
-use crate::rows::three;
-use crate::slice::{Region, RowRange, Slice, SliceError, Voxel, Window};
+use crate::slice::{RowRange, SliceError, Voxel};
 use crate::tap::Tap;
 
 /// Memory that a stream needs, in elements.
@@ -53,13 +52,18 @@ impl Needs {
 
     /// What a pipeline needs for a band of this many rows of the image (of each phase).
     pub const fn of_band<L: Pipeline>(plan: &Plan, rows: u32) -> Self {
+        Self::of_shape(L::SHAPE, plan, rows)
+    }
+
+    /// What pipelines of a shape need for a band of this many rows of the image (of each phase).
+    pub const fn of_shape(shape: Shape, plan: &Plan, rows: u32) -> Self {
         let [width, height, _] = plan.dims();
         Self {
-            slices: L::SLICES * L::Voxel::WORDS * width as usize * height as usize,
-            ranges: L::SLICES * height as usize,
-            scratch: scratch_len::<L>(plan.longest_row()),
-            image: rows_len::<L>(plan, rows).saturating_mul(plan.phases() as usize),
-            element_bytes: size_of::<L::Element>(),
+            slices: shape.slices * shape.words * width as usize * height as usize,
+            ranges: shape.slices * height as usize,
+            scratch: shape.scratch_len(plan.longest_row()),
+            image: shape.rows_len(plan, rows).saturating_mul(plan.phases() as usize),
+            element_bytes: shape.element_bytes,
         }
     }
 
@@ -76,18 +80,6 @@ impl Needs {
 
 /// A slice as a pipeline's stream is given it.
 pub type Given<'g, L> = <<L as Pipeline>::Voxel as Voxel>::Given<'g>;
-
-/// Elements of one phase of the base-plane image.
-pub const fn phase_len<L: Pipeline>(plan: &Plan) -> usize {
-    let [_, height] = plan.base();
-    rows_len::<L>(plan, height)
-}
-
-/// Elements of some rows of one phase.
-const fn rows_len<L: Pipeline>(plan: &Plan, rows: u32) -> usize {
-    let [width, _] = plan.base();
-    (L::CHANNELS * width as usize).saturating_mul(rows as usize)
-}
 
 /// Memory lent to a stream: at least as much of each as [`Needs`] says. It need not be initialised to anything.
 #[derive(Debug)]
@@ -191,14 +183,10 @@ impl From<SliceError> for StreamError {
 /// A frame in the making.
 #[derive(Debug)]
 pub struct Stream<'m, L: Pipeline> {
-    plan: Plan,
+    ring: Ring<'m, L::Voxel>,
     pipeline: L,
-    memory: Memory<'m, L::Element>,
-    first: u32,
-    rows: u32,
-    clips: Option<Clipper<'m>>,
-    pushed: u32,
-    folded: u32,
+    scratch: &'m mut [i32],
+    image: &'m mut [L::Element],
 }
 
 impl<'m, L: Pipeline> Stream<'m, L> {
@@ -223,42 +211,23 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         memory: Memory<'m, L::Element>,
         band: Range<u32>,
     ) -> Result<Self, StreamError> {
-        let Range { start: first, end } = band;
-        let [_, base_height] = plan.base();
-        if L::SPREADS != plan.spreads() {
-            return Err(StreamError::Rays);
-        }
-        if first >= end || end > base_height {
-            let rows = base_height;
-            return Err(StreamError::Band { first, end, rows });
-        }
-        let rows = end - first;
-        let needs = Needs::of_band::<L>(&plan, rows);
-        for (part, needed, given) in [
-            (Part::Slices, needs.slices, memory.slices.len()),
-            (Part::Ranges, needs.ranges, memory.ranges.len()),
-            (Part::Scratch, needs.scratch, memory.scratch.len()),
-            (Part::Image, needs.image, memory.image.len()),
-        ] {
-            if given < needed {
-                return Err(StreamError::Memory { part, needed, given });
-            }
-        }
+        let Memory {
+            slices,
+            ranges,
+            scratch,
+            image,
+        } = memory;
+        let others = [scratch.len(), image.len()];
+        let ring = Ring::new(L::SHAPE, plan, (slices, ranges), others, band)?;
         let stream = Self {
-            plan,
+            ring,
             pipeline,
-            memory,
-            first,
-            rows,
-            clips: None,
-            pushed: 0,
-            folded: 0,
+            scratch,
+            image,
         };
-        clear(
-            &stream.pipeline,
-            &plan,
-            stream.memory.image.get_mut(..needs.image).unwrap_or(&mut []),
-        );
+        let len = stream.image_len();
+        let image = stream.image.get_mut(..len).unwrap_or(&mut []);
+        clear(&stream.pipeline, &plan, image);
         Ok(stream)
     }
 
@@ -267,24 +236,17 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// # Errors
     /// [`StreamError::Begun`] after the first slice.
     pub fn clip(&mut self, clips: Clipper<'m>) -> Result<(), StreamError> {
-        if self.pushed > 0 {
+        if self.ring.pushed > 0 {
             return Err(StreamError::Begun);
         }
-        self.clips = Some(clips);
+        self.ring.clips = Some(clips);
         Ok(())
     }
 
     /// The number, along k in the whole volume, of the slice that is wanted next; `None` when the frame is complete.
     pub fn wanted(&self) -> Option<u32> {
-        let [_, _, first] = self.plan.first();
-        Some(first + self.wanted_of_held()?)
-    }
-
-    /// The same, counted from the first slice that is held.
-    fn wanted_of_held(&self) -> Option<u32> {
-        let [_, _, depth] = self.plan.dims();
-        let left = depth.checked_sub(self.pushed + 1)?;
-        Some(if L::BACK_TO_FRONT { left } else { self.pushed })
+        let [_, _, first] = self.ring.plan.first();
+        Some(first + self.ring.wanted(L::SHAPE)?)
     }
 
     /// Takes a slice (rows one after the other) and folds all planes that it completes. Of a cropped plan: what it holds of the
@@ -306,119 +268,67 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     }
 
     #[inline(always)]
-    fn take(&mut self, slice: Given<'_, L>, tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
-        let number = self.wanted_of_held().ok_or(StreamError::Complete)?;
-        let [width, height, _] = three(self.plan.dims(), |side| side as usize);
-        let ([whole_width, whole_height, _], [column, row, _]) = (self.plan.volume(), self.plan.first());
-        let region = Region {
-            whole: [whole_width as usize, whole_height as usize],
-            first: [column as usize, row as usize],
-            size: [width, height],
-        };
-        let len = L::Voxel::WORDS * width * height;
-        let slot = (number as usize).checked_rem(L::SLICES).unwrap_or(0);
-        let ranges = self.memory.ranges.get_mut(slot * height..(slot + 1) * height);
-        let kept = self.memory.slices.get_mut(slot * len..(slot + 1) * len);
-        // Where a slice is refused its slot is left with wrong ranges, but the next good one overwrites them.
-        L::Voxel::keep(slice, region, kept.unwrap_or(&mut []), ranges.unwrap_or(&mut []))?;
-        self.pushed += 1;
-        self.fold_ready(tap)
-    }
-
-    /// Folds the planes whose slices are all there.
-    #[inline(always)]
-    fn fold_ready(&mut self, mut tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
-        let [width, height, depth] = self.plan.dims();
-        let (slice_len, rows) = (L::Voxel::WORDS * width as usize * height as usize, height as usize);
-        let phase_len = rows_len::<L>(&self.plan, self.rows).max(1);
-        let planes = planes::<L>(&self.plan);
-        // How far a plane looks beyond its two slices.
-        let reach = i64::from(L::SLICES > 2);
-        while self.folded < planes.end - planes.start {
-            let index = if L::BACK_TO_FRONT {
-                planes.end - 1 - self.folded
-            } else {
-                planes.start + self.folded
-            };
-            let z = near_slice::<L>(&self.plan, index);
-            let last = i64::from(depth) - 1;
-            let ready = if L::BACK_TO_FRONT {
-                last - (i64::from(z) - reach).max(0) < i64::from(self.pushed)
-            } else {
-                (i64::from(z) + 1 + reach).min(last) < i64::from(self.pushed)
-            };
-            if !ready {
-                return Ok(());
-            }
-            let Memory {
-                slices,
-                ranges,
-                scratch,
-                image,
-            } = &mut self.memory;
-            let slice = |z: i32| -> Option<Slice<'_, L::Voxel>> {
-                let z = usize::try_from(z).ok().filter(|z| *z < depth as usize)?;
-                let slot = z.checked_rem(L::SLICES)?;
-                Some(Slice::measured(
-                    slices.get(slot * slice_len..(slot + 1) * slice_len)?,
-                    ranges.get(slot * rows..(slot + 1) * rows)?,
-                    width as usize,
-                ))
-            };
-            let outer = |z: i32| slice(z).filter(|_| L::SLICES > 2);
-            let window = slice(z).map(|near| Window {
-                before: outer(z - 1),
-                near,
-                far: slice(z + 1),
-                after: outer(z + 2),
-            });
-            if let Some(window) = window {
-                for (number, data) in (0..self.plan.phases()).zip(image.chunks_exact_mut(phase_len)) {
+    fn take(&mut self, slice: Given<'_, L>, mut tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
+        self.ring.take(L::SHAPE, slice)?;
+        let plan = &self.ring.plan;
+        let Range { start: first, end } = self.ring.band;
+        let phase_len = L::SHAPE.rows_len(plan, end - first).max(1);
+        while let Some(index) = self.ring.ready(L::SHAPE) {
+            if let Some(window) = self.ring.window(L::SHAPE, index) {
+                let plan = &self.ring.plan;
+                for (number, data) in (0..plan.phases()).zip(self.image.chunks_exact_mut(phase_len)) {
                     let at = At {
-                        plan: &self.plan,
-                        plane: plane::<L>(&self.plan, self.plan.phase(number), index),
+                        plan,
+                        plane: L::SHAPE.plane(plan, plan.phase(number), index),
                         window,
                         seen: None,
-                        clips: self.clips,
+                        clips: self.ring.clips,
                         reading: None,
                     };
-                    let rows = Rows {
-                        first: self.first,
-                        data,
-                    };
+                    let rows = Rows { first, data };
                     let tap: Option<&mut dyn Tap> = match &mut tap {
                         Some(tap) => Some(*tap),
                         None => None,
                     };
                     // A small machine has no other that folds.
                     if Native::SMALL {
-                        self.pipeline.fold::<Native>(&at, rows, scratch, None, tap)?;
+                        self.pipeline.fold::<Native>(&at, rows, self.scratch, None, tap)?;
                     } else {
-                        fold_native(&self.pipeline, &at, rows, scratch, None, tap)?;
+                        self.pipeline.fold_native(&at, rows, self.scratch, None, tap)?;
                     }
                 }
             }
-            self.folded += 1;
+            self.ring.folded += 1;
         }
         Ok(())
+    }
+
+    /// Elements of the image.
+    fn image_len(&self) -> usize {
+        let Range { start, end } = self.ring.band;
+        Needs::of_band::<L>(&self.ring.plan, end - start).image
     }
 
     /// The base-plane image (or the band of it) as it stands: phase after phase, row after row, `CHANNELS` runs of
     /// `plan.base()[0]` elements a row.
     pub fn image(&self) -> &[L::Element] {
-        let needs = Needs::of_band::<L>(&self.plan, self.rows);
-        self.memory.image.get(..needs.image).unwrap_or(&[])
+        self.image.get(..self.image_len()).unwrap_or(&[])
     }
 
     /// A pixel of the whole base-plane image (all phases), clear outside it and outside the band.
     pub fn pixel(&self, u: i64, v: i64) -> Pixel<ChannelOf<L::Precision>> {
-        let rows = self.first..self.first + self.rows;
-        band_pixel(&self.plan, &self.pipeline, self.image(), rows, [u, v])
+        band_pixel(
+            &self.ring.plan,
+            &self.pipeline,
+            self.image(),
+            self.ring.band.clone(),
+            [u, v],
+        )
     }
 
     /// The plan.
     pub const fn plan(&self) -> &Plan {
-        &self.plan
+        &self.ring.plan
     }
 }
 
@@ -441,20 +351,12 @@ fn band_pixel<L: Pipeline>(
     pipeline: &L,
     image: &[L::Element],
     rows: Range<u32>,
-    [u, v]: [i64; 2],
+    at: [i64; 2],
 ) -> Pixel<ChannelOf<L::Precision>> {
-    let find = || {
-        let n = u64::from(plan.sampling().rays_per_voxel);
-        let (u, v) = (u64::try_from(u).ok()?, u64::try_from(v).ok()?);
-        let [width, _] = plan.base();
-        let (column, row) = (u.checked_div(n)? as usize, u32::try_from(v.checked_div(n)?).ok()?);
-        if column >= width as usize || !rows.contains(&row) {
-            return None;
-        }
-        let phase = (u.checked_rem(n)? + n * v.checked_rem(n)?) as usize;
-        let row_len = L::CHANNELS * width as usize;
-        let start = phase * rows_len::<L>(plan, rows.end - rows.start) + (row - rows.start) as usize * row_len;
-        Some(pipeline.pixel(image.get(start..start + row_len)?, column))
-    };
-    find().unwrap_or(pipeline.precision().pixel().clear())
+    place(L::SHAPE, plan, rows, at)
+        .and_then(|(start, column)| {
+            let row = image.get(start..start + L::SHAPE.row_len(plan))?;
+            Some(pipeline.pixel(row, column))
+        })
+        .unwrap_or(pipeline.precision().pixel().clear())
 }

@@ -16,14 +16,12 @@ use slicecast::interpolate::trilinear;
 use slicecast::lanes::{Lanes, Small};
 use slicecast::locate::plane;
 use slicecast::plan::{Plan, Sampling, Spacing};
-use slicecast::plane::{
-    At, ChannelOf, Filter, Pipeline, Rgba, Rows, ScratchError, Triquadratic, clear, near_slice, scratch_len,
-};
+use slicecast::plane::{At, ChannelOf, Filter, Pipeline, Rgba, Rows, ScratchError, Triquadratic, clear};
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::quadratic::{is_behind, triquadratic};
 use slicecast::shade::Shader;
 use slicecast::slice::{RowRange, Slice, Window};
-use slicecast::stream::{Memory, Needs, Stream, base_pixel, phase_len};
+use slicecast::stream::{Memory, Needs, Stream, base_pixel};
 use slicecast::view::View;
 
 /// A volume in the slice frame.
@@ -235,16 +233,17 @@ fn by_planes<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter, V: Lanes>(
         .collect();
     let mut image = vec![Default::default(); Needs::of::<Rgba<P, S, F>>(plan).image];
     clear(pipeline, plan, &mut image);
-    let mut scratch = vec![0x5555_5555; scratch_len::<Rgba<P, S, F>>(w as u32)];
+    let shape = Rgba::<P, S, F>::SHAPE;
+    let mut scratch = vec![0x5555_5555; shape.scratch_len(w as u32)];
     let row_len = 4 * plan.base()[0] as usize;
-    for (number, data) in image.chunks_mut(phase_len::<Rgba<P, S, F>>(plan)).enumerate() {
+    for (number, data) in image.chunks_mut(shape.phase_len(plan)).enumerate() {
         for (tile_number, data) in data.chunks_mut(row_len * tile).enumerate() {
             for index in 0..plan.planes() {
                 let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
                 let at = At {
                     plan,
                     plane: plane(plan, plan.phase(number as u32), index),
-                    window: Window::at(near_slice::<Rgba<P, S, F>>(plan, index), slice).unwrap(),
+                    window: Window::at(shape.near_slice(plan, index), slice).unwrap(),
                     seen: None,
                     clips: clips.map(Clips::clipper),
                     reading: None,

@@ -15,10 +15,7 @@ use slicecast::lanes::{Lanes, Small};
 use slicecast::locate::{Cell, cell, cut, plane};
 use slicecast::normalise::normalise;
 use slicecast::plan::{Phase, Plan, Sampling, Spacing};
-use slicecast::plane::{
-    At, ChannelOf, Composite, Depth, Kept, NO_DEPTH, Pipeline, Rows, blocks_scratch_len, clear, near_slice,
-    plane as plane_of, scratch_len,
-};
+use slicecast::plane::{At, ChannelOf, Composite, Depth, Kept, NO_DEPTH, Pipeline, Rows, clear};
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::seen::{Grain, Seen};
 use slicecast::shade::{Highlight, Light, Phong, Shader, Unlit};
@@ -225,9 +222,9 @@ fn by_planes<L: Pipeline<Voxel = Code12>, V: Lanes>(
     clear(pipeline, plan, &mut image);
     let blocks = way == Way::Blocks;
     let len = if blocks {
-        blocks_scratch_len::<L>(width)
+        L::SHAPE.blocks_scratch_len(width)
     } else {
-        scratch_len::<L>(width)
+        L::SHAPE.scratch_len(width)
     };
     let mut scratch = vec![0x5555_5555; len];
     let every =
@@ -241,8 +238,8 @@ fn by_planes<L: Pipeline<Voxel = Code12>, V: Lanes>(
             let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
             let at = At {
                 plan,
-                plane: plane_of::<L>(plan, Phase::default(), index),
-                window: Window::at(near_slice::<L>(plan, index), slice).unwrap(),
+                plane: L::SHAPE.plane(plan, Phase::default(), index),
+                window: Window::at(L::SHAPE.near_slice(plan, index), slice).unwrap(),
                 seen: blocks.then(|| Seen::new(&every, Grain::of(width as usize))),
                 clips: None,
                 reading: None,

@@ -10,14 +10,12 @@ use slicecast::clip::Clips;
 use slicecast::composite::{BackToFront, Channel as _, FrontToBack, Order};
 use slicecast::lanes::Small;
 use slicecast::modulate::Modulated;
-use slicecast::plane::{
-    At, Composite, Pipeline, Project, Rows, Splines, clear, near_slice, plane, planes, scratch_len,
-};
+use slicecast::plane::{At, Composite, Pipeline, Project, Rows, Splines, clear};
 use slicecast::precision::Precision;
 use slicecast::project::{Maximum, Minimum, Sum};
 use slicecast::shade::{Shader, Unlit};
 use slicecast::slice::{Code12, Slice, Window};
-use slicecast::stream::{Needs, base_pixel, phase_len};
+use slicecast::stream::{Needs, base_pixel};
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::reflectance;
 use slicecast_engine::tiles::Geometry;
@@ -38,14 +36,14 @@ fn folded<L: Pipeline<Voxel = Code12>>(
 ) -> Bits {
     let mut image = vec![L::Element::default(); Needs::of::<L>(plan).image];
     clear(pipeline, plan, &mut image);
-    let mut scratch = vec![0; scratch_len::<L>(plan.dims()[0])];
-    for (number, data) in image.chunks_mut(phase_len::<L>(plan)).enumerate() {
-        let Range { start, end } = planes::<L>(plan);
+    let mut scratch = vec![0; L::SHAPE.scratch_len(plan.dims()[0])];
+    for (number, data) in image.chunks_mut(L::SHAPE.phase_len(plan)).enumerate() {
+        let Range { start, end } = L::SHAPE.planes(plan);
         for step in 0..end - start {
             let index = if L::BACK_TO_FRONT { end - 1 - step } else { start + step };
-            let plane = plane::<L>(plan, plan.phase(number as u32), index);
+            let plane = L::SHAPE.plane(plan, plan.phase(number as u32), index);
             let slice = |z: i32| usize::try_from(z).ok().and_then(|z| slices.get(z)).copied();
-            let Some(window) = Window::at(near_slice::<L>(plan, index), slice) else {
+            let Some(window) = Window::at(L::SHAPE.near_slice(plan, index), slice) else {
                 continue;
             };
             let at = At {

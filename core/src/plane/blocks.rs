@@ -133,7 +133,7 @@ pub(super) type Lists<'s> = ([&'s mut [i32]; 2], [&'s mut [i32]; 2], [[&'s mut [
 pub(super) struct Blocks<'s> {
     walk: Walk<'s>,
     places: Places<'s>,
-    source: &'s dyn SourceAt<i32>,
+    source: &'s mut dyn SourceAt<i32>,
     /// Of the plane in front, empty where segments are not classified, and of the plane.
     samples: [&'s mut [i32]; 2],
     /// Places and samples of a batch that is gone through several times; empty where segments are not classified.
@@ -151,7 +151,7 @@ impl<'s> Blocks<'s> {
         extent: &Extent,
         (first, count): (u32, usize),
         lanes: usize,
-        source: &'s dyn SourceAt<i32>,
+        source: &'s mut dyn SourceAt<i32>,
         clipped: Option<&'s Clipped<'s>>,
         ([rows, columns], samples, stored): Lists<'s>,
     ) -> Self {

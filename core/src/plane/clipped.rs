@@ -29,7 +29,6 @@ pub(super) enum Rest<'c> {
 impl<'c> Rest<'c> {
     /// Of so many rows from the first on of a plane of samples, or of the segments that end at it. Colours may turn where there
     /// are any.
-    #[inline(always)]
     pub(super) fn of<X>(at: &At<'c, X>, slabs: bool, (first, count): (u32, usize), colours: bool) -> Self {
         let Some(Clipper(clips)) = at.clips else {
             return Self::All;
@@ -54,7 +53,6 @@ impl<'c> Rest<'c> {
     /// Narrows samples of a plane, or both ends of segments, to the columns of which something may be left in one of some rows;
     /// whether it did. Both ends of narrowed segments are made anew, for which half of the columns must be cut away. Not for observers,
     /// to whom rows are the same in tiles of any size.
-    #[inline(always)]
     pub(super) fn narrow(
         &self,
         plan: &Plan,

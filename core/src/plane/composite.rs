@@ -138,7 +138,7 @@ where
         if !V::SMALL
             && let Some(seen) = seen
         {
-            let probes = Probes::<P, V> {
+            let mut probes = Probes::<P, V> {
                 extent,
                 window: behind,
                 spacing,
@@ -155,8 +155,8 @@ where
                 [spare_rows, spare_columns],
                 [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)],
             ];
-            let slabs;
-            let probes: &dyn SourceAt<i32> = match &before {
+            let mut slabs;
+            let probes: &mut dyn SourceAt<i32> = match &before {
                 Some((before, ahead, _)) if C::SLABS => {
                     slabs = SlabProbes {
                         front: Probes {
@@ -165,10 +165,11 @@ where
                             ..probes
                         },
                         back: probes,
+                        gradients: front_gradients,
                     };
-                    &slabs
+                    &mut slabs
                 }
-                _ => &probes,
+                _ => &mut probes,
             };
             let lists = (lists, samples, stored);
             let mut blocks = Blocks::new(seen, extent, (first, count), V::COUNT, probes, clipped.as_ref(), lists);

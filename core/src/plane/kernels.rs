@@ -41,7 +41,7 @@ pub(super) trait ShaderRows<W> {
     fn normalise(&self, g: [&mut [W]; 3], r: &mut [W]);
     /// Shades colours.
     fn shade(&self, normals: ([&[W]; 3], &[W]), beside: Beside<'_, W>, colours: &mut Colours<'_, W>);
-    /// Both, in one kernel.
+    /// Both.
     fn normalise_and_shade(
         &self,
         normals: ([&mut [W]; 3], &mut [W]),
@@ -258,11 +258,14 @@ impl<S: Shader<P>, P: Precision, V: Lanes> ShaderRows<i32> for Kernels<'_, S, P,
     #[inline(always)]
     fn normalise_and_shade(
         &self,
-        (g, r): ([&mut [i32]; 3], &mut [i32]),
+        ([x, y, z], r): ([&mut [i32]; 3], &mut [i32]),
         beside: Beside<'_, i32>,
         colours: &mut Colours<'_, i32>,
     ) {
-        V::enter((NormaliseAndShade, self, g, r, beside.magnitudes, colours));
+        if self.0.reads_normals() {
+            self.normalise([&mut *x, &mut *y, &mut *z], r);
+        }
+        self.shade(([x, y, z], r), beside, colours);
     }
 }
 
@@ -335,30 +338,6 @@ impl<S: Shader<P>, P: Precision, V: Lanes> Kernel
     fn run(self) {
         let (_, kernels, g, r, magnitudes, colours) = self;
         kernels.shaded(g, r, magnitudes, colours);
-    }
-}
-
-struct NormaliseAndShade;
-
-impl<S: Shader<P>, P: Precision, V: Lanes> Kernel
-    for (
-        NormaliseAndShade,
-        &Kernels<'_, S, P, V>,
-        [&mut [i32]; 3],
-        &mut [i32],
-        &[i32],
-        &mut Colours<'_, i32>,
-    )
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let (_, kernels, [x, y, z], r, magnitudes, colours) = self;
-        if kernels.0.reads_normals() {
-            normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
-        }
-        kernels.shaded([x, y, z], r, magnitudes, colours);
     }
 }
 

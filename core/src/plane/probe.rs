@@ -7,7 +7,6 @@ use super::blocks::Places;
 use super::extent::Extent;
 use super::source::{SourceAt, derivatives, spaced};
 use crate::format::Intensity;
-use crate::gradient::{coarsen, space};
 use crate::interpolate::{Difference, cut, kept, lerp_x, lerp_y};
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
@@ -40,8 +39,15 @@ impl<P: Precision, V: Lanes> SourceAt<i32> for Probes<'_, '_, P, V> {
     }
 
     #[inline(always)]
-    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[i32], _: Option<&[i32]>, out: [&mut [i32]; 3]) {
-        V::enter((GradientsAt, self, places, count, chosen, out));
+    fn gradients_at(
+        &mut self,
+        places: &Places<'_>,
+        count: usize,
+        chosen: &[i32],
+        _: Option<&[i32]>,
+        out: [&mut [i32]; 3],
+    ) {
+        self.gradients_from(places, [0; 2], (count, chosen), out);
     }
 }
 
@@ -52,20 +58,21 @@ impl<P: Precision, V: Lanes> Probes<'_, '_, P, V> {
         V::enter((SamplesAt, self, places, offset, count, out));
     }
 
+    /// The gradients so many voxel rows and columns from those of the first `count` places that are chosen.
     #[inline(always)]
-    pub(super) fn probe(&self) -> Probe<'_, P, V> {
-        Probe::new(self.precision, self.extent, self.window)
+    pub(super) fn gradients_from(
+        &self,
+        places: &Places<'_>,
+        offset: [i32; 2],
+        chosen: (usize, &[i32]),
+        out: [&mut [i32]; 3],
+    ) {
+        V::enter((GradientsAt, self, places, offset, chosen, out));
     }
 
-    /// A gradient with the spacing factors, and with the bits that a precision keeps.
     #[inline(always)]
-    pub(super) fn spaced(&self, gradient: [V; 3]) -> [V; 3] {
-        let ([x, y, z], [fx, fy, fz]) = (gradient, self.spacing);
-        let gradient = [space(x, fx), space(y, fy), space(z, fz)];
-        match self.precision.formats().gradient_bits {
-            bits @ ..15 => coarsen(gradient, bits),
-            _ => gradient,
-        }
+    fn probe(&self) -> Probe<'_, P, V> {
+        Probe::new(self.precision, self.extent, self.window)
     }
 }
 
@@ -102,8 +109,8 @@ impl<P: Precision, V: Lanes> Kernel
         GradientsAt,
         &Probes<'_, '_, P, V>,
         &Places<'_>,
-        usize,
-        &[i32],
+        [i32; 2],
+        (usize, &[i32]),
         [&mut [i32]; 3],
     )
 {
@@ -111,13 +118,13 @@ impl<P: Precision, V: Lanes> Kernel
 
     #[inline(always)]
     fn run(self) {
-        let (_, probes, places, count, chosen, [gx, gy, gz]) = self;
+        let (_, probes, places, [rows, columns], (count, chosen), [gx, gy, gz]) = self;
         let probe = probes.probe();
         let mut at = 0;
         for number in 0..count {
             let (row, column) = places.get(number);
             let chosen = V::load(chosen, number * V::COUNT);
-            let [x, y, z] = probe.gradient(places.voxel_row(row), column as i32);
+            let [x, y, z] = probe.gradient(places.voxel_row(row).wrapping_add(rows), column as i32 + columns);
             x.packed(chosen).store(gx, at);
             y.packed(chosen).store(gy, at);
             z.packed(chosen).store(gz, at);
@@ -201,7 +208,7 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
 
     /// The gradients of the samples at a place, before the spacing factors.
     #[inline(always)]
-    pub(super) fn gradient(&self, row: i32, from: i32) -> [V; 3] {
+    fn gradient(&self, row: i32, from: i32) -> [V; 3] {
         if !self.has([from - 1, from + 2], [row - 1, row + 2]) {
             // Much code and seldom run: out of line.
             V::enter((GradientAtFace, self, row, from))
@@ -276,13 +283,15 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
         }
         let last = self.height - 1;
         let edge = row.min(last).max(0);
-        let voxels = self.z_with_ends(edge as usize, from);
+        // Of each place twelve: out of line, too.
+        let with_ends = |row: i32| V::enter((ZWithEnds, self, row as usize, from));
+        let voxels = with_ends(edge);
         if edge == row {
             return voxels;
         }
         // Twice the edge less the row inside it.
         let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
-        voxels + voxels - self.z_with_ends(inner as usize, from)
+        voxels + voxels - with_ends(inner)
     }
 
     /// The same inside the rows of a slice; a place to the left of the first column and to the right of the last one is
@@ -333,5 +342,17 @@ impl<P: Precision, V: Lanes> Kernel for (GradientAtFace, &Probe<'_, P, V>, i32, 
     fn run(self) -> [V; 3] {
         let (_, probe, row, from) = self;
         probe.gradient_of::<false, false>(row, from)
+    }
+}
+
+struct ZWithEnds;
+
+impl<P: Precision, V: Lanes> Kernel for (ZWithEnds, &Probe<'_, P, V>, usize, i32) {
+    type Output = V;
+
+    #[inline(always)]
+    fn run(self) -> V {
+        let (_, probe, row, from) = self;
+        probe.z_with_ends(row, from)
     }
 }

@@ -32,7 +32,7 @@ pub trait FoldSheet: Pipeline {
     /// Folds a sheet into rows of the image, of four runs as wide as the sheet.
     ///
     /// # Errors
-    /// [`ScratchError`] if `scratch` holds fewer words than [`scratch_len`](super::scratch_len) of the image's width; no row is changed
+    /// [`ScratchError`] if `scratch` holds fewer words than [`Shape::scratch_len`](super::Shape::scratch_len) of the image's width; no row is changed
     /// then.
     fn fold_sheet<V: Lanes>(
         &self,

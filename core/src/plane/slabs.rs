@@ -13,6 +13,7 @@ use super::source::{Sheared, Source, SourceAt};
 use crate::classify::Slab;
 use crate::lanes::{Kernel, Lanes, places};
 use crate::precision::Precision;
+use crate::rows::part_mut;
 use crate::shade::Asked;
 use crate::slice::Window;
 use crate::surface::turned;
@@ -86,12 +87,17 @@ impl<P: Precision, V: Lanes, A: Asked> Source<i32> for Slabs<'_, '_, P, V, A> {
         let front = row.wrapping_add(self.rows);
         self.front.gradients(front, span, None, [&mut *fx, &mut *fy, &mut *fz]);
         if A::GRADIENTS {
-            let fronts = [&*fx, &*fy, &*fz];
-            match turns {
-                None => V::enter((Sum, PhantomData::<V>, [x, y, z], fronts)),
-                Some(turns) => V::enter((Between, PhantomData::<V>, [x, y, z], fronts, turns)),
-            }
+            join::<V>([x, y, z], [&*fx, &*fy, &*fz], turns);
         }
+    }
+}
+
+/// Gradients of segments, given those of both ends: their sums, or those of crossings.
+#[inline(always)]
+fn join<V: Lanes>(backs: [&mut [i32]; 3], fronts: [&[i32]; 3], turns: Option<&[i32]>) {
+    match turns {
+        None => V::enter((Sum, PhantomData::<V>, backs, fronts)),
+        Some(turns) => V::enter((Between, PhantomData::<V>, backs, fronts, turns)),
     }
 }
 
@@ -133,6 +139,8 @@ impl<V: Lanes> Kernel for (Between, PhantomData<V>, [&mut [i32]; 3], [&[i32]; 3]
 pub(super) struct SlabProbes<'s, 'w, P, V> {
     pub(super) front: Probes<'s, 'w, P, V>,
     pub(super) back: Probes<'s, 'w, P, V>,
+    /// Of the plane in front.
+    pub(super) gradients: [&'s mut [i32]; 3],
 }
 
 impl<P: Precision, V: Lanes> SlabProbes<'_, '_, P, V> {
@@ -156,57 +164,19 @@ impl<P: Precision, V: Lanes> SourceAt<i32> for SlabProbes<'_, '_, P, V> {
 
     #[inline(always)]
     fn gradients_at(
-        &self,
+        &mut self,
         places: &Places<'_>,
         count: usize,
         chosen: &[i32],
         turns: Option<&[i32]>,
         out: [&mut [i32]; 3],
     ) {
-        V::enter((GradientsAt, self, places, count, chosen, turns, out));
-    }
-}
-
-struct GradientsAt;
-
-impl<P: Precision, V: Lanes> Kernel
-    for (
-        GradientsAt,
-        &SlabProbes<'_, '_, P, V>,
-        &Places<'_>,
-        usize,
-        &[i32],
-        Option<&[i32]>,
-        [&mut [i32]; 3],
-    )
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let (_, probes, places, count, chosen, turns, [gx, gy, gz]) = self;
-        let (front, back, [rows, columns]) = (probes.front.probe(), probes.back.probe(), probes.offset());
-        let mut at = 0;
-        for number in 0..count {
-            let (row, column) = places.get(number);
-            let chosen = V::load(chosen, number * V::COUNT);
-            let (row, column) = (places.voxel_row(row), column as i32);
-            let [fx, fy, fz] = probes
-                .front
-                .spaced(front.gradient(row.wrapping_add(rows), column + columns));
-            let [bx, by, bz] = probes.back.spaced(back.gradient(row, column));
-            if let Some(turns) = turns {
-                // Lanes behind the chosen ones are written again.
-                let turn = V::load(turns, at);
-                turned(fx.packed(chosen), bx.packed(chosen), turn).store(gx, at);
-                turned(fy.packed(chosen), by.packed(chosen), turn).store(gy, at);
-                turned(fz.packed(chosen), bz.packed(chosen), turn).store(gz, at);
-            } else {
-                (fx + bx).packed(chosen).store(gx, at);
-                (fy + by).packed(chosen).store(gy, at);
-                (fz + bz).packed(chosen).store(gz, at);
-            }
-            at += chosen.count();
-        }
+        let ([x, y, z], offset, chosen) = (out, self.offset(), (count, chosen));
+        let back = [&mut *x, &mut *y, &mut *z];
+        self.back.gradients_from(places, [0; 2], chosen, back);
+        let [fx, fy, fz] = self.gradients.each_mut().map(|row| part_mut(row, 0..x.len()));
+        let front = [&mut *fx, &mut *fy, &mut *fz];
+        self.front.gradients_from(places, offset, chosen, front);
+        join::<V>([x, y, z], [fx, fy, fz], turns);
     }
 }

@@ -39,7 +39,14 @@ pub(super) trait SourceAt<W> {
     fn samples_at(&self, places: &Places<'_>, count: usize, out: [&mut [W]; 2]);
     /// The gradients where `chosen` is not 0, packed side by side; `chosen` holds a vector per place. With turns, packed as
     /// well, those of crossings.
-    fn gradients_at(&self, places: &Places<'_>, count: usize, chosen: &[W], turns: Option<&[W]>, out: [&mut [W]; 3]);
+    fn gradients_at(
+        &mut self,
+        places: &Places<'_>,
+        count: usize,
+        chosen: &[W],
+        turns: Option<&[W]>,
+        out: [&mut [W]; 3],
+    );
 }
 
 /// A row number that no row has.
@@ -206,7 +213,7 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Sheared<'s, 'w, P, V, A> {
         if V::SMALL {
             self.make_once(row);
         } else {
-            self.make_anew(row);
+            V::enter((MakeRow, self, row));
         }
     }
 
@@ -265,14 +272,8 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Sheared<'s, 'w, P, V, A> {
                 if let Some(out) = out.get_mut(place).filter(|_| held) {
                     let about = face.saturating_sub(1)..face + 2;
                     let weights = [Weight::ZERO, extent.y.weight];
-                    yx_row::<P, V>(
-                        p,
-                        part(a, about.clone()),
-                        part(b, about),
-                        in_slice,
-                        weights,
-                        &mut beyond.held,
-                    );
+                    let voxels = [part(a, about.clone()), part(b, about)];
+                    few::<P, V>(p, voxels, in_slice, weights, &mut beyond.held);
                     beyond.free = *out;
                     let [_, held, _] = beyond.held;
                     *out = held;
@@ -351,7 +352,7 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Sheared<'s, 'w, P, V, A> {
 
     /// Makes the gradients of held samples in some places of a row those at the face voxels, and mends those beside them, which
     /// look at the sample that would lie where the held one is stored.
-    #[inline(always)]
+    #[inline(never)]
     fn hold_gradients(&self, row: i32, places: Range<usize>, [gx, gy, gz]: [&mut [i32]; 3], [this, next]: [&[i32]; 2]) {
         let all = self.places();
         let here = self.whole(row);
@@ -387,7 +388,7 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Sheared<'s, 'w, P, V, A> {
                 let one = |row| part(row, voxel..voxel + 1);
                 let (whole, weights) = (self.extent.in_slice(), [Weight::ZERO, self.extent.y.weight]);
                 let mut out = [0];
-                yx_row::<P, V>(self.precision, one(this), one(next), whole, weights, &mut out);
+                few::<P, V>(self.precision, [one(this), one(next)], whole, weights, &mut out);
                 [*gz] = out;
             }
         }
@@ -435,6 +436,21 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Sheared<'s, 'w, P, V, A> {
     }
 }
 
+/// The samples between a few voxels. Kernels for vectors call it for the ends of rows, of which they would each have a copy.
+#[inline(always)]
+fn few<P: Precision, V: Lanes>(p: P, voxels: [&[i32]; 2], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
+    #[inline(never)]
+    fn apart<P: Precision>(p: P, [a, b]: [&[i32]; 2], whole: bool, weights: [Weight; 2], out: &mut [i32]) {
+        yx_row::<P, i32>(p, a, b, whole, weights, out);
+    }
+    if V::SMALL {
+        let [a, b] = voxels;
+        yx_row::<P, V>(p, a, b, whole, weights, out);
+    } else {
+        apart(p, voxels, whole, weights, out);
+    }
+}
+
 /// Gradients with the spacing factors, and with the bits that a precision keeps.
 #[inline(always)]
 pub(super) fn spaced<P: Precision, V: Lanes>(p: P, [gx, gy, gz]: [&mut [i32]; 3], [fx, fy, fz]: [Intensity; 3]) {
@@ -449,7 +465,7 @@ pub(super) fn spaced<P: Precision, V: Lanes>(p: P, [gx, gy, gz]: [&mut [i32]; 3]
 impl<P: Precision, V: Lanes, A: Asked> Source<i32> for Sheared<'_, '_, P, V, A> {
     #[inline(always)]
     fn make(&mut self, row: i32) {
-        V::enter((MakeRow, self, row));
+        self.make_row(row);
     }
 
     #[inline(always)]
@@ -474,7 +490,7 @@ impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeRow, &mut Sheared<'_, '_,
     #[inline(always)]
     fn run(self) {
         let (_, source, row) = self;
-        source.make_row(row);
+        source.make_anew(row);
     }
 }
 

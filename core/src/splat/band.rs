@@ -77,7 +77,7 @@ pub struct Memory<'a> {
     pub sums: &'a mut [u64],
     /// The same.
     pub samples: &'a mut [i32],
-    /// [`scratch_len`](crate::plane::scratch_len) of the image's width.
+    /// [`Shape::scratch_len`](crate::plane::Shape::scratch_len) of the image's width.
     pub scratch: &'a mut [i32],
 }
 

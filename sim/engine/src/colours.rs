@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use slicecast::composite::{ChannelFormat, Recurrence, Weighted};
 use slicecast::extinction::{Medium, Rgba15};
 use slicecast::plan::Plan;
-use slicecast::plane::{Filter, Rgba, Triquadratic};
+use slicecast::plane::{ChannelOf, Filter, Rgba, Triquadratic};
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::shade::Shader;
 use slicecast::slice::{RowRange, Slice, SliceError};
@@ -16,10 +16,11 @@ use slicecast_scene::{Blend, Interpolation, PrecisionName, Scene};
 
 use crate::camera::{CameraError, Setup, Shape, set_up};
 use crate::error::RenderError;
+use crate::folds::Frames;
 use crate::frame::Layer;
 use crate::image::{Frame, base_image, new_image};
 use crate::oriented::Held;
-use crate::picture;
+use crate::picture::Shown;
 use crate::rendering::Progress;
 use crate::simd::Simd;
 use crate::stream::fold_stream;
@@ -236,7 +237,7 @@ impl<'a> Coloured<'a> {
     ) -> Result<Frame, RenderError>
     where
         P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
-        S: Shader<P>,
+        S: Shader<P> + Send,
     {
         match self.scene.interpolation {
             Interpolation::Quadratic => self.fold(pipeline.with_filter(Triquadratic), slices, layer, progress),
@@ -253,30 +254,31 @@ impl<'a> Coloured<'a> {
     ) -> Result<Frame, RenderError>
     where
         P: Precision<Pixel: Weighted + Recurrence<Channel: ChannelFormat>>,
-        S: Shader<P>,
-        F: Filter,
+        S: Shader<P> + Send,
+        F: Filter + Send,
     {
         let plan: &Plan = &self.setup.plan;
         if let Some(bits) = self.scene.early_termination {
             pipeline = pipeline.with_early_termination(bits);
         }
-        let mut image = new_image(plan, &pipeline)?;
+        let pipeline: &dyn Frames<Voxel = Rgba15, Element = ChannelOf<P>> = &pipeline;
+        let mut image = new_image(plan, pipeline)?;
         match layer {
             Layer::Tiles(rows) => fold_tiles(
                 self.setup.geometry(),
-                &pipeline,
+                pipeline,
                 (slices, None),
                 &mut image,
                 rows.into(),
                 self.simd,
                 progress,
             ),
-            Layer::Stream => fold_stream(self.setup.geometry(), &pipeline, slices, &mut image, progress, None)?,
+            Layer::Stream => fold_stream(self.setup.geometry(), pipeline, slices, &mut image, progress, None)?,
         }
         let behind = self.scene.image.background;
         Ok(Frame {
-            base: base_image(plan, &pipeline, &image),
-            picture: picture::of_image(plan, &pipeline, &image, (&self.setup.picture, behind), self.simd),
+            base: base_image(plan, pipeline, &image),
+            picture: pipeline.picture(&Shown::new(&self.setup.picture, behind, self.simd), plan, &image),
         })
     }
 }

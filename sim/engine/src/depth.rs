@@ -3,9 +3,11 @@
 use slicecast::plan::Plan;
 use slicecast::plane::{Depth, NO_DEPTH};
 use slicecast::precision::Precision;
+use slicecast::slice::Code12;
 
 use crate::camera::Picture;
 use crate::error::RenderError;
+use crate::folds::Folds;
 use crate::frame::Prepared;
 use crate::image::new_image;
 use crate::oriented::Oriented;
@@ -49,10 +51,11 @@ fn of_precision<P: Precision>(
         return Ok(None);
     }
     let pipeline = Depth::new(precision, surfaces, plan).unwrap_or_else(|error| unreachable!("{error}"));
-    let mut image = new_image(plan, &pipeline)?;
+    let pipeline: &dyn Folds<Voxel = Code12, Element = u32> = &pipeline;
+    let mut image = new_image(plan, pipeline)?;
     fold_oriented(
         prepared.setup.geometry(),
-        &pipeline,
+        pipeline,
         volume,
         &mut image,
         TILE_ROWS.into(),

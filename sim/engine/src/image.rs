@@ -1,13 +1,11 @@
 //! Base-plane images and pictures.
 
-use slicecast::composite::{Channel, Pixel, Recurrence as _};
 use slicecast::format::Intensity;
 use slicecast::plan::Plan;
-use slicecast::plane::{Pipeline, clear};
-use slicecast::precision::Precision as _;
-use slicecast::stream::{Needs, base_pixel};
+use slicecast::stream::Needs;
 
 use crate::error::RenderError;
+use crate::folds::Folds;
 
 /// The largest base-plane image that is rendered, bytes.
 const IMAGE_BYTES_MAX: u64 = 4 << 30;
@@ -47,8 +45,9 @@ pub struct Frame {
 ///
 /// # Errors
 /// [`RenderError::Memory`] before anything too large is allocated.
-pub(crate) fn new_image<L: Pipeline>(plan: &Plan, pipeline: &L) -> Result<Vec<L::Element>, RenderError> {
-    let needs = Needs::of::<L>(plan);
+pub(crate) fn new_image<F: Folds + ?Sized>(plan: &Plan, pipeline: &F) -> Result<Vec<F::Element>, RenderError> {
+    let ([width, height], shape) = (plan.base(), pipeline.shape());
+    let needs = Needs::of_shape(shape, plan, height);
     let bytes = needs.image as u64 * needs.element_bytes as u64;
     if bytes > IMAGE_BYTES_MAX {
         return Err(RenderError::Memory {
@@ -56,41 +55,33 @@ pub(crate) fn new_image<L: Pipeline>(plan: &Plan, pipeline: &L) -> Result<Vec<L:
             limit: IMAGE_BYTES_MAX,
         });
     }
-    let mut image = vec![L::Element::default(); needs.image];
-    clear(pipeline, plan, &mut image);
+    let mut image = vec![F::Element::default(); needs.image];
+    let runs = image.chunks_mut((width as usize).max(1)).enumerate();
+    runs.for_each(|(index, run)| run.fill(pipeline.empty(index % shape.channels)));
     Ok(image)
 }
 
 /// The base-plane image with its phases interleaved.
-pub(crate) fn base_image<L: Pipeline>(plan: &Plan, pipeline: &L, image: &[L::Element]) -> BaseImage {
+pub(crate) fn base_image<F: Folds + ?Sized>(plan: &Plan, pipeline: &F, image: &[F::Element]) -> BaseImage {
     let n = plan.sampling().rays_per_voxel as usize;
-    let size = plan.base().map(|side| side as usize * n);
-    let pixel = pipeline.precision().pixel();
-    BaseImage {
-        size,
-        format: pixel.format(),
-        one: pixel.one().bits(),
-        planes: planes(size, &|[u, v]| {
-            let Pixel {
-                colour: [r, g, b],
-                transparency,
-            } = base_pixel(plan, pipeline, image, u as i64, v as i64);
-            [r.bits(), g.bits(), b.bits(), transparency.bits()]
-        }),
-    }
-}
-
-/// The channels of all pixels, compiled once.
-fn planes([width, height]: [usize; 2], pixel: &dyn Fn([usize; 2]) -> [u32; 4]) -> [Vec<u32>; 4] {
+    let (shape, [width, height]) = (pipeline.shape(), plan.base().map(|side| side as usize * n));
+    let (format, one) = pipeline.format();
     let mut planes = [(); 4].map(|()| Vec::with_capacity(width * height));
     for v in 0..height {
         for u in 0..width {
-            for (plane, bits) in planes.iter_mut().zip(pixel([u, v])) {
+            let start = (v % n * n + u % n) * shape.phase_len(plan) + v / n * shape.row_len(plan);
+            let row = &image[start..start + shape.row_len(plan)];
+            for (plane, bits) in planes.iter_mut().zip(pipeline.pixel(row, u / n)) {
                 plane.push(bits);
             }
         }
     }
-    planes
+    BaseImage {
+        size: [width, height],
+        format,
+        one,
+        planes,
+    }
 }
 
 /// A background of 0 to 1, 1.15.

@@ -10,6 +10,7 @@ pub mod error;
 pub mod expanded;
 pub mod fast;
 pub mod fineness;
+pub mod folds;
 pub mod frame;
 pub mod image;
 pub mod integrals;

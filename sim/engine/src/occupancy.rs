@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use slicecast::borders::Borders;
 use slicecast::classify::Support;
 use slicecast::plan::Plan;
-use slicecast::plane::Pipeline;
+use slicecast::plane::Shape;
 use slicecast::seen::{Grain, Seen};
 use slicecast::slice::{RowRange, Slice};
 
@@ -52,9 +52,13 @@ pub enum Looks {
 }
 
 impl Looks {
-    /// What a pipeline looks at for the planes of a view.
-    pub fn of<L: Pipeline>(plan: &Plan) -> Self {
-        if L::SLABS { Self::Slabs } else { Self::of_planes(plan) }
+    /// What pipelines of a shape look at for the planes of a view.
+    pub fn of(shape: Shape, plan: &Plan) -> Self {
+        if shape.slabs {
+            Self::Slabs
+        } else {
+            Self::of_planes(plan)
+        }
     }
 
     fn of_planes(plan: &Plan) -> Self {

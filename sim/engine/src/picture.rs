@@ -15,13 +15,11 @@ use slicecast::composite::{Channel as _, ChannelFormat, Pixel, Recurrence};
 use slicecast::format::Intensity;
 use slicecast::lanes::{Kernel, Lanes};
 use slicecast::plan::Plan;
-use slicecast::plane::{ChannelOf, Pictured, Pipeline};
+use slicecast::plane::ChannelOf;
 use slicecast::precision::Precision;
-use slicecast::stream::phase_len;
 use slicecast::warp::{Point, Warp, in_front_of, in_front_of_row, mix_row};
 
 use crate::camera::Picture;
-use crate::frame::Prepared;
 use crate::image::{BaseImage, Rgb, background};
 use crate::simd::{OverLanes, Simd, with_lanes};
 use crate::with_pixel;
@@ -36,48 +34,31 @@ const DOWN: usize = 32;
 /// Base-plane pixels of the largest copy: it stays in the second-level cache.
 const COPY_MAX: i128 = 8192;
 
-/// The picture of a base-plane image, in front of the scene's background.
-pub fn picture<L: Pictured>(prepared: &Prepared<'_>, pipeline: &L, image: &[L::Element]) -> Rgb {
-    let (setup, behind) = (&prepared.setup, prepared.scene.image.background);
-    of_image(&setup.plan, pipeline, image, (&setup.picture, behind), prepared.simd)
-}
-
-/// The picture of a base-plane image, in front of a background.
-pub(crate) fn of_image<L: Pictured>(
-    plan: &Plan,
-    pipeline: &L,
-    image: &[L::Element],
-    (picture, behind): (&Picture, [f64; 3]),
-    simd: Simd,
-) -> Rgb {
-    let shown = Shown {
-        picture,
-        background: background(behind),
-        simd,
-    };
-    shown.picture(&Base::of(plan, pipeline, image))
-}
-
 /// The picture of a base-plane image whose phases are interleaved, of this precision, in front of a background.
 pub fn of_base(base: &BaseImage, precision: PrecisionName, picture: &Picture, behind: [f64; 3], simd: Simd) -> Rgb {
-    let shown = Shown {
-        picture,
-        background: background(behind),
-        simd,
-    };
+    let shown = Shown::new(picture, behind, simd);
     with_pixel!(precision, p => shown.picture(&Interleaved::of(p, base)))
 }
 
 /// What a picture shows of a base plane.
-struct Shown<'a> {
+pub struct Shown<'a> {
     picture: &'a Picture,
     background: [Intensity; 3],
     simd: Simd,
 }
 
-impl Shown<'_> {
+impl<'a> Shown<'a> {
+    /// In front of a background, mixed with these vectors.
+    pub fn new(picture: &'a Picture, behind: [f64; 3], simd: Simd) -> Self {
+        Self {
+            picture,
+            background: background(behind),
+            simd,
+        }
+    }
+
     /// The picture of a base plane, compiled once per channel format.
-    fn picture<C: ChannelFormat>(&self, base: &dyn BasePixels<C>) -> Rgb {
+    pub(crate) fn picture<C: ChannelFormat>(&self, base: &dyn BasePixels<C>) -> Rgb {
         let Picture { size, warp, .. } = *self.picture;
         let (background, simd) = (self.background, self.simd);
         let shape = Shape::of(&warp);
@@ -144,26 +125,30 @@ impl Shape {
     }
 }
 
-/// A pixel's red, green, blue and transparency, side by side.
-type Channels<L> = [ChannelOf<<L as Pipeline>::Precision>; 4];
-
-/// Where the pixels of a base plane come from: all that the picture asks of a pipeline.
-trait BasePixels<C>: Sync {
+/// Where the pixels of a base plane come from.
+pub(crate) trait BasePixels<C>: Sync {
     /// Copies the pixels from `first` on, in rows of `width`, clear ones where none exist; `phase` is room for a row of one
     /// phase. Whether any of them is not clear; if not, the copy may hold anything.
     fn copy(&self, first: [i64; 2], width: usize, copy: &mut [[C; 4]], phase: &mut [[C; 4]]) -> bool;
 }
 
+/// A pixel's red, green, blue and transparency, side by side.
 #[inline(always)]
-fn channels<C>(pixel: Pixel<C>) -> [C; 4] {
+pub(crate) fn channels<C>(pixel: Pixel<C>) -> [C; 4] {
     let [red, green, blue] = pixel.colour;
     [red, green, blue, pixel.transparency]
 }
 
+/// All that the picture asks of a pipeline.
+pub(crate) trait Pixels<E, C>: Sync {
+    /// Pixels of a row of one phase, from a column on. The bits in which any of them differs from a clear one.
+    fn pixels(&self, row: &[E], column: usize, out: &mut [[C; 4]]) -> u32;
+}
+
 /// A base-plane image as the pipeline left it.
-struct Base<'a, L: Pictured> {
-    pipeline: &'a L,
-    image: &'a [L::Element],
+pub(crate) struct Base<'a, E, C> {
+    pipeline: &'a dyn Pixels<E, C>,
+    image: &'a [E],
     /// Phases along u and along v.
     n: usize,
     /// Pixels along u and v.
@@ -172,47 +157,27 @@ struct Base<'a, L: Pictured> {
     row_len: usize,
 }
 
-impl<'a, L: Pictured> Base<'a, L> {
-    fn of(plan: &Plan, pipeline: &'a L, image: &'a [L::Element]) -> Self {
+impl<'a, E, C> Base<'a, E, C> {
+    pub(crate) fn of(
+        shape: slicecast::plane::Shape,
+        plan: &Plan,
+        pipeline: &'a dyn Pixels<E, C>,
+        image: &'a [E],
+    ) -> Self {
         let n = plan.sampling().rays_per_voxel as usize;
-        let [width, height] = plan.base();
-        let (width, height) = (width as usize, height as usize);
         Self {
             pipeline,
             image,
             n,
-            size: [n * width, n * height],
-            phase_len: phase_len::<L>(plan),
-            row_len: L::CHANNELS * width,
+            size: plan.base().map(|side| n * side as usize),
+            phase_len: shape.phase_len(plan),
+            row_len: shape.row_len(plan),
         }
-    }
-
-    /// Pixels of a row of one phase, from a column on. The bits in which any of them differs from a clear one.
-    #[inline(always)]
-    fn pixels(&self, row: &[L::Element], column: usize, out: &mut [Channels<L>]) -> u32 {
-        let width = row.len() / L::CHANNELS;
-        // A pipeline with fewer channels does not look at the others.
-        let len = out.len();
-        let run = |channel| {
-            let start = channel % L::CHANNELS * width + column;
-            &row[start..start + len]
-        };
-        let [first, second, third, fourth] = [run(0), run(1), run(2), run(3)];
-        let clear = channels(Pixel::<ChannelOf<L::Precision>>::clear());
-        let mut seen = 0;
-        for ((((out, a), b), c), d) in out.iter_mut().zip(first).zip(second).zip(third).zip(fourth) {
-            // As a row of one pixel, in which the compiler knows every place.
-            *out = channels(self.pipeline.pixel(&[*a, *b, *c, *d][..L::CHANNELS], 0));
-            for (channel, clear) in out.iter().zip(clear) {
-                seen |= channel.bits() ^ clear.bits();
-            }
-        }
-        seen
     }
 }
 
-impl<L: Pictured> BasePixels<ChannelOf<L::Precision>> for Base<'_, L> {
-    fn copy(&self, first: [i64; 2], width: usize, copy: &mut [Channels<L>], phase: &mut [Channels<L>]) -> bool {
+impl<E: Sync, C: ChannelFormat> BasePixels<C> for Base<'_, E, C> {
+    fn copy(&self, first: [i64; 2], width: usize, copy: &mut [[C; 4]], phase: &mut [[C; 4]]) -> bool {
         let clear = channels(Pixel::clear());
         let existing = |axis: usize, side: usize| -> Range<usize> {
             let clip = |place: i64| place.clamp(0, self.size[axis] as i64) as usize;
@@ -236,12 +201,12 @@ impl<L: Pictured> BasePixels<ChannelOf<L::Precision>> for Base<'_, L> {
                 let start = (v % self.n * self.n + u % self.n) * self.phase_len + v / self.n * self.row_len;
                 let row = &self.image[start..start + self.row_len];
                 if self.n == 1 {
-                    seen |= self.pixels(row, u, out);
+                    seen |= self.pipeline.pixels(row, u, out);
                 } else {
                     // Vectors read runs of one phase; only then the pixels are put where they belong.
                     let places = out[skipped..].iter_mut().step_by(self.n);
                     let phase = &mut phase[..places.len()];
-                    seen |= self.pixels(row, u / self.n, phase);
+                    seen |= self.pipeline.pixels(row, u / self.n, phase);
                     for (place, pixel) in places.zip(phase) {
                         *place = *pixel;
                     }

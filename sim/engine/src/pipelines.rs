@@ -15,6 +15,7 @@ use slicecast::slice::Code12;
 use crate::camera::{CameraError, Material, Setup};
 use crate::expanded::Expanded;
 use crate::fast;
+use crate::folds::Frames;
 use crate::reflectance;
 use crate::rendering::{Framing, Under};
 use crate::segments::Segments;
@@ -316,6 +317,7 @@ pub(crate) fn under<L: Pictured<Voxel = Code12> + Send + 'static>(
     geometry: Geometry<'_>,
     pipeline: L,
 ) -> Box<dyn Framing> {
+    let pipeline: Box<dyn Frames<Voxel = Code12, Element = L::Element>> = Box::new(pipeline);
     Box::new(Under::new(geometry, pipeline))
 }
 

@@ -1,7 +1,6 @@
 //! A frame under way: a pipeline with its image, whatever their types.
 //!
-//! Pipelines are compiled here and nowhere else in the host program: what compares, times or observes frames calls them
-//! through these two traits, once per frame or per tile.
+//! What compares, times or observes frames calls pipelines through these two traits, once per frame or per tile.
 
 use std::any::Any;
 use std::ops::Range;
@@ -11,19 +10,19 @@ use rayon::prelude::*;
 use slicecast::classify::Support;
 use slicecast::clip::Clips;
 use slicecast::plan::Plan;
-use slicecast::plane::{Pictured, Pipeline, near_slice, planes};
 use slicecast::slice::{Code12, Slice};
 use slicecast::stream::{Needs, StreamError};
 use slicecast::tap::Tap;
 
 use crate::error::RenderError;
+use crate::folds::{Folds, Frames};
 use crate::frame::Prepared;
 use crate::image::{BaseImage, Rgb, base_image, new_image};
 use crate::levels::Bundle;
 use crate::occupancy::Looks;
 use crate::oriented::Oriented;
 use crate::parts::{Part, parts};
-use crate::picture::picture;
+use crate::picture::Shown;
 use crate::shard::Shard;
 use crate::simd::Simd;
 use crate::stream::fold_stream;
@@ -91,28 +90,28 @@ pub trait Framing: Rendering {
     fn picture(&self, prepared: &Prepared<'_>) -> Rgb;
 }
 
-/// A rendering of a pipeline's type.
-pub struct Under<L: Pipeline> {
+/// A pipeline and its image.
+pub struct Under<F: Folds + ?Sized> {
     plan: Plan,
     clips: Option<Clips>,
-    pipeline: L,
-    image: Vec<L::Element>,
+    image: Vec<F::Element>,
+    pipeline: Box<F>,
 }
 
-impl<L: Pipeline> Under<L> {
+impl<F: Folds + ?Sized> Under<F> {
     /// A pipeline without an image.
-    pub fn new(Geometry { plan, clips }: Geometry<'_>, pipeline: L) -> Self {
+    pub fn new(Geometry { plan, clips }: Geometry<'_>, pipeline: Box<F>) -> Self {
         Self {
             plan: *plan,
             clips: clips.cloned(),
-            pipeline,
             image: Vec::new(),
+            pipeline,
         }
     }
 
     /// Elements of a row of the image.
     fn row_len(&self) -> usize {
-        L::CHANNELS * self.plan.base()[0] as usize
+        self.pipeline.shape().row_len(&self.plan)
     }
 }
 
@@ -124,9 +123,10 @@ const fn geometry<'a>(plan: &'a Plan, clips: &'a Option<Clips>) -> Geometry<'a> 
     }
 }
 
-impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
+impl<F: Folds<Voxel = Code12> + ?Sized + 'static> Rendering for Under<F> {
     fn needs(&self) -> Needs {
-        Needs::of::<L>(&self.plan)
+        let [_, height] = self.plan.base();
+        Needs::of_shape(self.pipeline.shape(), &self.plan, height)
     }
 
     fn support(&self) -> Option<Support> {
@@ -134,27 +134,28 @@ impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
     }
 
     fn looks(&self) -> Looks {
-        Looks::of::<L>(&self.plan)
+        Looks::of(self.pipeline.shape(), &self.plan)
     }
 
     fn back_to_front(&self) -> bool {
-        L::BACK_TO_FRONT
+        self.pipeline.shape().back_to_front
     }
 
     fn begin(&mut self) -> Result<(), RenderError> {
-        self.image = new_image(&self.plan, &self.pipeline)?;
+        self.image = new_image(&self.plan, &*self.pipeline)?;
         Ok(())
     }
 
     fn fold(&mut self, volume: &Oriented<'_>, tile_rows: usize, simd: Simd, progress: Progress<'_>) {
-        let (geometry, pipeline, image) = (geometry(&self.plan, &self.clips), &self.pipeline, &mut self.image);
+        let (geometry, pipeline, image) = (geometry(&self.plan, &self.clips), &*self.pipeline, &mut self.image);
         fold_oriented(geometry, pipeline, volume, image, tile_rows.into(), simd, progress);
     }
 
     fn parts(&self, most: usize) -> Vec<Part> {
         let [_, _, depth] = self.plan.dims();
-        let near = |plane| near_slice::<L>(&self.plan, plane);
-        parts(planes::<L>(&self.plan), depth, near, L::BACK_TO_FRONT, most)
+        let shape = self.pipeline.shape();
+        let near = |plane| shape.near_slice(&self.plan, plane);
+        parts(shape.planes(&self.plan), depth, near, shape.back_to_front, most)
     }
 
     fn is_finished(&self, rows: Range<u32>) -> bool {
@@ -163,7 +164,7 @@ impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
         let mut phases = self.image.chunks(row_len * height);
         phases.all(|phase| {
             let rows = phase.get(rows.clone()).unwrap_or(&[]);
-            self.pipeline.finished::<i32>(&self.plan, rows)
+            self.pipeline.finished(Simd::Scalar, &self.plan, rows)
         })
     }
 
@@ -174,7 +175,7 @@ impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
             part: Some(part),
         };
         let plan = part.brick.as_ref().map_or(self.plan, |brick| brick.plan(&self.plan));
-        let (pipeline, image) = (&self.pipeline, &mut self.image);
+        let (pipeline, image) = (&*self.pipeline, &mut self.image);
         fold_oriented(
             geometry(&plan, &self.clips),
             pipeline,
@@ -187,7 +188,7 @@ impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
     }
 
     fn fold_rows(&mut self, slices: &[Slice<'_>], tile_rows: usize, simd: Simd, progress: Progress<'_>) {
-        let (geometry, pipeline, image) = (geometry(&self.plan, &self.clips), &self.pipeline, &mut self.image);
+        let (geometry, pipeline, image) = (geometry(&self.plan, &self.clips), &*self.pipeline, &mut self.image);
         fold_tiles(
             geometry,
             pipeline,
@@ -200,7 +201,7 @@ impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
     }
 
     fn fold_tapped(&mut self, slices: &[Slice<'_>], tile_rows: usize, progress: Progress<'_>, lend: LendTap<'_>) {
-        let (geometry, pipeline, image) = (geometry(&self.plan, &self.clips), &self.pipeline, &mut self.image);
+        let (geometry, pipeline, image) = (geometry(&self.plan, &self.clips), &*self.pipeline, &mut self.image);
         fold_tiles_tapped(geometry, pipeline, slices, image, tile_rows, progress, lend);
     }
 
@@ -209,7 +210,7 @@ impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
         let first = (tile.phase as usize * self.plan.base()[1] as usize + tile.first as usize) * row_len;
         let data = self.image.get_mut(first..first + tile.rows as usize * row_len);
         let geometry = geometry(&self.plan, &self.clips);
-        fold_tile(geometry, &self.pipeline, slices, tile, data.unwrap_or(&mut []), tap);
+        fold_tile(geometry, &*self.pipeline, slices, tile, data.unwrap_or(&mut []), tap);
     }
 
     fn stream(
@@ -219,23 +220,25 @@ impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
         tap: Option<&mut dyn Tap>,
     ) -> Result<(), StreamError> {
         let geometry = geometry(&self.plan, &self.clips);
-        fold_stream(geometry, &self.pipeline, slices, &mut self.image, progress, tap)
+        fold_stream(geometry, &*self.pipeline, slices, &mut self.image, progress, tap)
     }
 
     fn fold_bundles(&mut self, level: &dyn Framing, bundles: &[Bundle], volume: &Oriented<'_>, simd: Simd) {
         let level: &dyn Any = level;
         let (Some(Self { pipeline, .. }), Some(first)) = (level.downcast_ref(), bundles.first()) else {
-            assert!(bundles.is_empty(), "levels of one scene have pipelines of one type");
+            assert!(bundles.is_empty(), "levels of one scene have images of one kind");
             return;
         };
-        let sight = volume.sight(Looks::of::<L>(&first.plan), pipeline.support(), L::BACK_TO_FRONT, simd);
+        let (pipeline, shape) = (&**pipeline, pipeline.shape());
+        let looks = Looks::of(shape, &first.plan);
+        let sight = volume.sight(looks, pipeline.support(), shape.back_to_front, simd);
         let slices = (volume.slices, sight.as_ref());
         let (finest, image) = (&self.plan, &mut self.image);
         // Pixels are copied, of as many bundles at a time as there are threads.
         for some in bundles.chunks(rayon::current_num_threads()) {
             let folded = |bundle: &Bundle| {
-                let mut own = bundle.gathered(finest, L::CHANNELS, image);
-                if !pipeline.finished::<i32>(&bundle.plan, &own) {
+                let mut own = bundle.gathered(finest, shape.channels, image);
+                if !pipeline.finished(Simd::Scalar, &bundle.plan, &own) {
                     // Levels have no clip planes.
                     let geometry = geometry(&bundle.plan, &None);
                     fold_tiles(geometry, pipeline, slices, &mut own, TILE_ROWS.into(), simd, &|_, _| ());
@@ -244,19 +247,21 @@ impl<L: Pipeline<Voxel = Code12> + Send + 'static> Rendering for Under<L> {
             };
             let folded: Vec<_> = some.par_iter().map(folded).collect();
             for (bundle, own) in some.iter().zip(&folded) {
-                bundle.scatter(finest, L::CHANNELS, image, own);
+                bundle.scatter(finest, shape.channels, image, own);
             }
         }
     }
 
     fn base(&self) -> BaseImage {
-        base_image(&self.plan, &self.pipeline, &self.image)
+        base_image(&self.plan, &*self.pipeline, &self.image)
     }
 }
 
-impl<L: Pictured<Voxel = Code12> + Send + 'static> Framing for Under<L> {
+impl<F: Frames<Voxel = Code12> + ?Sized + 'static> Framing for Under<F> {
     fn picture(&self, prepared: &Prepared<'_>) -> Rgb {
-        picture(prepared, &self.pipeline, &self.image)
+        let (setup, behind) = (&prepared.setup, prepared.scene.image.background);
+        let shown = Shown::new(&setup.picture, behind, prepared.simd);
+        self.pipeline.picture(&shown, &setup.plan, &self.image)
     }
 }
 

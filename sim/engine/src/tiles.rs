@@ -1,20 +1,18 @@
 //! Tiles of base-plane rows through all planes, on all cores.
 
-use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use slicecast::clip::Clips;
 use slicecast::lanes::Lanes;
-use slicecast::locate::{Plane, cell};
-use slicecast::plan::{Phase, Plan};
-use slicecast::plane::{
-    At, Kept, Pipeline, Reading, Rows, ScratchError, blocks_scratch_len, fold_native, near_slice, plane, planes,
-};
+use slicecast::locate::cell;
+use slicecast::plan::Plan;
+use slicecast::plane::{At, Kept, Reading, Rows, ScratchError, Shape};
 use slicecast::slice::{Code12, Slice, Voxel, Window};
 use slicecast::tap::Tap;
 
+use crate::folds::{Fold, Folds};
 use crate::occupancy::{Looks, Sight};
 use crate::oriented::Oriented;
 use crate::parts::{Brick, Part};
@@ -68,59 +66,56 @@ pub struct Tile {
 
 /// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or, where the volume's blocks
 /// are known and few of them can be seen, those blocks.
-pub(crate) fn fold_oriented<L: Pipeline<Voxel = Code12>>(
+pub(crate) fn fold_oriented<F: Folds<Voxel = Code12> + ?Sized>(
     geometry: Geometry<'_>,
-    pipeline: &L,
+    pipeline: &F,
     volume: &Oriented<'_>,
-    image: &mut [L::Element],
+    image: &mut [F::Element],
     tiling: Tiling<'_>,
     simd: Simd,
     progress: Progress<'_>,
 ) {
-    let sight = volume.sight(
-        Looks::of::<L>(geometry.plan),
-        pipeline.support(),
-        L::BACK_TO_FRONT,
-        simd,
-    );
+    let shape = pipeline.shape();
+    let looks = Looks::of(shape, geometry.plan);
+    let sight = volume.sight(looks, pipeline.support(), shape.back_to_front, simd);
     let slices = (volume.slices, sight.as_ref());
     fold_tiles(geometry, pipeline, slices, image, tiling, simd, progress);
 }
 
 /// Folds all planes into an image, tile by tile on rayon's current threads: the blocks of slices that can be seen, or rows as a
 /// whole where none are named.
-pub(crate) fn fold_tiles<L: Pipeline>(
+pub(crate) fn fold_tiles<F: Folds + ?Sized>(
     geometry: Geometry<'_>,
-    pipeline: &L,
-    (slices, seen): (&[Slice<'_, L::Voxel>], Option<&Sight>),
-    image: &mut [L::Element],
+    pipeline: &F,
+    (slices, seen): (&[Slice<'_, F::Voxel>], Option<&Sight>),
+    image: &mut [F::Element],
     tiling: Tiling<'_>,
     simd: Simd,
     progress: Progress<'_>,
 ) {
-    let plan = geometry.plan;
-    let mut sizes = Sizes::of::<L>(plan);
+    let (plan, shape) = (geometry.plan, pipeline.shape());
+    let mut sizes = Sizes::of(shape, plan);
     // Blocks are made where they lie.
-    if L::SLABS && seen.is_none() {
+    if shape.slabs && seen.is_none() {
         sizes = sizes.keeping(plan, tiling.rows);
     }
     each_tile(plan, image, sizes, tiling, progress, &|tile, data, memory| {
-        let fold = FoldTile::new(
-            pipeline,
-            Way::of::<L>(geometry, slices, seen, tile, tiling.part),
-            (data, memory),
-            None,
-        );
-        enough(with_lanes(simd, fold));
+        let clips = geometry.clips.map(|clips| with_lanes(simd, InLanes(clips)));
+        let geometry = Geometry {
+            plan,
+            clips: clips.as_ref(),
+        };
+        let way = Way::of(shape, geometry, slices, seen, tile, tiling.part);
+        enough(way.walk(Folding::new(pipeline, simd, &way, (data, memory), None)));
     });
 }
 
 /// Folds all planes into an image like [`fold_tiles`], by the scalar definitions, each tile under a tap that `lend` lends.
-pub(crate) fn fold_tiles_tapped<L: Pipeline>(
+pub(crate) fn fold_tiles_tapped<F: Folds + ?Sized>(
     geometry: Geometry<'_>,
-    pipeline: &L,
-    slices: &[Slice<'_, L::Voxel>],
-    image: &mut [L::Element],
+    pipeline: &F,
+    slices: &[Slice<'_, F::Voxel>],
+    image: &mut [F::Element],
     tile_rows: usize,
     progress: Progress<'_>,
     lend: LendTap<'_>,
@@ -128,7 +123,7 @@ pub(crate) fn fold_tiles_tapped<L: Pipeline>(
     each_tile(
         geometry.plan,
         image,
-        Sizes::of::<L>(geometry.plan),
+        Sizes::of(pipeline.shape(), geometry.plan),
         tile_rows.into(),
         progress,
         &|tile, data, memory| {
@@ -175,10 +170,10 @@ struct Sizes {
 
 impl Sizes {
     /// Of a pipeline's tiles, with room for rows that begin with a line of the cache.
-    fn of<L: Pipeline>(plan: &Plan) -> Self {
+    fn of(shape: Shape, plan: &Plan) -> Self {
         Self {
-            row_len: L::CHANNELS * plan.base()[0] as usize,
-            scratch_len: blocks_scratch_len::<L>(plan.longest_row().max(1024) + 32),
+            row_len: shape.row_len(plan),
+            scratch_len: shape.blocks_scratch_len(plan.longest_row().max(1024) + 32),
             kept_len: 0,
         }
     }
@@ -234,34 +229,45 @@ fn each_tile<E: Send>(
 }
 
 /// Folds all planes into the rows of a tile by the scalar definitions, under a tap.
-pub(crate) fn fold_tile<L: Pipeline>(
+pub(crate) fn fold_tile<F: Folds + ?Sized>(
     geometry: Geometry<'_>,
-    pipeline: &L,
-    slices: &[Slice<'_, L::Voxel>],
+    pipeline: &F,
+    slices: &[Slice<'_, F::Voxel>],
     tile: Tile,
-    data: &mut [L::Element],
+    data: &mut [F::Element],
     tap: &mut dyn Tap,
 ) {
-    let mut memory = Sizes::of::<L>(geometry.plan).memory();
+    let mut memory = Sizes::of(pipeline.shape(), geometry.plan).memory();
     enough(fold_scalar(geometry, pipeline, slices, tile, data, &mut memory, tap));
 }
 
-fn fold_scalar<L: Pipeline>(
+fn fold_scalar<F: Folds + ?Sized>(
     geometry: Geometry<'_>,
-    pipeline: &L,
-    slices: &[Slice<'_, L::Voxel>],
+    pipeline: &F,
+    slices: &[Slice<'_, F::Voxel>],
     tile: Tile,
-    data: &mut [L::Element],
+    data: &mut [F::Element],
     memory: &mut Memory,
     tap: &mut dyn Tap,
 ) -> Result<(), ScratchError> {
-    FoldTile::new(
-        pipeline,
-        Way::of::<L>(geometry, slices, None, tile, None),
-        (data, memory),
-        Some(tap),
-    )
-    .run::<i32>()
+    let clips = geometry.clips.map(|clips| clips.clone().in_lanes::<i32>());
+    let geometry = Geometry {
+        plan: geometry.plan,
+        clips: clips.as_ref(),
+    };
+    let way = Way::of(pipeline.shape(), geometry, slices, None, tile, None);
+    way.walk(Folding::new(pipeline, Simd::Scalar, &way, (data, memory), Some(tap)))
+}
+
+/// Clip planes, with lanes still to be chosen.
+struct InLanes<'a>(&'a Clips);
+
+impl OverLanes for InLanes<'_> {
+    type Output = Clips;
+
+    fn run<V: Lanes>(self) -> Clips {
+        self.0.clone().in_lanes::<V>()
+    }
 }
 
 /// How many slices ahead of a plane memory is asked for.
@@ -284,16 +290,14 @@ struct Way<'a, 's, X> {
     brick: Option<&'a Brick>,
     /// Number of the first of the slices.
     first_slice: i32,
-    back_to_front: bool,
-    /// The plane with a number.
-    plane: fn(&Plan, Phase, u32) -> Plane,
-    /// Number of the slice that a plane's window begins with.
-    near_slice: fn(&Plan, u32) -> i32,
+    /// That of the pipeline.
+    shape: Shape,
 }
 
 impl<'a, 's, X: Voxel> Way<'a, 's, X> {
     /// The way of a kind of pipeline.
-    fn of<L: Pipeline<Voxel = X>>(
+    fn of(
+        shape: Shape,
         Geometry { plan, clips }: Geometry<'a>,
         slices: &'a [Slice<'s, X>],
         seen: Option<&'a Sight>,
@@ -302,34 +306,29 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
     ) -> Self {
         Self {
             brick: part.and_then(|part| part.brick.as_ref()),
-            planes: part.map_or(planes::<L>(plan), |part| part.planes.clone()),
+            planes: part.map_or(shape.planes(plan), |part| part.planes.clone()),
             first_slice: part.map_or(0, |part| part.slices.start as i32),
             plan,
             clips,
             slices,
             seen,
             tile,
-            back_to_front: L::BACK_TO_FRONT,
-            plane: plane::<L>,
-            near_slice: near_slice::<L>,
+            shape,
         }
     }
 
     /// Goes through the planes, in a pipeline's order, until its rays are finished.
-    fn walk(&self, fold: &mut dyn FoldPlane<X>) -> Result<(), ScratchError> {
+    fn walk<F: Folds<Voxel = X> + ?Sized>(&self, mut fold: Folding<'_, F>) -> Result<(), ScratchError> {
+        let back_to_front = self.shape.back_to_front;
         let place = |z: i32| usize::try_from(z - self.first_slice).ok();
         let slice = |z: i32| place(z).and_then(|z| self.slices.get(z)).copied();
         let Range { start, end } = self.planes;
         let mut ahead = None;
         for step in 0..end - start {
-            let index = if self.back_to_front {
-                end - 1 - step
-            } else {
-                start + step
-            };
-            let plane = (self.plane)(self.plan, self.plan.phase(self.tile.phase), index);
-            let z = (self.near_slice)(self.plan, index);
-            let wanted = if self.back_to_front { z - AHEAD } else { z + AHEAD };
+            let index = if back_to_front { end - 1 - step } else { start + step };
+            let plane = self.shape.plane(self.plan, self.plan.phase(self.tile.phase), index);
+            let z = self.shape.near_slice(self.plan, index);
+            let wanted = if back_to_front { z - AHEAD } else { z + AHEAD };
             let mut fresh = None;
             if ahead != Some(wanted) {
                 ahead = Some(wanted);
@@ -349,7 +348,7 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
                 };
                 match self.brick {
                     None => fold.plane(&at, None)?,
-                    Some(brick) => self.fold_brick(brick, &at, fold)?,
+                    Some(brick) => self.fold_brick(brick, &at, &mut fold)?,
                 }
             }
             // Rows as a whole are left out one by one.
@@ -361,7 +360,12 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
     }
 
     /// Folds the pixels of a plane whose samples lie in a brick.
-    fn fold_brick(&self, brick: &Brick, at: &At<'_, X>, fold: &mut dyn FoldPlane<X>) -> Result<(), ScratchError> {
+    fn fold_brick<F: Folds<Voxel = X> + ?Sized>(
+        &self,
+        brick: &Brick,
+        at: &At<'_, X>,
+        fold: &mut Folding<'_, F>,
+    ) -> Result<(), ScratchError> {
         let Tile { first, rows, .. } = self.tile;
         let [columns, _] = self.plan.base();
         let columns = brick.pixels(0, at.plane.x, 0..columns);
@@ -370,7 +374,7 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
             return Ok(());
         }
         let plan = self.plan.of_columns(columns.start, columns.len() as u32);
-        let plane = (self.plane)(&plan, at.plane.phase, at.plane.index);
+        let plane = self.shape.plane(&plan, at.plane.phase, at.plane.index);
         fold.plane(
             &At {
                 plan: &plan,
@@ -391,46 +395,60 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
     }
 }
 
-/// What a way asks of the pipeline that goes it.
-trait FoldPlane<X> {
-    /// Folds a plane into the tile, or into some columns and rows of the image, which the tile has; the plan is then of those
-    /// columns.
-    fn plane(&mut self, at: &At<'_, X>, pixels: Option<[Range<u32>; 2]>) -> Result<(), ScratchError>;
-    /// Whether all rays of the tile are finished.
-    fn finished(&self, plan: &Plan) -> bool;
-}
-
 /// A pipeline and the tile that it is folded into.
-struct Folding<'a, L: Pipeline> {
-    pipeline: &'a L,
-    rows: Rows<'a, L::Element>,
+struct Folding<'a, F: Folds + ?Sized> {
+    pipeline: &'a F,
+    simd: Simd,
+    rows: Rows<'a, F::Element>,
     scratch: &'a mut [i32],
     kept: Option<Kept<'a>>,
     /// Some columns of the rows, while they are folded on their own.
-    columns: Vec<L::Element>,
+    columns: Vec<F::Element>,
     /// Columns of the image.
     width: usize,
     /// Sees every plane, those of finished tiles too.
     tap: Option<&'a mut dyn Tap>,
 }
 
-/// The same with lanes chosen.
-struct OfLanes<'f, 'a, L: Pipeline, V>(&'f mut Folding<'a, L>, PhantomData<V>);
-
-impl<L: Pipeline, V: Lanes> FoldPlane<L::Voxel> for OfLanes<'_, '_, L, V> {
-    fn plane(&mut self, at: &At<'_, L::Voxel>, pixels: Option<[Range<u32>; 2]>) -> Result<(), ScratchError> {
-        let Folding {
+impl<'a, F: Folds + ?Sized> Folding<'a, F> {
+    fn new(
+        pipeline: &'a F,
+        simd: Simd,
+        way: &Way<'_, '_, F::Voxel>,
+        (data, Memory { scratch, kept }): (&'a mut [F::Element], &'a mut Memory),
+        tap: Option<&'a mut dyn Tap>,
+    ) -> Self {
+        let Tile { first, rows, .. } = way.tile;
+        let [width, _, _] = way.plan.dims();
+        Self {
             pipeline,
+            simd,
+            rows: Rows { first, data },
+            scratch,
+            // `Sizes::keeping` has as much as the highest tile needs.
+            kept: Kept::new(kept, first, rows as usize, width).ok(),
+            columns: Vec::new(),
+            width: way.plan.base()[0] as usize,
+            tap,
+        }
+    }
+
+    /// Folds a plane into the tile, or into some columns and rows of the image, which the tile has; the plan is then of those
+    /// columns.
+    fn plane(&mut self, at: &At<'_, F::Voxel>, pixels: Option<[Range<u32>; 2]>) -> Result<(), ScratchError> {
+        let Self {
+            pipeline,
+            simd,
             rows: Rows { first, data },
             scratch,
             kept,
             columns: own,
             tap,
             width,
-        } = &mut *self.0;
+        } = self;
         // Rows that come and go are not kept.
         let kept = kept.as_mut().filter(|_| pixels.is_none());
-        let (width, row_len) = (*width, *width * L::CHANNELS);
+        let (width, row_len) = (*width, *width * pipeline.shape().channels);
         let (mut first, mut data, mut columns) = (*first, &mut **data, 0..width);
         if let Some([across, rows]) = pixels {
             let start = (rows.start - first) as usize * row_len;
@@ -441,29 +459,31 @@ impl<L: Pipeline, V: Lanes> FoldPlane<L::Voxel> for OfLanes<'_, '_, L, V> {
         if is_cut {
             take_columns(data, width, &columns, own);
         }
-        // Named once for each width: it is a program of its own wherever it is named.
         let rows = Rows {
             first,
             data: if is_cut { own } else { &mut *data },
         };
-        if V::COUNT == 1 && !V::SMALL {
-            let tap: Option<&mut dyn Tap> = match tap {
-                Some(tap) => Some(&mut **tap),
-                None => None,
-            };
-            fold_native(*pipeline, at, rows, scratch, kept, tap)?;
-        } else {
-            // Observers are shown one lane (`fold_tiles_tapped`), and vectors have no code for them.
-            pipeline.fold::<V>(at, rows, scratch, kept, None)?;
-        }
+        let tap: Option<&mut dyn Tap> = match tap {
+            Some(tap) => Some(&mut **tap),
+            None => None,
+        };
+        let fold = Fold {
+            at,
+            rows,
+            scratch,
+            kept,
+            tap,
+        };
+        pipeline.fold(*simd, fold)?;
         if is_cut {
             put_columns(data, width, &columns, own);
         }
         Ok(())
     }
 
+    /// Whether all rays of the tile are finished.
     fn finished(&self, plan: &Plan) -> bool {
-        self.0.pipeline.finished::<V>(plan, self.0.rows.data)
+        self.pipeline.finished(self.simd, plan, self.rows.data)
     }
 }
 
@@ -481,52 +501,6 @@ fn take_columns<E: Copy>(runs: &[E], width: usize, columns: &Range<usize>, own: 
 fn put_columns<E: Copy>(runs: &mut [E], width: usize, columns: &Range<usize>, own: &[E]) {
     for (run, own) in runs.chunks_exact_mut(width).zip(own.chunks_exact(columns.len())) {
         run[columns.clone()].copy_from_slice(own);
-    }
-}
-
-/// A tile on its way.
-struct FoldTile<'a, 's, L: Pipeline> {
-    way: Way<'a, 's, L::Voxel>,
-    folding: Folding<'a, L>,
-}
-
-impl<'a, 's, L: Pipeline> FoldTile<'a, 's, L> {
-    fn new(
-        pipeline: &'a L,
-        way: Way<'a, 's, L::Voxel>,
-        (data, Memory { scratch, kept }): (&'a mut [L::Element], &'a mut Memory),
-        tap: Option<&'a mut dyn Tap>,
-    ) -> Self {
-        let Tile { first, rows, .. } = way.tile;
-        let [width, _, _] = way.plan.dims();
-        // `Sizes::keeping` has as much as the highest tile needs.
-        let kept = Kept::new(kept, first, rows as usize, width).ok();
-        let (rows, width) = (Rows { first, data }, way.plan.base()[0] as usize);
-        Self {
-            way,
-            folding: Folding {
-                pipeline,
-                rows,
-                scratch,
-                kept,
-                columns: Vec::new(),
-                width,
-                tap,
-            },
-        }
-    }
-}
-
-impl<L: Pipeline> OverLanes for FoldTile<'_, '_, L> {
-    type Output = Result<(), ScratchError>;
-
-    fn run<V: Lanes>(mut self) -> Self::Output {
-        let clips = self.way.clips.map(|clips| clips.clone().in_lanes::<V>());
-        let way = Way {
-            clips: clips.as_ref(),
-            ..self.way
-        };
-        way.walk(&mut OfLanes::<L, V>(&mut self.folding, PhantomData))
     }
 }
 

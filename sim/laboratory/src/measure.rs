@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use slicecast::locate::plane;
 use slicecast::plan::Plan;
-use slicecast::plane::Composite;
+use slicecast::plane::{ChannelOf, Composite};
 use slicecast::shade::Unlit;
-use slicecast::slice::Slice;
+use slicecast::slice::{Code12, Slice};
 
 use super::codes::Coded;
 use super::formats::Study;
@@ -17,6 +17,7 @@ use slicecast_compare::stages::{StageErrors, StageReport};
 use slicecast_engine::camera::CameraError;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::expanded::Expanded;
+use slicecast_engine::folds::Folds;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::BaseImage;
 use slicecast_engine::oriented::Turned;
@@ -215,20 +216,18 @@ fn table<A: Coded>(prepared: &Prepared<'_>, lookup: LookupName) -> Expanded {
 /// The rendering of a study, of a lit scene or of an unlit one.
 fn under(precision: Study, prepared: &Prepared<'_>, table: Expanded) -> Result<Box<dyn Rendering>, RenderError> {
     let (geometry, bits) = (prepared.setup.geometry(), prepared.scene.early_termination);
-    Ok(match &prepared.setup.material {
+    let pipeline: Box<Pipeline> = match &prepared.setup.material {
         Some(material) => {
             let phong = material.phong(precision).map_err(CameraError::from)?;
-            Box::new(Under::new(
-                geometry,
-                early(Composite::new(precision, table, phong), bits),
-            ))
+            Box::new(early(Composite::new(precision, table, phong), bits))
         }
-        None => Box::new(Under::new(
-            geometry,
-            early(Composite::new(precision, table, Unlit), bits),
-        )),
-    })
+        None => Box::new(early(Composite::new(precision, table, Unlit), bits)),
+    };
+    Ok(Box::new(Under::new(geometry, pipeline)))
 }
+
+/// A study's pipeline.
+type Pipeline = dyn Folds<Voxel = Code12, Element = ChannelOf<Study>>;
 
 /// The samples of a frame: those inside the volume, whether they are skipped or not.
 pub fn samples(plan: &Plan) -> u64 {

@@ -176,8 +176,8 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
         let beyond = if A::GRADIENTS { height } else { height - 1 };
         // Behind the last row there is none; its weight is zero.
         let next = if row < beyond { row + 1 } else { row };
-        self.make_z(row);
-        self.make_z(next);
+        V::enter((MakeZ, &mut *self, row));
+        V::enter((MakeZ, &mut *self, next));
         let places = self.places();
         let SpreadScratch { z, y, .. } = &mut self.rows;
         let pick = |row: i32| z.get(Self::slot(row)).map_or(&[][..], |z| part(z, places.clone()));
@@ -189,7 +189,8 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
     #[inline(always)]
     fn make_row(&mut self, row: u32) {
         (self.row, self.at) = (row, cell(self.line.at(row)));
-        self.make_y(self.at.index, 0);
+        let voxel_row = self.at.index;
+        V::enter((MakeY, &mut *self, voxel_row, 0));
         let (n, all) = (self.columns.len(), 0..self.window.near.width() + 2);
         let SpreadScratch {
             y: [y, ..],
@@ -235,8 +236,8 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
     #[inline(always)]
     fn make_gradients(&mut self, span: Range<usize>, [gx, gy, gz]: [&mut [i32]; 3]) {
         let (p, at) = (self.precision, self.at);
-        self.make_y(at.index - 1, 1);
-        self.make_y(at.index + 1, 2);
+        V::enter((MakeY, &mut *self, at.index - 1, 1));
+        V::enter((MakeY, &mut *self, at.index + 1, 2));
         let last = self.window.near.height() as i32 - 1;
         let [this, next] = [at.index, at.index + 1].map(|row| row.min(last).max(0) as usize);
         self.make_derivatives(this);
@@ -339,6 +340,30 @@ impl<P: Precision, V: Lanes, A: Asked> Spreads<i32> for Source<'_, '_, P, V, A> 
     #[inline(always)]
     fn towards(&self, span: Range<usize>) -> [&[i32]; 3] {
         three(self.rows.towards.each_ref(), |row| part(row, span.clone()))
+    }
+}
+
+struct MakeZ;
+
+impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeZ, &mut Source<'_, '_, P, V, A>, i32) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, source, row) = self;
+        source.make_z(row);
+    }
+}
+
+struct MakeY;
+
+impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeY, &mut Source<'_, '_, P, V, A>, i32, usize) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, source, row, number) = self;
+        source.make_y(row, number);
     }
 }
 

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use slicecast::composite::FrontToBack;
 use slicecast::format::Intensity;
 use slicecast::plan::Plan;
-use slicecast::plane::Composite;
+use slicecast::plane::{Composite, Pipeline as _};
 use slicecast::precision::Compact;
 use slicecast::shade::Unlit;
 
@@ -84,7 +84,7 @@ impl Opponent {
     /// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or the blocks that can be seen
     /// where they are few.
     pub fn fold(&self, plan: &Plan, volume: &Oriented<'_>, image: &mut [f32], tile_rows: usize, simd: Simd) {
-        let looks = Looks::of::<Composite<Compact, Expanded, Unlit, FrontToBack>>(plan);
+        let looks = Looks::of(Composite::<Compact, Expanded, Unlit, FrontToBack>::SHAPE, plan);
         let occupancy = volume.occupancy();
         let few = occupancy.share(looks, self.table.support) < self.few;
         let seen = few.then(|| occupancy.sight(looks, self.table.support));
