@@ -1,6 +1,9 @@
 //! The blocks of a tile that can be seen, as `slicecast::plane` goes through them: samples straight from the voxels, a vector
 //! at a time, in batches from many rows; those that are visible lie side by side before they are coloured and shaded.
 
+use std::marker::PhantomData;
+
+use slicecast::lanes::Kernel;
 use slicecast::seen::Seen;
 use slicecast::slice::Window;
 
@@ -104,12 +107,13 @@ impl Around<'_, '_> {
     fn z_beside<F: Floats>(&self, row: i32, column: i32) -> F {
         let last = self.meeting.height - 1;
         let edge = row.clamp(0, last);
-        let here = self.z_across::<F>(edge as usize, column);
+        let across = |row: i32| F::enter(Across(self, row as usize, column, PhantomData::<F>));
+        let here = across(edge);
         if edge == row {
             return here;
         }
         let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
-        here + here - self.z_across(inner as usize, column)
+        here + here - across(inner)
     }
 
     /// The samples at a place between voxel row `row` and the next.
@@ -199,7 +203,7 @@ impl Around<'_, '_> {
         let beside = if inside {
             self.around::<F>(row as usize, place.column)
         } else {
-            self.around_at_face(row, place.column as i32)
+            F::enter(AtFace(self, row, place.column as i32, PhantomData::<F>))
         };
         let x = beside.left - beside.right;
         let y = beside.previous - beside.next;
@@ -208,6 +212,47 @@ impl Around<'_, '_> {
             None => normal::<F, true>([x, y, z], [F::splat(1.0); 3]),
             Some([fx, fy, fz]) => normal::<F, false>([x, y, z], [F::splat(fx), F::splat(fy), F::splat(fz)]),
         }
+    }
+}
+
+/// z interpolation across the ends of a row.
+struct Across<'a, 'm, 'w, F>(&'a Around<'m, 'w>, usize, i32, PhantomData<F>);
+
+impl<F: Floats> Kernel for Across<'_, '_, '_, F> {
+    type Output = F;
+
+    #[inline(always)]
+    fn run(self) -> F {
+        self.0.z_across(self.1, self.2)
+    }
+}
+
+/// Samples beside those of a place at a face.
+struct AtFace<'a, 'm, 'w, F>(&'a Around<'m, 'w>, i32, i32, PhantomData<F>);
+
+impl<F: Floats> Kernel for AtFace<'_, '_, '_, F> {
+    type Output = Beside<F>;
+
+    #[inline(always)]
+    fn run(self) -> Beside<F> {
+        self.0.around_at_face(self.1, self.2)
+    }
+}
+
+/// A batch to be folded.
+struct FoldBatch<'a, 't, 's, 'w, F, const LIT: bool>(
+    &'a mut FoldTile<'t, 's>,
+    &'a Meeting,
+    &'a Window<'w>,
+    PhantomData<F>,
+);
+
+impl<F: Floats, const LIT: bool> Kernel for FoldBatch<'_, '_, '_, '_, F, LIT> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.fold_batch::<F, LIT>(self.1, self.2);
     }
 }
 
@@ -259,12 +304,12 @@ impl FoldTile<'_, '_> {
                         self.batch.places.push(Place { row, column, lanes });
                     }
                     if self.batch.places.len() == SAMPLES / F::COUNT {
-                        self.fold_batch::<F, LIT>(meeting, window);
+                        F::enter(FoldBatch::<F, LIT>(self, meeting, window, PhantomData));
                     }
                 }
             }
         }
-        self.fold_batch::<F, LIT>(meeting, window);
+        F::enter(FoldBatch::<F, LIT>(self, meeting, window, PhantomData));
     }
 
     /// Folds the places of a batch, and empties it.

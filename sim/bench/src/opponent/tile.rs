@@ -1,10 +1,12 @@
 //! A tile of the base plane on its way through all planes, as `slicecast::plane` does it: rows that show nothing and
 //! rows whose rays are finished are skipped, and gradients are made for visible spans only.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use slicecast::classify::Support;
 use slicecast::format::Weight;
+use slicecast::lanes::Kernel;
 use slicecast::locate::{Cell, cell, inside, plane};
 use slicecast::plan::Plan;
 use slicecast::slice::{RowRange, Slice, Window};
@@ -83,10 +85,20 @@ impl Sampler<'_> {
     /// Makes the samples between voxel rows `row` and `row + 1`; `LIT` may ask for one row beyond each face.
     #[inline(always)]
     fn make<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
-        let slot = Self::slot(row);
-        if self.sample_row[slot] == row {
-            return;
+        if self.sample_row[Self::slot(row)] != row {
+            F::enter(Make::<F, LIT> {
+                sampler: self,
+                meeting,
+                window,
+                row,
+                lanes: PhantomData,
+            });
         }
+    }
+
+    #[inline(always)]
+    fn make_anew<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
+        let slot = Self::slot(row);
         let beyond = if LIT { meeting.height } else { meeting.height - 1 };
         let next = if row < beyond { row + 1 } else { row };
         let places = meeting.places();
@@ -142,6 +154,24 @@ impl Sampler<'_> {
         let [near, far] = slopes(window, row, columns);
         let out = &mut self.slopes[row & 1][FIRST + columns.start..];
         z_slope_row::<F>(near, far, meeting.weights[2], out);
+    }
+}
+
+/// Samples of a row to be made.
+struct Make<'a, 's, 'w, F, const LIT: bool> {
+    sampler: &'a mut Sampler<'s>,
+    meeting: &'a Meeting,
+    window: &'a Window<'w>,
+    row: i32,
+    lanes: PhantomData<F>,
+}
+
+impl<F: Floats, const LIT: bool> Kernel for Make<'_, '_, '_, F, LIT> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.sampler.make_anew::<F, LIT>(self.meeting, self.window, self.row);
     }
 }
 

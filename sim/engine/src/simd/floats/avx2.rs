@@ -5,10 +5,12 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
+use slicecast::lanes::Kernel;
 use slicecast::table::Neighboured;
 
 use super::{AS_IT_IS, Floats};
 use crate::simd::avx2::{PACKED, SPREAD, look_up};
+use crate::simd::entry;
 use crate::simd::partial::{chunk, chunk_mut, rest};
 
 /// Eight floats. Of use only where the processor has AVX2, FMA and BMI1; see [`super::with_floats`].
@@ -87,6 +89,10 @@ impl Avx2 {
 impl Floats for Avx2 {
     const COUNT: usize = 8;
 
+    #[inline(always)]
+    fn enter<K: Kernel>(kernel: K) -> K::Output {
+        entry::avx2(kernel)
+    }
     #[inline(always)]
     fn splat(value: f32) -> Self {
         Self(avx2!(_mm256_set1_ps(value)))

@@ -5,10 +5,12 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
+use slicecast::lanes::Kernel;
 use slicecast::table::Neighboured;
 
 use super::{AS_IT_IS, Floats};
 use crate::simd::avx512::look_up;
+use crate::simd::entry;
 use crate::simd::partial::{chunk, chunk_mut, rest};
 
 /// Sixteen floats. Of use only where the processor has AVX-512; see [`super::with_floats`].
@@ -72,6 +74,10 @@ impl Avx512 {
 impl Floats for Avx512 {
     const COUNT: usize = 16;
 
+    #[inline(always)]
+    fn enter<K: Kernel>(kernel: K) -> K::Output {
+        entry::avx512(kernel)
+    }
     #[inline(always)]
     fn splat(value: f32) -> Self {
         Self(avx512!(_mm512_set1_ps(value)))

@@ -9,7 +9,7 @@ mod avx512;
 use std::marker::PhantomData;
 use std::ops::{Add, Mul, Sub};
 
-use slicecast::lanes::Lanes;
+use slicecast::lanes::{Kernel, Lanes};
 use slicecast::table::{Coding, Neighboured};
 
 use crate::simd::Simd;
@@ -22,6 +22,8 @@ pub trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     /// How many lanes.
     const COUNT: usize;
 
+    /// Runs a kernel compiled for these lanes: a function of its own ([`Lanes::enter`]).
+    fn enter<K: Kernel>(kernel: K) -> K::Output;
     /// The same number in all lanes.
     fn splat(value: f32) -> Self;
     /// Elements `at ..` of a row; 0 behind its end.
@@ -73,6 +75,10 @@ pub trait Floats: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
 impl Floats for f32 {
     const COUNT: usize = 1;
 
+    #[inline(always)]
+    fn enter<K: Kernel>(kernel: K) -> K::Output {
+        i32::enter(kernel)
+    }
     #[inline(always)]
     fn splat(value: f32) -> Self {
         value
@@ -161,7 +167,7 @@ impl Floats for f32 {
 pub trait OverFloats {
     /// What comes of it.
     type Output;
-    /// Does it. `#[inline(always)]`, like all that it calls (see [`crate::simd::OverLanes`]).
+    /// Does it. `#[inline(always)]`, like all that it calls but by [`Floats::enter`].
     fn run<F: Floats>(self) -> Self::Output;
 }
 
@@ -170,7 +176,7 @@ pub trait OverFloats {
 struct Run<W, F>(W, PhantomData<F>);
 
 #[cfg(target_arch = "x86_64")]
-impl<W: OverFloats, F: Floats> slicecast::lanes::Kernel for Run<W, F> {
+impl<W: OverFloats, F: Floats> Kernel for Run<W, F> {
     type Output = W::Output;
 
     #[inline(always)]
