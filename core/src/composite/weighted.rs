@@ -24,6 +24,21 @@ pub trait Weighted: Recurrence {
     fn over_factor<V: Lanes>(self, pixel: Pixel<V>, sample: [V; 4], factor: (V, u32), dither: Dither) -> Pixel<V>;
 }
 
+/// [`Weighted::over_factor`] of the pixels at a place of a row, with the floor applied.
+#[inline(always)]
+fn settle_at<R: Weighted, V: Lanes>(
+    recurrence: R,
+    row: &mut PixelRow<'_, R::Channel>,
+    at: usize,
+    (sample, factor): ([V; 4], (V, u32)),
+    dither: Dither,
+    floor: V,
+) {
+    let mut out = recurrence.over_factor(row.lanes::<V>(at), sample, factor, dither);
+    out.transparency = out.transparency.at_least_then(floor, out.transparency);
+    row.set_lanes(at, out);
+}
+
 impl Weighted for Telescoping31 {
     /// `h = (T G) >> 31; w = (s_t h) >> (n - 3); T -= w; C_k += (s_k h) >> (n - 3)`.
     #[inline(always)]
@@ -32,11 +47,11 @@ impl Weighted for Telescoping31 {
         let ([t, red, green, blue], [r, g, b]) = (sample, pixel.colour);
         Pixel {
             colour: [
-                r.wrapping_add(red.product(h).shr(n - 3).narrow()),
-                g.wrapping_add(green.product(h).shr(n - 3).narrow()),
-                b.wrapping_add(blue.product(h).shr(n - 3).narrow()),
+                r.wrapping_add(shifted(red.product(h), n - 3)),
+                g.wrapping_add(shifted(green.product(h), n - 3)),
+                b.wrapping_add(shifted(blue.product(h), n - 3)),
             ],
-            transparency: pixel.transparency.wrapping_sub(t.product(h).shr(n - 3).narrow()),
+            transparency: pixel.transparency.wrapping_sub(shifted(t.product(h), n - 3)),
         }
     }
 }
@@ -56,6 +71,18 @@ impl Weighted for Dithered {
             ],
             transparency: pixel.transparency - taken(t.product(h) + offset, n),
         }
+    }
+}
+
+/// `product >> by`, 1 to 63, below 2^32. Vectors have an instruction less for either half of the bits.
+#[inline(always)]
+fn shifted<V: Lanes>(product: V::Wide, by: u32) -> V {
+    if V::COUNT == 1 {
+        product.shr(by).narrow()
+    } else if by < 32 {
+        product.shr_narrow(by)
+    } else {
+        product.shr_upper(by)
     }
 }
 
@@ -107,35 +134,26 @@ pub(crate) fn fold_weighted_row<R: Weighted, V: Lanes>(
 fn fold_weighted_block<R: Weighted, V: Lanes>(
     recurrence: R,
     row: &mut PixelRow<'_, R::Channel>,
-    [extinction, red, green, blue]: [&[i32]; 4],
+    samples: [&[i32]; 4],
     (absorption, depths): (Absorption, &[i32]),
     (dither, floor): (Dither, V),
 ) {
-    let samples = zip(
+    let [extinction, red, green, blue] = samples;
+    let pieces = zip(
         zip(extinction.chunks_exact(V::COUNT), red.chunks_exact(V::COUNT)),
         zip(green.chunks_exact(V::COUNT), blue.chunks_exact(V::COUNT)),
     );
     let mut at = 0;
-    for (mut row, ((t, red), (green, blue))) in zip(row.vectors::<V>(), samples) {
-        fold_weighted::<R, V>(
-            recurrence,
-            &mut row,
-            [t, red, green, blue],
-            (absorption, part(depths, at..at + V::COUNT)),
-            (dither, floor),
-        );
+    for (mut row, ((t, red), (green, blue))) in zip(row.vectors::<V>(), pieces) {
+        let depths = (absorption, part(depths, at..at + V::COUNT));
+        fold_weighted::<R, V>(recurrence, &mut row, [t, red, green, blue], depths, (dither, floor));
         at += V::COUNT;
     }
     if V::COUNT > 1 && at < extinction.len() {
         let rest = at..extinction.len();
-        let samples = [extinction, red, green, blue].map(|run| part(run, rest.clone()));
-        fold_weighted::<R, V>(
-            recurrence,
-            &mut row.span(rest),
-            samples,
-            (absorption, part(depths, at..at + V::COUNT)),
-            (dither, floor),
-        );
+        let samples = samples.map(|run| part(run, rest.clone()));
+        let depths = (absorption, part(depths, at..at + V::COUNT));
+        fold_weighted::<R, V>(recurrence, &mut row.span(rest), samples, depths, (dither, floor));
     }
 }
 
@@ -159,7 +177,5 @@ fn fold_weighted<R: Weighted, V: Lanes>(
     } else {
         absorption.factor_at(depths, 0)
     };
-    let mut out = recurrence.over_factor(row.lanes::<V>(0), sample, (factor, absorption.shift), dither);
-    out.transparency = out.transparency.at_least_then(floor, out.transparency);
-    row.set_lanes(0, out);
+    settle_at(recurrence, row, 0, (sample, (factor, absorption.shift)), dither, floor);
 }
