@@ -13,12 +13,15 @@
 use core::iter::zip;
 
 use super::{Channel as _, Dither, Dithered, Pixel, PixelRow, Recurrence, Telescoping31};
-use crate::extinction::Absorption;
+use crate::extinction::{Absorption, CENTRED_PHI, PHI, Phi};
 use crate::lanes::{Lanes, Wide as _, places};
 use crate::rows::part;
 
 /// A pixel that takes samples of colour and extinction.
 pub trait Weighted: Recurrence {
+    /// The values of phi that factors are made by.
+    const PHI: &'static Phi;
+
     /// Pixels with one more sample behind them: extinction, and red, green and blue times extinction, with their factor and its
     /// n. This function is the definition; it leaves out the floor.
     fn over_factor<V: Lanes>(self, pixel: Pixel<V>, sample: [V; 4], factor: (V, u32), dither: Dither) -> Pixel<V>;
@@ -40,6 +43,9 @@ fn settle_at<R: Weighted, V: Lanes>(
 }
 
 impl Weighted for Telescoping31 {
+    /// Of errors of 31 bits those of phi would be the largest, if they added up.
+    const PHI: &'static Phi = &CENTRED_PHI;
+
     /// `h = (T G) >> 31; w = (s_t h) >> (n - 3); T -= w; C_k += (s_k h) >> (n - 3)`.
     #[inline(always)]
     fn over_factor<V: Lanes>(self, pixel: Pixel<V>, sample: [V; 4], (factor, n): (V, u32), _: Dither) -> Pixel<V> {
@@ -57,6 +63,8 @@ impl Weighted for Telescoping31 {
 }
 
 impl Weighted for Dithered {
+    const PHI: &'static Phi = &PHI;
+
     /// `h = (T G) >> 15; o = (2 dT + 1) << (n - 3); w = (s_t h + o) >> (n + 13); T -= w; C_k += (s_k h + o) >> (n + 13)`.
     #[inline(always)]
     fn over_factor<V: Lanes>(self, pixel: Pixel<V>, sample: [V; 4], (factor, n): (V, u32), dither: Dither) -> Pixel<V> {
@@ -173,9 +181,9 @@ fn fold_weighted<R: Weighted, V: Lanes>(
     }
     let sample = [t, V::load(red, 0), V::load(green, 0), V::load(blue, 0)];
     let factor = if V::COUNT == 1 {
-        absorption.factor(t)
+        absorption.factor(R::PHI, t)
     } else {
-        absorption.factor_at(depths, 0)
+        absorption.factor_at(R::PHI, depths, 0)
     };
     settle_at(recurrence, row, 0, (sample, (factor, absorption.shift)), dither, floor);
 }
