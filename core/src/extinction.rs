@@ -18,7 +18,7 @@ mod slopes;
 
 use core::iter::zip;
 
-pub use self::factor::{Absorption, DEPTH_MAX, Medium, MediumError, PHI, phi};
+pub use self::factor::{Absorption, CENTRED_PHI, DEPTH_MAX, Medium, MediumError, PHI, Phi, phi};
 pub use self::slopes::Eighths;
 use crate::rows::take;
 use crate::slice::{Region, RowRange, Slice, SliceError, Voxel};

@@ -10,7 +10,7 @@ use proptest::test_runner::RngSeed;
 use slicecast::borders::{Borders, Side, WHOLE};
 use slicecast::clip::{Clips, Cue};
 use slicecast::composite::{Channel, Dither, Weighted};
-use slicecast::extinction::{Given, Medium, PHI, Rgba15, decode};
+use slicecast::extinction::{CENTRED_PHI, Given, Medium, PHI, Rgba15, decode};
 use slicecast::format::{Direction, Intensity, Weight};
 use slicecast::interpolate::trilinear;
 use slicecast::lanes::{Lanes, Small};
@@ -168,7 +168,8 @@ fn defined<P: Precision>(p: P, view: &Frame, volume: &Volume) -> Vec<[u32; 4]> {
             let x = (i128::from(tau) * m) >> n;
             assert!(x <= 15 << 28);
             let (i, f) = ((x >> 22) as usize, x & 0x3f_ffff);
-            let (here, next) = (i128::from(PHI[i]), i128::from(PHI[i + 1]));
+            let values = if wide { &CENTRED_PHI } else { &PHI };
+            let (here, next) = (i128::from(values[i]), i128::from(values[i + 1]));
             let phi = here - (((here - next) * f + (1 << 21)) >> 22);
             let g = (m * phi) >> 31;
             let dither = i128::from(Dither::of_plane(index).transparency);

@@ -18,7 +18,7 @@ use slicecast_host_tests::random::Filling;
 use slicecast_pyramid::filter::Filter;
 use slicecast_pyramid::pyramid::{By, next};
 use slicecast_pyramid::volume::{RgbaVolume, Voxels};
-use slicecast_scene::{PrecisionName, Scene, file};
+use slicecast_scene::{PrecisionName, Sampling, Scene, file};
 use slicecast_volume::values::Orientation;
 
 /// The precisions that have such pixels.
@@ -188,7 +188,7 @@ fn a_cube_is_as_thick_as_it_is() {
             let found = blocked(&cube, planes, borders, [3, 3], PrecisionName::Wide);
             let left = 0.9f64.powi(voxels);
             // The error of phi, over the whole depth.
-            let within = 1.02e-5 * -left.ln() * left + 1e-8;
+            let within = 7.1e-6 * -left.ln() * left + 1e-8;
             assert!((found + left - 1.0).abs() < within, "{borders:?} {planes}: {found}");
         }
     }
@@ -202,6 +202,19 @@ fn figures(volume: &RgbaVolume, precision: PrecisionName, scene: &str) -> ImageF
     };
     let prepared = Coloured::new(&scene, volume).unwrap();
     let comparison = compare_colours(&prepared, ModelPositions::Pipeline, &|_, _| ()).unwrap();
+    // For the page that states them; shown with `--nocapture`.
+    let Sampling {
+        planes_per_voxel: planes,
+        ..
+    } = scene.sampling;
+    let (lit, spline) = (scene.lighting.is_some(), scene.interpolation);
+    println!(
+        "{}: tau_max {}, {planes} planes, {:?}, lit {lit}, {spline:?}: {:?}",
+        precision.name(),
+        volume.tau_max,
+        scene.borders,
+        comparison.image
+    );
     comparison.image
 }
 
@@ -280,7 +293,8 @@ fn soft_volumes_are_as_near_by_splines() {
     soft_frames_are_near(&frames, "interpolation = \"quadratic\"\n");
 }
 
-/// Soft volumes of four colours under oblique views: the bars, at every step and scale of extinction.
+/// Soft volumes of four colours under oblique views: the bars, at every step and scale of extinction. What `Wide` keeps below 0.0004
+/// steps would be 0.0008 with values of phi that lie above it.
 #[test]
 fn soft_volumes_are_as_near_as_stated() {
     for tau_max in [0.25, 1.0, 4.0, 8.0] {
@@ -290,9 +304,10 @@ fn soft_volumes_are_as_near_as_stated() {
                 let scene = format!(
                     "[view]\nazimuth = 33.0\nelevation = 17.0\n[sampling]\nplanes_per_voxel = {planes}\nborders = \"{borders}\"\n[colours]\n"
                 );
-                for (precision, equal, largest) in
-                    [(PrecisionName::Compact, 98.0, 0.12), (PrecisionName::Wide, 99.9, 0.012)]
-                {
+                for (precision, equal, largest) in [
+                    (PrecisionName::Compact, 98.0, 0.12),
+                    (PrecisionName::Wide, 99.9, 0.0004),
+                ] {
                     let found = figures(&soft, precision, &scene);
                     assert!(found.values > 3000);
                     assert!(

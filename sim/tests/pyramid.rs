@@ -148,6 +148,7 @@ fn odd_axes_and_missing_levels_are_told() {
 fn rules_for_opacity_are_applied_and_told() {
     let place = files();
     place.succeeds("pyramid rgb.nrrd --opacity luminance --alpha-distance 1 -o a");
+    place.succeeds("pyramid rgb.nrrd --opacity 0.1:0,0.5:0.8,1:1 --alpha-distance 1 -o c");
     let [_, err] = place.succeeds("pyramid rgb.nrrd --opacity 1 --alpha-distance 0.5 -o b");
     assert!(
         err.contains("note: 32 of 32 voxels block more than tau_max = 30.000000 can"),

@@ -13,18 +13,39 @@
 use core::iter::zip;
 
 use super::{Channel as _, Dither, Dithered, Pixel, PixelRow, Recurrence, Telescoping31};
-use crate::extinction::Absorption;
+use crate::extinction::{Absorption, CENTRED_PHI, PHI, Phi};
 use crate::lanes::{Lanes, Wide as _, places};
 use crate::rows::part;
 
 /// A pixel that takes samples of colour and extinction.
 pub trait Weighted: Recurrence {
+    /// The values of phi that factors are made by.
+    const PHI: &'static Phi;
+
     /// Pixels with one more sample behind them: extinction, and red, green and blue times extinction, with their factor and its
     /// n. This function is the definition; it leaves out the floor.
     fn over_factor<V: Lanes>(self, pixel: Pixel<V>, sample: [V; 4], factor: (V, u32), dither: Dither) -> Pixel<V>;
 }
 
+/// [`Weighted::over_factor`] of the pixels at a place of a row, with the floor applied.
+#[inline(always)]
+fn settle_at<R: Weighted, V: Lanes>(
+    recurrence: R,
+    row: &mut PixelRow<'_, R::Channel>,
+    at: usize,
+    (sample, factor): ([V; 4], (V, u32)),
+    dither: Dither,
+    floor: V,
+) {
+    let mut out = recurrence.over_factor(row.lanes::<V>(at), sample, factor, dither);
+    out.transparency = out.transparency.at_least_then(floor, out.transparency);
+    row.set_lanes(at, out);
+}
+
 impl Weighted for Telescoping31 {
+    /// Of errors of 31 bits those of phi would be the largest, if they added up.
+    const PHI: &'static Phi = &CENTRED_PHI;
+
     /// `h = (T G) >> 31; w = (s_t h) >> (n - 3); T -= w; C_k += (s_k h) >> (n - 3)`.
     #[inline(always)]
     fn over_factor<V: Lanes>(self, pixel: Pixel<V>, sample: [V; 4], (factor, n): (V, u32), _: Dither) -> Pixel<V> {
@@ -32,16 +53,18 @@ impl Weighted for Telescoping31 {
         let ([t, red, green, blue], [r, g, b]) = (sample, pixel.colour);
         Pixel {
             colour: [
-                r.wrapping_add(red.product(h).shr(n - 3).narrow()),
-                g.wrapping_add(green.product(h).shr(n - 3).narrow()),
-                b.wrapping_add(blue.product(h).shr(n - 3).narrow()),
+                r.wrapping_add(shifted(red.product(h), n - 3)),
+                g.wrapping_add(shifted(green.product(h), n - 3)),
+                b.wrapping_add(shifted(blue.product(h), n - 3)),
             ],
-            transparency: pixel.transparency.wrapping_sub(t.product(h).shr(n - 3).narrow()),
+            transparency: pixel.transparency.wrapping_sub(shifted(t.product(h), n - 3)),
         }
     }
 }
 
 impl Weighted for Dithered {
+    const PHI: &'static Phi = &PHI;
+
     /// `h = (T G) >> 15; o = (2 dT + 1) << (n - 3); w = (s_t h + o) >> (n + 13); T -= w; C_k += (s_k h + o) >> (n + 13)`.
     #[inline(always)]
     fn over_factor<V: Lanes>(self, pixel: Pixel<V>, sample: [V; 4], (factor, n): (V, u32), dither: Dither) -> Pixel<V> {
@@ -56,6 +79,18 @@ impl Weighted for Dithered {
             ],
             transparency: pixel.transparency - taken(t.product(h) + offset, n),
         }
+    }
+}
+
+/// `product >> by`, 1 to 63, below 2^32. Vectors have an instruction less for either half of the bits.
+#[inline(always)]
+fn shifted<V: Lanes>(product: V::Wide, by: u32) -> V {
+    if V::COUNT == 1 {
+        product.shr(by).narrow()
+    } else if by < 32 {
+        product.shr_narrow(by)
+    } else {
+        product.shr_upper(by)
     }
 }
 
@@ -107,35 +142,26 @@ pub(crate) fn fold_weighted_row<R: Weighted, V: Lanes>(
 fn fold_weighted_block<R: Weighted, V: Lanes>(
     recurrence: R,
     row: &mut PixelRow<'_, R::Channel>,
-    [extinction, red, green, blue]: [&[i32]; 4],
+    samples: [&[i32]; 4],
     (absorption, depths): (Absorption, &[i32]),
     (dither, floor): (Dither, V),
 ) {
-    let samples = zip(
+    let [extinction, red, green, blue] = samples;
+    let pieces = zip(
         zip(extinction.chunks_exact(V::COUNT), red.chunks_exact(V::COUNT)),
         zip(green.chunks_exact(V::COUNT), blue.chunks_exact(V::COUNT)),
     );
     let mut at = 0;
-    for (mut row, ((t, red), (green, blue))) in zip(row.vectors::<V>(), samples) {
-        fold_weighted::<R, V>(
-            recurrence,
-            &mut row,
-            [t, red, green, blue],
-            (absorption, part(depths, at..at + V::COUNT)),
-            (dither, floor),
-        );
+    for (mut row, ((t, red), (green, blue))) in zip(row.vectors::<V>(), pieces) {
+        let depths = (absorption, part(depths, at..at + V::COUNT));
+        fold_weighted::<R, V>(recurrence, &mut row, [t, red, green, blue], depths, (dither, floor));
         at += V::COUNT;
     }
     if V::COUNT > 1 && at < extinction.len() {
         let rest = at..extinction.len();
-        let samples = [extinction, red, green, blue].map(|run| part(run, rest.clone()));
-        fold_weighted::<R, V>(
-            recurrence,
-            &mut row.span(rest),
-            samples,
-            (absorption, part(depths, at..at + V::COUNT)),
-            (dither, floor),
-        );
+        let samples = samples.map(|run| part(run, rest.clone()));
+        let depths = (absorption, part(depths, at..at + V::COUNT));
+        fold_weighted::<R, V>(recurrence, &mut row.span(rest), samples, depths, (dither, floor));
     }
 }
 
@@ -155,11 +181,9 @@ fn fold_weighted<R: Weighted, V: Lanes>(
     }
     let sample = [t, V::load(red, 0), V::load(green, 0), V::load(blue, 0)];
     let factor = if V::COUNT == 1 {
-        absorption.factor(t)
+        absorption.factor(R::PHI, t)
     } else {
-        absorption.factor_at(depths, 0)
+        absorption.factor_at(R::PHI, depths, 0)
     };
-    let mut out = recurrence.over_factor(row.lanes::<V>(0), sample, (factor, absorption.shift), dither);
-    out.transparency = out.transparency.at_least_then(floor, out.transparency);
-    row.set_lanes(0, out);
+    settle_at(recurrence, row, 0, (sample, (factor, absorption.shift)), dither, floor);
 }

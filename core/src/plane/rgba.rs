@@ -181,11 +181,11 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
         if matches!(rest, Rest::Nothing) {
             return Ok(());
         }
-        let windows: [Window<'_>; 4] = [0, 1, 2, 3].map(|run| at.window.run(run));
+        // One by one, here and below: an array's `map` copies what it makes, and these are large.
+        let windows = [at.window.run(0), at.window.run(1), at.window.run(2), at.window.run(3)];
         // Four runs of the same shape have the same parts.
-        let mut parts = windows
-            .each_ref()
-            .map(|_| Parts::of(at.plan, &at.plane, Columns::Alone));
+        let of_run = || Parts::of(at.plan, &at.plane, Columns::Alone);
+        let mut parts = [of_run(), of_run(), of_run(), of_run()];
         loop {
             let [t, r, g, b] = &mut parts;
             let [wt, wr, wg, wb] = &windows;
@@ -207,7 +207,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
                 Some(tap) => Some(*tap),
                 None => None,
             };
-            self.fold_extent::<V>((at, &rest), runs, &mut rows, memory, tap);
+            self.fold_extent::<V>((at, &rest), &runs, &mut rows, memory, tap);
         }
     }
 
@@ -215,13 +215,13 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
     fn fold_extent<V: Lanes>(
         &self,
         (at, rest): (&At<'_, Rgba15>, &Rest<'_>),
-        runs: [Samples<'_>; 4],
+        runs: &[Samples<'_>; 4],
         rows: &mut Rows<'_, ChannelOf<P>>,
         memory: ColourScratch<'_, i32>,
         mut tap: Option<&mut dyn Tap>,
     ) {
         let (plan, plane, precision) = (at.plan, &at.plane, self.precision);
-        let [depths, ..] = &runs;
+        let [depths, red, green, blue] = runs;
         let extent = &depths.extent;
         let reading = at.reading.filter(|_| depths.whole_rows);
         let base_width = plan.base()[0] as usize;
@@ -241,11 +241,15 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
             plane.index,
             (precision.pixel(), self.floor),
         );
-        let [wt, wr, wg, wb] = runs.each_ref().map(|run| &run.window);
+        let [wt, wr, wg, wb] = [&depths.window, &red.window, &green.window, &blue.window];
         let [t, r, g, b] = memory.runs;
         let mut sources = Sources::<P, V, F> {
-            channels: [(wt, t), (wr, r), (wg, g), (wb, b)]
-                .map(|(window, memory)| Run::new(precision, extent, window, plan, memory)),
+            channels: [
+                Run::new(precision, extent, wt, plan, t),
+                Run::new(precision, extent, wr, plan, r),
+                Run::new(precision, extent, wg, plan, g),
+                Run::new(precision, extent, wb, plan, b),
+            ],
             slopes: Sheared::new(
                 Eighths(precision),
                 extent,

@@ -342,7 +342,7 @@ impl<'s, W> ColourScratch<'s, W> {
         let mut rest = Rest::of(memory, kind, width, aligned)?;
         let lit = matches!(kind, Rows::LitColours | Rows::LitSmoothColours);
         let smooth = matches!(kind, Rows::SmoothColours | Rows::LitSmoothColours);
-        let runs = [(); 4].map(|()| {
+        let mut run = || {
             if smooth {
                 RunRows::Smooth(SmoothRows {
                     z: [rest.row(), rest.row(), rest.row()],
@@ -357,7 +357,8 @@ impl<'s, W> ColourScratch<'s, W> {
                     derivatives: [&mut [], &mut []],
                 })
             }
-        });
+        };
+        let runs = [run(), run(), run(), run()];
         let mut row = || -> &'s mut [W] { if lit { rest.row() } else { &mut [] } };
         Ok(Self {
             runs,

@@ -28,8 +28,49 @@ const TAUS: RangeInclusive<f64> = 1e-60..=1e12;
 pub enum OpacityRule {
     /// The luminance of the colour: 0.2126 R + 0.7152 G + 0.0722 B of the values as they are stored.
     Luminance,
+    /// The luminance through a transfer function.
+    Curve(Curve),
     /// The same everywhere, 0 to 1.
     Constant(f64),
+}
+
+/// Opacities by luminance: points with straight lines between them, and beyond the outermost their own opacities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curve {
+    points: [[f64; 2]; Self::MOST],
+    count: usize,
+}
+
+impl Curve {
+    /// Points at most.
+    pub const MOST: usize = 8;
+
+    /// Of points of luminance and opacity, both 0 to 1, luminances rising; `None` of others, of fewer than two or of more than
+    /// [`Curve::MOST`].
+    pub fn new(given: &[[f64; 2]]) -> Option<Self> {
+        let inside = given.iter().flatten().all(|value| (0.0..=1.0).contains(value));
+        let rising = given.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+        let mut points = [[0.0; 2]; Self::MOST];
+        if given.len() < 2 || !inside || !rising {
+            return None;
+        }
+        points.get_mut(..given.len())?.copy_from_slice(given);
+        let count = given.len();
+        Some(Self { points, count })
+    }
+
+    /// The opacity of a luminance.
+    pub fn at(&self, luminance: f64) -> f64 {
+        let points = &self.points[..self.count];
+        match points.iter().position(|[place, _]| *place > luminance) {
+            Some(0) => points[0][1],
+            None => points[self.count - 1][1],
+            Some(behind) => {
+                let ([from, low], [to, high]) = (points[behind - 1], points[behind]);
+                low + (high - low) * (luminance - from) / (to - from)
+            }
+        }
+    }
 }
 
 /// What the user states about a file of colours.
@@ -305,12 +346,18 @@ fn fractions<T: Copy + Into<f64>>(
         let [red, green, blue, alpha] = fractions;
         let opacity = match rule {
             None => alpha,
-            Some(OpacityRule::Luminance) => 0.2126 * red + 0.7152 * green + 0.0722 * blue,
+            Some(OpacityRule::Luminance) => luminance(red, green, blue),
+            Some(OpacityRule::Curve(curve)) => curve.at(luminance(red, green, blue)),
             Some(OpacityRule::Constant(opacity)) => opacity,
         };
         Ok(([red, green, blue].map(|c| (255.0 * c).round() as u8), opacity as f32))
     };
     values.chunks_exact(components).enumerate().map(voxel).collect()
+}
+
+/// The luminance of a colour as it is stored.
+fn luminance(red: f64, green: f64, blue: f64) -> f64 {
+    0.2126 * red + 0.7152 * green + 0.0722 * blue
 }
 
 /// The voxel of an index.

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use slicecast_pyramid::filter::Filter;
 use slicecast_pyramid::pyramid::{By, next};
-use slicecast_pyramid::read::{OpacityRule, Read, Stated, of_colours, of_scalars};
+use slicecast_pyramid::read::{Curve, OpacityRule, Read, Stated, of_colours, of_scalars};
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::check::LENGTHS;
 use slicecast_scene::{Classification, ColourOpacity, Scene};
@@ -24,7 +24,8 @@ pub struct ColourArgs {
     /// up to 15 over the distance of the opacities.
     #[arg(long, value_name = "TAU", value_parser = number_in(LENGTHS))]
     tau_max: Option<f64>,
-    /// Opacity of colours without one: luminance, or a number from 0 to 1 for all voxels.
+    /// Opacity of colours without one: luminance, a number from 0 to 1 for all voxels, or points LUMINANCE:OPACITY of a transfer function
+    /// with commas between them, as 0.1:0,0.5:0.8,1:1.
     #[arg(long, value_name = "RULE", value_parser = opacity)]
     opacity: Option<OpacityRule>,
     #[command(flatten)]
@@ -64,14 +65,30 @@ impl From<FilterArg> for Filter {
     }
 }
 
-/// `luminance`, or a number.
+/// `luminance`, a number, or points of luminance and opacity.
 fn opacity(text: &str) -> Result<OpacityRule, String> {
     if text == "luminance" {
         return Ok(OpacityRule::Luminance);
     }
     let number = text.parse().ok().filter(|number| (0.0..=1.0).contains(number));
-    let number = number.ok_or("expected `luminance`, or a number from 0 to 1")?;
-    Ok(OpacityRule::Constant(number))
+    let rule = number
+        .map(OpacityRule::Constant)
+        .or_else(|| curve(text).map(OpacityRule::Curve));
+    rule.ok_or_else(|| {
+        let most = Curve::MOST;
+        let points = format!("or 2 to {most} points LUMINANCE:OPACITY, both from 0 to 1, luminances rising");
+        format!("expected `luminance`, or a number from 0 to 1, {points}")
+    })
+}
+
+/// Points of luminance and opacity.
+fn curve(text: &str) -> Option<Curve> {
+    let point = |text: &str| {
+        let (luminance, opacity) = text.split_once(':')?;
+        Some([luminance.parse().ok()?, opacity.parse().ok()?])
+    };
+    let points: Option<Vec<[f64; 2]>> = text.split(',').map(point).collect();
+    Curve::new(&points?)
 }
 
 impl ColourArgs {

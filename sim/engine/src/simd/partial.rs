@@ -25,12 +25,17 @@ pub unsafe fn neighbours<const N: usize>(values: &[u32; N], samples: *const i32,
     // SAFETY: there are two samples, in the order of x86-64.
     let pair = unsafe { samples.cast::<u64>().read_unaligned() };
     let pair = pair.wrapping_add(coding.offset as u64 * ((1 << 32) + 1));
-    // SAFETY: the processor has BMI1.
-    let (first, second) = unsafe {
-        (
-            _bextr2_u32(pair as u32, (code_bits << 8) + coding.bits),
-            _bextr2_u64(pair, u64::from((code_bits << 8) + 32 + coding.bits)),
-        )
+    // Depths of phi have nothing above the code. Of other tables the compiler leaves the question out.
+    let (first, second) = if code_bits == 10 && coding.bits == 22 {
+        (pair as u32 >> coding.bits, pair >> (32 + coding.bits))
+    } else {
+        // SAFETY: the processor has BMI1.
+        unsafe {
+            (
+                _bextr2_u32(pair as u32, (code_bits << 8) + coding.bits),
+                _bextr2_u64(pair, u64::from((code_bits << 8) + 32 + coding.bits)),
+            )
+        }
     };
     let first = values.as_ptr().wrapping_add(first as usize);
     let second = values.as_ptr().wrapping_add(second as usize);

@@ -120,6 +120,35 @@ fn colours_without_opacity_need_a_rule() {
     let constant = of_colours(&colours, &stated(OpacityRule::Constant(0.25))).unwrap();
     assert!(entries(&constant).iter().all(|entry| entry[3] == 255));
     assert!((constant.volume.tau_max + 0.75_f64.ln()).abs() < 1e-9);
+    // White lies behind the last point, black before the first, red half-way between: 0.5, 0 and 0.25.
+    let curve = Curve::new(&[[0.1126, 0.0], [0.3126, 0.5]]).unwrap();
+    let found = of_colours(&colours, &stated(OpacityRule::Curve(curve))).unwrap();
+    let root = (255.0 * (0.75_f64.ln() / 0.5_f64.ln()).sqrt()).round() as u8;
+    assert!((found.volume.tau_max + 0.5_f64.ln()).abs() < 1e-6);
+    assert_eq!(entries(&found), [[255, 255, 255, 255], [0; 4], [255, 0, 0, root]]);
+}
+
+/// Points that are no transfer function.
+#[test]
+fn curves_are_checked() {
+    for points in [
+        &[[0.5, 1.0]][..],
+        &[[0.0, 0.0], [0.0, 1.0]],
+        &[[0.5, 0.0], [0.2, 1.0]],
+        &[[0.0, 0.0], [1.1, 1.0]],
+        &[[0.0, -0.1], [1.0, 1.0]],
+        &[[0.0, f64::NAN], [1.0, 1.0]],
+        &[[0.0; 2]; 9],
+    ] {
+        assert_eq!(Curve::new(points), None, "{points:?}");
+    }
+    let nine: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i) / 8.0, 0.5]).collect();
+    assert_eq!(Curve::new(&nine), None);
+    let eight = Curve::new(&nine[..8]).unwrap();
+    assert_eq!([0.0, 0.3, 1.0].map(|luminance| eight.at(luminance)), [0.5; 3]);
+    let steps = Curve::new(&[[0.0, 0.0], [0.5, 0.2], [1.0, 1.0]]).unwrap();
+    let found = [0.0, 0.25, 0.5, 0.75, 1.0].map(|luminance| (10.0 * steps.at(luminance)).round());
+    assert_eq!(found, [0.0, 1.0, 2.0, 6.0, 10.0]);
 }
 
 #[test]
