@@ -2,6 +2,7 @@
 
 mod kernels;
 mod pixels;
+mod project;
 mod source;
 
 use core::marker::PhantomData;
@@ -29,6 +30,7 @@ use crate::slice::Code12;
 use crate::tap::Tap;
 
 pub use self::kernels::FastShader;
+pub use self::project::FastProject;
 
 /// Alpha compositing of classified, perhaps shaded samples in 16-bit lanes, rows as a whole: it looks at no clip planes and no blocks.
 #[derive(Clone, Debug)]
