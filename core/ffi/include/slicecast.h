@@ -489,7 +489,8 @@ int32_t slicecast_push(struct SlicecastStream *stream,
 // Gives the image (or the band of it) as it stands: `image` receives where it lies inside the block, `bytes` its length.
 //
 // Phase after phase, row after row; a row is red, green, blue and transparency, `needs.columns` elements each, of
-// `needs.element_bytes` bytes: 2 (`paper`: 32768 is 1; `compact` and `fast`: 65535 is 1) or 4 (`wide`: 2147483648 is 1). Colours are weighted by opacity.
+// `needs.element_bytes` bytes: 2 (`paper`: 32768 is 1; `compact` and `fast`: 65535 is 1) or 4 (`wide`: 2147483648 is 1).
+// Colours are weighted by opacity.
 // Returns SLICECAST_OK or an error code.
 //
 // # Safety
@@ -558,7 +559,8 @@ const struct SlicecastPipeline *slicecast_fast_unlit(void);
 // The pipeline of the `fast` precision (16-bit lanes), lit: 8 bytes per pixel.
 const struct SlicecastPipeline *slicecast_fast_lit(void);
 
-// Makes the table of the pipelines named `slicecast_fast_` of a scene's: of its `entries` and `low_roots`, and of its `low_colours` where they are
+// Makes the table of the pipelines named `slicecast_fast_` of a scene's: of its `entries` and `low_roots`, and of its
+// `low_colours` where they are
 // not null.
 //
 // `roots`: memory for 4096 words, 16 KiB. `colours`: memory for 4 * 4097 numbers, 32 KiB; it may be null if all values have one colour.

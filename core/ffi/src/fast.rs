@@ -93,7 +93,8 @@ pub extern "C" fn slicecast_fast_lit() -> *const SlicecastPipeline {
     const { &<Fast<&'static Roots, &'static Colours, FastPhong, FrontToBack> as Instance>::DESCRIPTION }
 }
 
-/// Makes the table of the pipelines named `slicecast_fast_` of a scene's: of its `entries` and `low_roots`, and of its `low_colours` where they are
+/// Makes the table of the pipelines named `slicecast_fast_` of a scene's: of its `entries` and `low_roots`, and of its
+/// `low_colours` where they are
 /// not null.
 ///
 /// `roots`: memory for 4096 words, 16 KiB. `colours`: memory for 4 * 4097 numbers, 32 KiB; it may be null if all values have one colour.

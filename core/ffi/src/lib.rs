@@ -227,7 +227,8 @@ pub unsafe extern "C" fn slicecast_push(
 /// Gives the image (or the band of it) as it stands: `image` receives where it lies inside the block, `bytes` its length.
 ///
 /// Phase after phase, row after row; a row is red, green, blue and transparency, `needs.columns` elements each, of
-/// `needs.element_bytes` bytes: 2 (`paper`: 32768 is 1; `compact` and `fast`: 65535 is 1) or 4 (`wide`: 2147483648 is 1). Colours are weighted by opacity.
+/// `needs.element_bytes` bytes: 2 (`paper`: 32768 is 1; `compact` and `fast`: 65535 is 1) or 4 (`wide`: 2147483648 is 1).
+/// Colours are weighted by opacity.
 /// Returns SLICECAST_OK or an error code.
 ///
 /// # Safety
