@@ -17,10 +17,12 @@
 
 pub mod fold;
 pub mod light;
+pub mod project;
 pub mod sample;
 pub mod table;
 #[cfg(test)]
 mod tests;
 
 pub use self::light::{FastPhong, Light};
+pub use self::project::FastProjection;
 pub use self::table::{Colours, RootTable, Roots};

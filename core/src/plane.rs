@@ -18,7 +18,7 @@
 //! | `spread` | rays that spread from an eye: their samples, gradients and steps |
 //! | `smooth` | samples and gradients by splines |
 //! | `splines` | compositing of such samples, of values |
-//! | `fast`, `fast/` | the same in 16-bit lanes: samples and gradients, kernels, pixels |
+//! | `fast`, `fast/` | the same in 16-bit lanes: samples and gradients, kernels, pixels, projection |
 //! | `sheets` | compositing of samples that voxels were splatted to |
 //! | `kernels` | row kernels of a classifier and a shader |
 //! | `canvas` | pixels |
@@ -53,7 +53,7 @@ use core::fmt::Debug;
 
 pub use self::composite::Composite;
 pub use self::depth::{Depth, NO_DEPTH};
-pub use self::fast::Fast;
+pub use self::fast::{Fast, FastProject};
 pub use self::kept::Kept;
 pub use self::project::Project;
 pub use self::rgba::{Filter, Rgba, Trilinear, Triquadratic};

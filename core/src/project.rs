@@ -135,6 +135,41 @@ impl Sum {
     }
 }
 
+impl Sum {
+    /// [`Sum::add`] along a row of samples of at most 15 bits, whose products have 31.
+    #[inline(always)]
+    pub(crate) fn fold_short_row<V: Lanes>([high, low, length]: [&mut [i32]; 3], samples: &[u16], share: u32) {
+        let len = samples.len();
+        let (Some(high), Some(low), Some(length)) = (high.get_mut(..len), low.get_mut(..len), length.get_mut(..len))
+        else {
+            return;
+        };
+        let (lowest, whole) = (V::splat(LOWEST), share >= WHOLE);
+        for at in places::<V>(len) {
+            let sample = V::load_voxels(samples, at);
+            let [above, below] = if whole {
+                [sample.shr_unsigned(LOW - 16), (sample << 16) & lowest]
+            } else {
+                let product = sample * V::splat(share as i32);
+                [product.shr_unsigned(LOW), product & lowest]
+            };
+            add_words([high, low, length], at, [above, below], share);
+        }
+    }
+}
+
+/// Adds the words of a sample's product, and its share, to those of rays. Both lower words are below 2^27, their sum below 2^28.
+#[inline(always)]
+fn add_words<V: Lanes>([high, low, length]: [&mut [i32]; 3], at: usize, [above, below]: [V; 2], share: u32) {
+    let sum = V::load(low, at) + below;
+    let carried = above + sum.shr_unsigned(LOW);
+    (sum & V::splat(LOWEST)).store(low, at);
+    V::load(high, at).wrapping_add(carried).store(high, at);
+    V::load(length, at)
+        .wrapping_add(V::splat(share as i32))
+        .store(length, at);
+}
+
 impl Projection for Sum {
     const WORDS: usize = 3;
     const EMPTY: i32 = 0;
@@ -157,14 +192,7 @@ impl Projection for Sum {
                 let product = sample.product(V::splat(share as i32));
                 [product.shr_narrow(LOW), product.narrow() & lowest]
             };
-            // Below 2^28: both are below 2^27.
-            let sum = V::load(low, at) + below;
-            let carried = above + sum.shr_unsigned(LOW);
-            (sum & lowest).store(low, at);
-            V::load(high, at).wrapping_add(carried).store(high, at);
-            V::load(length, at)
-                .wrapping_add(V::splat(share as i32))
-                .store(length, at);
+            add_words([high, low, length], at, [above, below], share);
         }
     }
 

@@ -65,7 +65,7 @@ pub const SPLINES: [Allowance; 6] = [
 ];
 
 /// The table.
-pub const TABLE: [Allowance; 27] = [
+pub const TABLE: [Allowance; 35] = [
     Allowance {
         stage: Stage::Location,
         precision: PrecisionName::Paper,
@@ -227,6 +227,56 @@ pub const TABLE: [Allowance; 27] = [
         precision: PrecisionName::Wide,
         ulp: 2.0,
         reason: "truncated once given the light taken; where the floor hides it, truncated twice: proved",
+    },
+    Allowance {
+        stage: Stage::Location,
+        precision: PrecisionName::Fast,
+        ulp: 0.502,
+        reason: "one rounding: a half; the step's own 32 bits add 2^-17 a plane, and there are up to 186 planes",
+    },
+    Allowance {
+        stage: Stage::Interpolation,
+        precision: PrecisionName::Fast,
+        ulp: 1.8,
+        reason: "a half of 12.3 for each of three steps; weights of 15 bits lack up to 2^-16 of differences of up to 32760, a half each: at most 3; \
+                 measured in noise",
+    },
+    Allowance {
+        stage: Stage::Opacity,
+        precision: PrecisionName::Fast,
+        ulp: 92.5,
+        reason: "the root is straight between two codes: (q1 - q0)^2 / 4, at the foot of the head's skull, where 0.003 a code over a step of 1.876: 92.2",
+    },
+    Allowance {
+        stage: Stage::Colour,
+        precision: PrecisionName::Fast,
+        ulp: 0.0059,
+        reason: "half a code of 16 bits and below one for the look-up, of 65535: 1.5 of them are 0.00586 units of 2^-8: proved",
+    },
+    Allowance {
+        stage: Stage::Gradient,
+        precision: PrecisionName::Fast,
+        ulp: 4.8,
+        reason: "at a face twice what the halves are off, (6 + 4) / 2 of two differences and 1 that they lose, and 1 for a spacing factor: at most 13; \
+                 measured",
+    },
+    Allowance {
+        stage: Stage::Shading,
+        precision: PrecisionName::Fast,
+        ulp: 98.0,
+        reason: "8 + 19 ks 2^n of 65535, of a highlight of 0.4 whose exponent is 256: at most 1954; measured",
+    },
+    Allowance {
+        stage: Stage::Transparency,
+        precision: PrecisionName::Fast,
+        ulp: 1.5,
+        reason: "dither: below 1, and half a unit of the product with the root: proved",
+    },
+    Allowance {
+        stage: Stage::Compositing,
+        precision: PrecisionName::Fast,
+        ulp: 1.75,
+        reason: "dither: below 1; 65536 for 65535, w / 65536 of the light taken, at most 0.73 of a step: proved",
     },
 ];
 

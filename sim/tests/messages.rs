@@ -115,7 +115,10 @@ fn what_sixteen_bit_lanes_do_not_know_is_refused() {
             "render --interpolation quadratic -o a.png",
             "`sampling.interpolation` is given",
         ),
-        ("render --blend maximum -o a.png", "`render.blend` is given"),
+        (
+            "render --blend maximum --lookup nearest -o a.png",
+            "`render.lookup` is given",
+        ),
         (
             "render --classification integral -o a.png",
             "`render.classification` is given",
@@ -136,6 +139,11 @@ fn what_sixteen_bit_lanes_do_not_know_is_refused() {
     place.succeeds(
         "render --precision fast --scene ct-bone --crop 10:50,:,: --blend back-to-front --rays 1 --planes 1 -o a.png",
     );
+    for blend in ["maximum", "minimum", "average", "additive"] {
+        place.succeeds(&format!(
+            "render --precision fast --scene mip --blend {blend} --rays 1 --planes 1 -o {blend}.png"
+        ));
+    }
 }
 
 /// What is outside of what 16-bit lanes do well is said: an opacity that climbs at once, gradients of few codes. Other precisions say

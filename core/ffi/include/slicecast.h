@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 // Version of the structures in this header. Write it to `slicecast_scene.version`.
-#define SLICECAST_VERSION 6
+#define SLICECAST_VERSION 7
 
 // Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 // ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
@@ -235,6 +235,19 @@ typedef struct SlicecastMedium {
   uint32_t exponent;
 } SlicecastMedium;
 
+// The table of the pipelines named `slicecast_fast_`, in the program's memory or in flash; `slicecast_fast_table` makes it of a scene's.
+// docs/contract/fast.md
+typedef struct SlicecastFastTable {
+  // 4096 words, one per voxel value: the square root of its opacity of one step, 65535 is 1, in the lower half, and that of the next
+  // value (of the last one its own) in the upper.
+  const uint32_t *roots;
+  // 4097 times four numbers: red, green and blue of a voxel value, 65535 is 1, and 0; the last value's stand twice. Null: all values
+  // have one colour.
+  const uint16_t *colours;
+  // That colour, red, green, blue, 65535 is 1; not read where there are colours.
+  uint16_t colour[3];
+} SlicecastFastTable;
+
 // Everything that decides a base-plane image, apart from the voxels.
 typedef struct SlicecastScene {
   // SLICECAST_VERSION.
@@ -279,6 +292,8 @@ typedef struct SlicecastScene {
   size_t surface_count;
   // The scale of extinctions; the pipelines of colours and extinctions need it and read no table, the others do not read it.
   struct SlicecastMedium medium;
+  // The table of 16-bit lanes; the pipelines named `slicecast_fast_` need it and read no other table, the others do not read it.
+  const struct SlicecastFastTable *fast;
 } SlicecastScene;
 
 // What a stream takes and what its image looks like.
@@ -474,7 +489,8 @@ int32_t slicecast_push(struct SlicecastStream *stream,
 // Gives the image (or the band of it) as it stands: `image` receives where it lies inside the block, `bytes` its length.
 //
 // Phase after phase, row after row; a row is red, green, blue and transparency, `needs.columns` elements each, of
-// `needs.element_bytes` bytes: 2 (`paper`: 32768 is 1; `compact`: 65535 is 1) or 4 (`wide`: 2147483648 is 1). Colours are weighted by opacity.
+// `needs.element_bytes` bytes: 2 (`paper`: 32768 is 1; `compact` and `fast`: 65535 is 1) or 4 (`wide`: 2147483648 is 1).
+// Colours are weighted by opacity.
 // Returns SLICECAST_OK or an error code.
 //
 // # Safety
@@ -536,6 +552,30 @@ int32_t slicecast_codes(const uint32_t *entries,
                         size_t width,
                         uint16_t *codes,
                         struct SlicecastError *error);
+
+// The pipeline of the `fast` precision (16-bit lanes), without lights: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_fast_unlit(void);
+
+// The pipeline of the `fast` precision (16-bit lanes), lit: 8 bytes per pixel.
+const struct SlicecastPipeline *slicecast_fast_lit(void);
+
+// Makes the table of the pipelines named `slicecast_fast_` of a scene's: of its `entries` and `low_roots`, and of its
+// `low_colours` where they are
+// not null.
+//
+// `roots`: memory for 4096 words, 16 KiB. `colours`: memory for 4 * 4097 numbers, 32 KiB; it may be null if all values have one colour.
+// `table` receives where they lie, or that colour: colours are then not written. A program whose table lies in flash needs no call
+// of this. Returns SLICECAST_OK or an error code: SLICECAST_NULL of argument 3 where values differ in colour and there is no memory for
+// that.
+//
+// # Safety
+// `scene` and its table are readable; `roots`, `colours` (if not null), `table` and `error` (if not null) writable; none overlaps
+// another.
+int32_t slicecast_fast_table(const struct SlicecastScene *scene,
+                             uint32_t *roots,
+                             uint16_t *colours,
+                             struct SlicecastFastTable *table,
+                             struct SlicecastError *error);
 
 // The pipeline of the `Paper` precision, without lights: 8 bytes per pixel.
 const struct SlicecastPipeline *slicecast_paper_unlit(void);

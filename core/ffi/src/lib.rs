@@ -13,12 +13,14 @@
 //! does not name is not linked. Pipelines named `_segments` classify the segment between two samples, by integrals that hold
 //! for every view: a view is turned by opening a stream of another direction over the same table. Pipelines named `_surfaces`
 //! draw isosurfaces with them, or alone; pipelines named `_depth` find where each ray meets the first of them. Pipelines named `_rgba`
-//! render volumes whose voxels have a colour and an extinction of their own: no table.
+//! render volumes whose voxels have a colour and an extinction of their own: no table. Those named `slicecast_fast_` work in 16-bit lanes
+//! and read a table of their own, which [`slicecast_fast_table`] makes of a scene's.
 #![cfg_attr(target_os = "none", no_std)]
 
 mod clips;
 mod colours;
 mod error;
+mod fast;
 mod instance;
 mod integrals;
 mod scene;
@@ -31,6 +33,7 @@ pub use colours::{
     slicecast_wide_lit_rgba, slicecast_wide_unlit_rgba,
 };
 pub use error::*;
+pub use fast::{SlicecastFastTable, slicecast_fast_lit, slicecast_fast_table, slicecast_fast_unlit};
 pub use instance::{
     SlicecastPipeline, slicecast_compact_depth, slicecast_compact_lit, slicecast_compact_lit_colour16,
     slicecast_compact_lit_segments, slicecast_compact_lit_surfaces, slicecast_compact_unlit,
@@ -50,7 +53,7 @@ use core::ffi::c_void;
 use crate::instance::{Handle, Header};
 
 /// Version of the structures in this header. Write it to `slicecast_scene.version`.
-pub const SLICECAST_VERSION: u32 = 6;
+pub const SLICECAST_VERSION: u32 = 7;
 
 /// Bytes of a stream's own state at most, on any machine. A block for a known scene has this many, and those of slices, row
 /// ranges, scratch and image, each rounded up to a multiple of 8; `slicecast_needs` tells the exact number.
@@ -224,7 +227,8 @@ pub unsafe extern "C" fn slicecast_push(
 /// Gives the image (or the band of it) as it stands: `image` receives where it lies inside the block, `bytes` its length.
 ///
 /// Phase after phase, row after row; a row is red, green, blue and transparency, `needs.columns` elements each, of
-/// `needs.element_bytes` bytes: 2 (`paper`: 32768 is 1; `compact`: 65535 is 1) or 4 (`wide`: 2147483648 is 1). Colours are weighted by opacity.
+/// `needs.element_bytes` bytes: 2 (`paper`: 32768 is 1; `compact` and `fast`: 65535 is 1) or 4 (`wide`: 2147483648 is 1).
+/// Colours are weighted by opacity.
 /// Returns SLICECAST_OK or an error code.
 ///
 /// # Safety
@@ -363,6 +367,7 @@ trait Checked {
 
 impl Checked for SlicecastScene {}
 impl Checked for SlicecastCue {}
+impl Checked for SlicecastFastTable {}
 impl Checked for SlicecastScreen {}
 impl Checked for SlicecastWarp {}
 impl Checked for SlicecastLighting {}

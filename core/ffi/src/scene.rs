@@ -2,6 +2,7 @@
 
 use slicecast::borders::Borders;
 use slicecast::crop::Crop;
+use slicecast::fast::FastPhong;
 use slicecast::format::{Coefficient, Direction, Intensity, Position, Step, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::precision::Precision;
@@ -17,6 +18,7 @@ use crate::error::{
     SLICECAST_BORDERS, SLICECAST_HIGHLIGHT, SLICECAST_INTERPOLATION, SLICECAST_LIGHTS, SLICECAST_VERSION_MISMATCH,
     SlicecastError,
 };
+use crate::fast::SlicecastFastTable;
 use crate::integrals::SlicecastIntegrals;
 use crate::surfaces::SlicecastSurface;
 use crate::{SLICECAST_VERSION, check, slice};
@@ -67,6 +69,8 @@ pub struct SlicecastScene {
     pub surface_count: usize,
     /// The scale of extinctions; the pipelines of colours and extinctions need it and read no table, the others do not read it.
     pub medium: SlicecastMedium,
+    /// The table of 16-bit lanes; the pipelines named `slicecast_fast_` need it and read no other table, the others do not read it.
+    pub fast: *const SlicecastFastTable,
 }
 
 impl SlicecastScene {
@@ -247,6 +251,40 @@ impl SlicecastLighting {
     /// # Safety
     /// The lights are null, misaligned or readable.
     pub(crate) unsafe fn phong<P: Precision>(&self, precision: P) -> Result<Phong<P>, SlicecastError> {
+        // SAFETY: the caller's promise.
+        let (highlight, lights) = unsafe { self.given()? };
+        Ok(Phong::new(
+            precision,
+            self.ambient.map(Coefficient::from_bits),
+            lights.get(..self.count).unwrap_or(&[]),
+            self.viewer.map(Vector::from_bits),
+            highlight,
+            self.exponent_log2,
+        )?)
+    }
+
+    /// The shader of these lights in 16-bit lanes.
+    ///
+    /// # Safety
+    /// The lights are null, misaligned or readable.
+    pub(crate) unsafe fn fast(&self) -> Result<FastPhong, SlicecastError> {
+        // SAFETY: the caller's promise.
+        let (highlight, lights) = unsafe { self.given()? };
+        Ok(FastPhong::new(
+            self.ambient.map(Coefficient::from_bits),
+            lights.get(..self.count).unwrap_or(&[]),
+            self.viewer.map(Vector::from_bits),
+            highlight,
+            self.exponent_log2,
+        )?)
+    }
+
+    /// The form of the highlight, and the lights: the first of as many as can be.
+    ///
+    /// # Safety
+    /// The lights are null, misaligned or readable.
+    #[inline(always)]
+    unsafe fn given(&self) -> Result<(Highlight, [Light; LIGHTS_MAX]), SlicecastError> {
         let highlight = match self.highlight {
             0 => Highlight::Reflection,
             1 => Highlight::HalfVector,
@@ -275,14 +313,7 @@ impl SlicecastLighting {
                 specular: given.specular.map(Coefficient::from_bits),
             };
         }
-        Ok(Phong::new(
-            precision,
-            self.ambient.map(Coefficient::from_bits),
-            lights.get(..given.len()).unwrap_or(&[]),
-            self.viewer.map(Vector::from_bits),
-            highlight,
-            self.exponent_log2,
-        )?)
+        Ok((highlight, lights))
     }
 }
 

@@ -84,6 +84,7 @@ impl Data {
             surfaces: null(),
             surface_count: 0,
             medium: SlicecastMedium::default(),
+            fast: null(),
         }
     }
 }
@@ -609,7 +610,7 @@ fn misused_arguments_are_named_with_numbers() {
         let other = SlicecastScene { version: 1, ..scene };
         assert_eq!(
             open(memory, needs.bytes, &other, 0, 0),
-            (SLICECAST_VERSION_MISMATCH, 0, 6, 1)
+            (SLICECAST_VERSION_MISMATCH, 0, 7, 1)
         );
         let rows = i64::from(needs.rows);
         assert_eq!(

@@ -83,6 +83,7 @@ fn scene(direction: [i64; 3], lighting: *const SlicecastLighting) -> SlicecastSc
         surfaces: null(),
         surface_count: 0,
         medium: MEDIUM,
+        fast: null(),
     }
 }
 

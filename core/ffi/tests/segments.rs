@@ -132,6 +132,7 @@ fn scene(direction: [i64; 3], lighting: &SlicecastLighting, integrals: &Slicecas
         surfaces: null(),
         surface_count: 0,
         medium: SlicecastMedium::default(),
+        fast: null(),
     }
 }
 

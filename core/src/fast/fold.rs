@@ -8,7 +8,7 @@
 use crate::composite::{Dither, Order, Pixel, PixelRow};
 use crate::lanes::{Halves, each};
 
-/// The offsets of a plane, both odd.
+/// The offsets of a plane, both odd; or [`Offsets::NEAREST`].
 #[derive(Clone, Copy, Debug)]
 pub struct Offsets {
     transparency: u16,
@@ -16,6 +16,12 @@ pub struct Offsets {
 }
 
 impl Offsets {
+    /// Those of a projection, which folds one value: to nearest.
+    pub const NEAREST: Self = Self {
+        transparency: 1 << 15,
+        colour: 1 << 15,
+    };
+
     /// Those of a plane.
     pub const fn of_plane(k: u32) -> Self {
         let Dither { transparency, colour } = Dither::of_plane(k);

@@ -145,11 +145,39 @@ impl<R: Deref<Target = Roots>, C: Deref<Target = Colours>> RootTable<R, C> {
         }
     }
 
-    /// Colours of a row.
+    /// Fetches of some samples the colours of their codes and of the next ones, a channel each; as [`RootTable::fetch`].
+    #[inline(never)]
+    fn fetch_colours(colours: &Colours, samples: &[u16], [red, green, blue]: &mut [[u32; CHUNK]; 3]) {
+        let pairs = red.iter_mut().zip(green).zip(blue);
+        for (sample, ((r, g), b)) in samples.iter().zip(pairs) {
+            let code = usize::from(sample >> 3) % ENTRIES;
+            let at = |code: usize| colours.get(code).copied().unwrap_or_default();
+            let ([r0, g0, b0, _], [r1, g1, b1, _]) = (at(code), at(code + 1));
+            let pair = |(near, next)| u32::from(near) | u32::from(next) << 16;
+            [*r, *g, *b] = three([(r0, r1), (g0, g1), (b0, b1)], pair);
+        }
+    }
+
+    /// Colours of a row, fetched and mixed chunk by chunk.
     #[inline(always)]
-    pub(crate) fn colour_row(&self, samples: &[u16], [red, green, blue]: [&mut [u16]; 3]) {
-        for (((sample, r), g), b) in samples.iter().zip(red).zip(green).zip(blue) {
-            [*r, *g, *b] = self.colour(*sample);
+    pub(crate) fn colour_row<V: Lanes>(&self, samples: &[u16], [red, green, blue]: [&mut [u16]; 3]) {
+        let colours = match &self.colours {
+            Err(colours) if !V::SMALL => colours,
+            _ => {
+                for (((sample, r), g), b) in samples.iter().zip(red).zip(green).zip(blue) {
+                    [*r, *g, *b] = self.colour(*sample);
+                }
+                return;
+            }
+        };
+        let mut pairs = [[0; CHUNK]; 3];
+        let rows = red
+            .chunks_mut(CHUNK)
+            .zip(green.chunks_mut(CHUNK))
+            .zip(blue.chunks_mut(CHUNK));
+        for (samples, ((red, green), blue)) in samples.chunks(CHUNK).zip(rows) {
+            Self::fetch_colours(colours, samples, &mut pairs);
+            V::enter((MixColours, PhantomData::<V>, samples, &pairs, [red, green, blue]));
         }
     }
 }
@@ -174,14 +202,34 @@ impl<V: Lanes> Kernel for (MixRow, PhantomData<V>, &[u16], &[u32; CHUNK], &mut [
     #[inline(always)]
     fn run(self) {
         let (_, _, samples, pairs, out) = self;
-        let len = out.len();
-        let Some(samples) = samples.get(..len) else {
-            return;
-        };
-        each!(V::Halves, len, |at, WHOLE| {
-            let f = fraction(V::Halves::load::<WHOLE>(samples, at));
-            let [first, next] = V::Halves::load_pairs(pairs, at);
-            mixed(first, next, f).store::<WHOLE>(out, at);
-        });
+        mix_row::<V::Halves>(samples, pairs, out);
+    }
+}
+
+/// Between the values of two codes along a row.
+#[inline(always)]
+fn mix_row<H: Halves>(samples: &[u16], pairs: &[u32; CHUNK], out: &mut [u16]) {
+    let len = out.len();
+    let Some(samples) = samples.get(..len) else {
+        return;
+    };
+    each!(H, len, |at, WHOLE| {
+        let f = fraction(H::load::<WHOLE>(samples, at));
+        let [first, next] = H::load_pairs(pairs, at);
+        mixed(first, next, f).store::<WHOLE>(out, at);
+    });
+}
+
+struct MixColours;
+
+impl<V: Lanes> Kernel for (MixColours, PhantomData<V>, &[u16], &[[u32; CHUNK]; 3], [&mut [u16]; 3]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, samples, [red, green, blue], [r, g, b]) = self;
+        mix_row::<V::Halves>(samples, red, r);
+        mix_row::<V::Halves>(samples, green, g);
+        mix_row::<V::Halves>(samples, blue, b);
     }
 }

@@ -8,6 +8,7 @@ use crate::locate::Cell;
 use crate::slice::{RowRange, Slice, Window};
 
 /// The cells of some samples of a plane, or of some ends of segments, and their pixels.
+#[derive(Clone)]
 pub(super) struct Extent {
     pub(super) x: Cell,
     pub(super) y: Cell,

@@ -2,16 +2,20 @@
 
 mod kernels;
 mod pixels;
+mod project;
+mod runs;
 mod source;
 
 use core::marker::PhantomData;
-use core::ops::Deref;
+use core::ops::{Deref, Range};
 
 use self::kernels::{FastKernels, Lit};
 use self::pixels::Pixels;
+use self::runs::Runs;
 use self::source::Short;
 use super::canvas::{Canvas, rows_finished};
 use super::composite::again;
+use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kernels::{ClassifierRows, ShaderRows};
 use super::parts::{Columns, Parts, Samples};
@@ -25,12 +29,13 @@ use crate::lanes::Lanes;
 use crate::plan::Plan;
 use crate::precision;
 use crate::rows::{part_mut, three};
-use crate::slice::Code12;
+use crate::slice::{Code12, Window};
 use crate::tap::Tap;
 
 pub use self::kernels::FastShader;
+pub use self::project::FastProject;
 
-/// Alpha compositing of classified, perhaps shaded samples in 16-bit lanes, rows as a whole: it looks at no clip planes and no blocks.
+/// Alpha compositing of classified, perhaps shaded samples in 16-bit lanes: it looks at no clip planes.
 #[derive(Clone, Debug)]
 pub struct Fast<R, C, S, O> {
     table: RootTable<R, C>,
@@ -70,11 +75,7 @@ where
     fn fold_extent<V: Lanes>(
         &self,
         at: &At<'_>,
-        Samples {
-            extent,
-            window,
-            whole_rows,
-        }: &Samples<'_>,
+        (extent, window, rows): (&Extent, &Window<'_>, Range<u32>),
         (first, data): (u32, &mut [u16]),
         memory: FastScratch<'_>,
         tap: Option<&mut dyn Tap>,
@@ -88,9 +89,6 @@ where
             mut batch,
         } = memory;
         let base_width = plan.base()[0] as usize;
-        let Some(count) = data.len().checked_div(4 * base_width) else {
-            return;
-        };
         let n = extent.columns.len();
         if n == 0 {
             return;
@@ -106,14 +104,13 @@ where
         let shader = Lit::<S, V>::of(&self.shader);
         batch.opacities = part_mut(batch.opacities, 0..n);
         let mut short = Short::<V, S>::new((extent, window), plan.spacing(), (z, samples), (derivatives, slope));
-        let (rows, support) = (extent.met(first, count), self.table.support());
+        let support = self.table.support();
         if V::SMALL {
             let mut rows = WholeRows::new(plane, (extent, window), None, (support, None), &mut short, rows, None);
             fold(&mut rows, (&classifier, &shader), &mut pixels, batch, tap);
         } else {
-            let reading = at.reading.filter(|_| *whole_rows);
             let source: &mut dyn Source<u16> = &mut short;
-            let mut rows = WholeRows::new(plane, (extent, window), None, (support, None), source, rows, reading);
+            let mut rows = WholeRows::new(plane, (extent, window), None, (support, None), source, rows, at.reading);
             fold_rows(&mut rows, (&classifier, &shader), &mut pixels, batch, tap);
         }
     }
@@ -179,10 +176,41 @@ where
         if let Some(tap) = &mut tap {
             tap.plane(plane);
         }
+        let Some(count) = data.len().checked_div(4 * plan.base()[0] as usize) else {
+            return Ok(());
+        };
+        // Small machines have no whole volume at hand, and observers see whole rows.
+        let seen = at.seen.filter(|_| !V::SMALL && tap.is_none());
         let mut parts = Parts::of(plan, plane, Columns::Alone);
-        while let Some(samples) = parts.samples::<V>(window) {
-            let memory = FastScratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
-            self.fold_extent::<V>(at, &samples, (first, &mut *data), memory, again(&mut tap));
+        while let Some(Samples {
+            mut extent,
+            window,
+            whole_rows,
+        }) = parts.samples::<V>(window)
+        {
+            let met = extent.met(first, count);
+            let whole = extent.clone();
+            let mut runs = seen
+                .filter(|_| whole_rows)
+                .map(|seen| Runs::of(seen, &whole, met.clone()));
+            // What is read is told of whole rows.
+            let at = At {
+                reading: at.reading.filter(|_| whole_rows && runs.is_none()),
+                ..*at
+            };
+            let mut all = Some(met);
+            while let Some(rows) = match &mut runs {
+                None => all.take(),
+                Some(runs) => runs.next().map(|(rows, columns)| {
+                    extent = whole.clone();
+                    extent.keep(columns);
+                    rows
+                }),
+            } {
+                let memory = FastScratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
+                let rows = (&extent, &window, rows);
+                self.fold_extent::<V>(&at, rows, (first, &mut *data), memory, again(&mut tap));
+            }
         }
         Ok(())
     }

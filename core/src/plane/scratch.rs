@@ -39,6 +39,8 @@ pub enum Rows {
     Splines,
     /// As [`Rows::Lit`], by splines.
     LitSplines,
+    /// As [`Rows::Projection`], in words of 16 bits.
+    FastProjection,
     /// As [`Rows::Unlit`], in words of 16 bits.
     Fast,
     /// As [`Rows::Lit`], in words of 16 bits.
@@ -64,6 +66,7 @@ impl Rows {
             Self::Splines => 9,
             Self::LitSplines => 17,
             // Two rows each.
+            Self::FastProjection => 2,
             Self::Fast => 4,
             Self::LitFast => 8,
         }
@@ -291,7 +294,7 @@ impl<'s> FastScratch<'s> {
                 (memory, stride) = (memory.get_mut(first..).unwrap_or(&mut []), wide);
             }
         }
-        let lit = kind == Rows::LitFast;
+        let (classified, lit) = (kind != Rows::FastProjection, kind == Rows::LitFast);
         let mut row = |wanted: bool| -> &'s mut [u16] {
             if wanted {
                 part_mut(take(&mut memory, stride), 0..len)
@@ -305,8 +308,8 @@ impl<'s> FastScratch<'s> {
             derivatives: [row(lit), row(lit)],
             slope: row(lit),
             batch: BatchRows {
-                opacities: row(true),
-                colours: [row(true), row(true), row(true)],
+                opacities: row(classified),
+                colours: [row(classified), row(classified), row(classified)],
                 g: [row(lit), row(lit), row(lit)],
                 r: &mut [],
                 magnitudes: &mut [],

@@ -124,8 +124,8 @@ const FAULTS: [Fault; 13] = [
     Fault {
         what: "the C interface changed, its header not",
         file: "core/ffi/src/lib.rs",
-        from: "pub const SLICECAST_VERSION: u32 = 6;",
-        to: "pub const SLICECAST_VERSION: u32 = 7;",
+        from: "pub const SLICECAST_VERSION: u32 = 7;",
+        to: "pub const SLICECAST_VERSION: u32 = 8;",
         finder: Finder::Header,
     },
 ];

@@ -371,7 +371,7 @@ impl Named {
             let _ = writeln!(
                 out,
                 "static const SlicecastScene {scene} = {{SLICECAST_VERSION, {}, {}, {}, {}, {}, 0, {borders}, {entries}, low_roots, \
-                 low_colours, &lighting, 0, 0, 0, {medium}}};",
+                 low_colours, &lighting, 0, 0, 0, {medium}, 0}};",
                 list(&self.volume.dims),
                 list(&n.direction),
                 list(&n.spacing),

@@ -3,6 +3,7 @@
 pub mod colours;
 pub mod exchange;
 pub mod explain;
+pub mod fast;
 pub mod image;
 pub mod lockstep;
 pub mod perspective;
@@ -17,6 +18,7 @@ use slicecast::locate::plane;
 use slicecast::plan::{Phase, Plan};
 use slicecast::slice::Slice;
 
+use fast::FastLockstep;
 use image::{ImageFigures, base_figures, picture_figures};
 use lockstep::{Lockstep, position, segment_ends};
 use slicecast_engine::error::RenderError;
@@ -25,7 +27,7 @@ use slicecast_engine::image::Frame;
 use slicecast_engine::oriented::Turned;
 use slicecast_engine::rendering::{Framing, tapped};
 use slicecast_engine::tiles::{TILE_ROWS, Tile};
-use slicecast_engine::with_precision;
+use slicecast_engine::{with_pixel, with_precision};
 use slicecast_model::{Affine, Lattice, Model, ModelImage, Pixel, Positions, Segments};
 use slicecast_scene::{Blend, PrecisionName};
 use stages::{StageErrors, StageReport};
@@ -188,17 +190,18 @@ fn beside(
     let rays = plan.sampling().rays_per_voxel;
     let mut rendering = prepared.begun()?;
     let precision = prepared.scene.precision;
-    if precision == PrecisionName::Fast {
-        rendering.fold_rows(slices, TILE_ROWS, prepared.simd, progress);
-        return Ok(compared(prepared, &*rendering, model.render(), Vec::new()));
-    }
-    let tap = |tile: Tile| {
-        let (setup, blend) = (&prepared.setup, prepared.scene.blend);
-        with_precision!(precision, p => Lockstep::new(p, model, setup, blend, tile))
+    let (setup, blend) = (&prepared.setup, prepared.scene.blend);
+    let locksteps = if precision == PrecisionName::Fast {
+        let tap = |tile: Tile| FastLockstep::new(model, setup, blend, tile);
+        let taps = tapped(&mut *rendering, slices, TILE_ROWS, progress, tap);
+        taps.into_iter().map(|tap| tap.lockstep).collect()
+    } else {
+        let tap = |tile: Tile| with_precision!(precision, p => Lockstep::new(p, model, setup, blend, tile));
+        tapped(&mut *rendering, slices, TILE_ROWS, progress, tap)
     };
     let mut errors = StageErrors::default();
     let mut pixels = Tiles::new(model.lattice().size, width as usize, rays as usize);
-    for lockstep in tapped(&mut *rendering, slices, TILE_ROWS, progress, tap) {
+    for lockstep in locksteps {
         let (tile, tile_errors, tile_pixels) = lockstep.finish();
         errors.merge(&tile_errors);
         pixels.place(plan, tile, &tile_pixels);
@@ -208,7 +211,7 @@ fn beside(
         // One value per ray decides: nothing to keep in step.
         Blend::Maximum | Blend::Minimum | Blend::Average | Blend::Additive => model.render(),
     };
-    let stages = with_precision!(precision, p => errors.report(p));
+    let stages = with_pixel!(precision, p => errors.report(p));
     Ok(compared(prepared, &*rendering, model_image, stages))
 }
 

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use slicecast::borders::{Side, along_k};
+use slicecast::classify::opacity_of_root;
 use slicecast::composite::{Channel, Recurrence};
 use slicecast::format::{Coefficient, Opacity, Position, Vector};
 use slicecast::locate::{Plane, cut};
 use slicecast::plan::{Phase, Plan};
-use slicecast::precision::{NormalForm, Precision};
+use slicecast::precision::{Fast, NormalForm, Precision};
 use slicecast::shade::{formed, formed_nearest, keep, keep_vector};
 use slicecast::tap::{Beam, Bits, Tap};
 
@@ -72,14 +73,38 @@ fn coefficient_value<P: Precision>(p: P, v: [Coefficient; 3]) -> [f64; 3] {
     v.map(|c| f64::from(keep(p, c)) * 2f64.powi(-(p.formats().shading.coefficient_bits() as i32)))
 }
 
+/// How a precision's vectors and coefficients are valued.
+struct Valued<'v> {
+    vector: &'v dyn Fn([Vector; 3]) -> [f64; 3],
+    coefficients: &'v dyn Fn([Coefficient; 3]) -> [f64; 3],
+}
+
 impl PipelineLights {
     fn new<P: Precision>(p: P, material: &Material, model: &Lights) -> Self {
-        let viewer = vector_value(p, material.viewer);
+        let valued = Valued {
+            vector: &|v| vector_value(p, v),
+            coefficients: &|v| coefficient_value(p, v),
+        };
+        Self::valued(&valued, material, model)
+    }
+
+    /// As they are before 16-bit lanes keep them: what that loses is shading's.
+    fn of_fast(material: &Material, model: &Lights) -> Self {
+        let valued = Valued {
+            vector: &|v| v.map(|c| f64::from(c.to_bits()) / 2f64.powi(30)),
+            coefficients: &|v| v.map(|c| f64::from(c.to_bits()) / 2f64.powi(31)),
+        };
+        Self::valued(&valued, material, model)
+    }
+
+    fn valued(valued: &Valued<'_>, material: &Material, model: &Lights) -> Self {
+        let (vector_value, coefficient_value) = (valued.vector, valued.coefficients);
+        let viewer = vector_value(material.viewer);
         let resolve = |light: &slicecast::shade::Light| {
-            let direction = vector_value(p, light.direction);
+            let direction = vector_value(light.direction);
             ResolvedLight {
                 direction,
-                half: vector_value(p, light.half),
+                half: vector_value(light.half),
                 viewer_dot: viewer.iter().zip(direction).map(|(v, l)| v * l).sum(),
                 colour: [1.0; 3],
             }
@@ -90,11 +115,11 @@ impl PipelineLights {
                 lights: material.lights.iter().map(resolve).collect(),
                 ..model.clone()
             },
-            ambient: coefficient_value(p, material.ambient),
+            ambient: coefficient_value(material.ambient),
             coefficients: material
                 .lights
                 .iter()
-                .map(|l| (coefficient_value(p, l.diffuse), coefficient_value(p, l.specular)))
+                .map(|l| (coefficient_value(l.diffuse), coefficient_value(l.specular)))
                 .collect(),
         }
     }
@@ -134,8 +159,10 @@ pub struct Scales {
     pub colour_one: f64,
     /// 1.0 of a pixel's channel.
     channel_one: f64,
-    normal: NormalForm,
-    read: Arc<dyn Fn(Opacity) -> Opacity + Send + Sync>,
+    /// `None`: no normal is made, light is of the gradient.
+    normal: Option<NormalForm>,
+    /// The opacity that is read of the bits of one.
+    read: Arc<dyn Fn(i32) -> Opacity + Send + Sync>,
     /// Transparency below this is 0, and whether that is more than the least one.
     floor: f64,
     has_floor: bool,
@@ -152,17 +179,28 @@ impl Scales {
             sample_one: f64::from(p.formats().sample_bits).exp2(),
             colour_one: f64::from(pixel.colour_bits()).exp2(),
             channel_one: f64::from(one.bits()),
-            normal: p.formats().normal,
-            read: Arc::new(move |opacity| pixel.read(opacity)),
+            normal: Some(p.formats().normal),
+            read: Arc::new(move |bits| pixel.read(Opacity::from_bits(bits as u32))),
             floor: f64::from(floor.bits()) / f64::from(one.bits()),
             has_floor: floor.bits() > 1,
             telescopes: pixel.telescoping(),
         }
     }
 
+    /// Those of 16-bit lanes, whose rows hold roots of opacities.
+    pub fn of_fast() -> Self {
+        let staged = Self::of(Fast);
+        Self {
+            colour_one: 65535.0,
+            normal: None,
+            read: Arc::new(|bits| opacity_of_root(bits as u16)),
+            ..staged
+        }
+    }
+
     /// The opacity that a pixel reads.
     pub fn opacity(&self, bits: i32) -> f64 {
-        f64::from((self.read)(Opacity::from_bits(bits as u32)).to_bits()) / 2147483648.0
+        f64::from((self.read)(bits).to_bits()) / 2147483648.0
     }
 
     /// A colour of the pipeline.
@@ -181,15 +219,20 @@ impl Scales {
             .collect()
     }
 
-    /// The normal that shading works with.
-    pub fn normal(&self, g: [i32; 3], r: i32) -> [f64; 3] {
+    /// The normal that shading works with, if one is made.
+    pub fn normal(&self, g: [i32; 3], r: i32) -> Option<[f64; 3]> {
         let scaled = |n: [i32; 3], bits: u32| n.map(|n| f64::from(n) * 2f64.powi(-(bits as i32)));
-        match self.normal {
+        Some(match self.normal? {
             NormalForm::Deferred => g.map(|g| -f64::from(g) * f64::from(r) * 2f64.powi(-35)),
             NormalForm::Formed(bits) => scaled(formed(g, r, bits), bits),
             NormalForm::Nearest(bits) => scaled(formed_nearest(g, r, bits), bits),
-        }
+        })
     }
+}
+
+/// What lights a frame, if anything does.
+fn material<'m>(model: &'m Model<'_>, setup: &'m Setup) -> Option<(&'m Material, &'m Lights)> {
+    setup.material.as_ref().zip(model.lights())
 }
 
 /// A tap that runs the f64 model in step with the pipeline and gathers the errors of every stage.
@@ -226,13 +269,26 @@ pub struct Lockstep<'a> {
 impl<'a> Lockstep<'a> {
     /// A tap for a tile.
     pub fn new<P: Precision>(p: P, model: &'a Model<'a>, setup: &Setup, blend: Blend, tile: Tile) -> Self {
+        let lights = material(model, setup).map(|(material, lights)| PipelineLights::new(p, material, lights));
+        Self::with(Scales::of(p), lights, model, (setup, blend), tile)
+    }
+
+    /// A tap for a tile, of rows as `FastLockstep` hands them on.
+    pub(crate) fn of_fast(model: &'a Model<'a>, setup: &Setup, blend: Blend, tile: Tile) -> Self {
+        let lights = material(model, setup).map(|(material, lights)| PipelineLights::of_fast(material, lights));
+        Self::with(Scales::of_fast(), lights, model, (setup, blend), tile)
+    }
+
+    fn with(
+        scales: Scales,
+        lights: Option<PipelineLights>,
+        model: &'a Model<'a>,
+        (setup, blend): (&Setup, Blend),
+        tile: Tile,
+    ) -> Self {
         let [width, _] = setup.plan.base();
         let width = width as usize;
         let count = width * tile.rows as usize;
-        let lights = match (&setup.material, model.lights()) {
-            (Some(material), Some(lights)) => Some(PipelineLights::new(p, material, lights)),
-            _ => None,
-        };
         Self {
             model,
             plan: setup.plan,
@@ -243,7 +299,7 @@ impl<'a> Lockstep<'a> {
             width,
             rays: setup.plan.sampling().rays_per_voxel as usize,
             errors: StageErrors::default(),
-            scales: Scales::of(p),
+            scales,
             samples: vec![None; count],
             pixels: vec![Pixel::TRANSPARENT; count],
             row: 0,
@@ -558,9 +614,12 @@ impl Lockstep<'_> {
     fn normals(&mut self, at: Beam<'_>, rows: &[&dyn Bits]) {
         self.normals.clear();
         for (offset, [x, y, z, r]) in values(rows) {
-            let fixed = self.scales.normal([x, y, z], r);
-            self.normals.push(fixed);
             let exact = normalise(self.gradients[offset]);
+            let Some(fixed) = self.scales.normal([x, y, z], r) else {
+                self.normals.push(exact);
+                continue;
+            };
+            self.normals.push(fixed);
             let carried = self.visible(at, offset).map(|v| v.normal);
             self.add3(Stage::Normal, fixed, exact, carried);
         }

@@ -86,7 +86,9 @@ impl Stage {
                 NormalForm::Deferred => fixed(1, 15),
                 NormalForm::Formed(bits) | NormalForm::Nearest(bits) => fixed(1, bits),
             },
-            Self::Shading => fixed(1, p.pixel().colour_bits()),
+            // In 16-bit lanes as pixels are.
+            Self::Shading if P::STAGED => fixed(1, p.pixel().colour_bits()),
+            Self::Shading => (p.pixel().format().to_owned(), f64::from(p.pixel().one().bits())),
             Self::Transparency | Self::Compositing => {
                 (p.pixel().format().to_owned(), f64::from(p.pixel().one().bits()))
             }

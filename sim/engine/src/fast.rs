@@ -5,13 +5,14 @@ use std::sync::Arc;
 use slicecast::composite::{BackToFront, FrontToBack};
 use slicecast::fast::table::{fill_colours, fill_roots};
 use slicecast::fast::{Colours, FastPhong, RootTable, Roots};
-use slicecast::plane::Fast;
+use slicecast::plane::{Fast, FastProject};
+use slicecast::project::{Maximum, Minimum, Sum};
 use slicecast::shade::{PhongError, Unlit};
 use slicecast::table::ENTRIES;
 use slicecast_scene::{Blend, Scene};
 
 use crate::camera::{CameraError, Material};
-use crate::pipelines::under;
+use crate::pipelines::{Parameters, under};
 use crate::rendering::Framing;
 use crate::table::{AnyTable, Table, with_table};
 use crate::tiles::Geometry;
@@ -48,18 +49,25 @@ impl Material {
     }
 }
 
-/// The rendering of a composited scene.
+/// The rendering of a scene.
 ///
 /// # Errors
 /// [`CameraError`] if the material is not one that has been checked.
 pub(crate) fn rendering(
     scene: &Scene,
     points: &Table,
-    material: Option<&Material>,
+    parameters: Parameters<'_>,
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, CameraError> {
     let table = table(points);
-    let phong = material.map(Material::fast).transpose()?;
+    match scene.blend {
+        Blend::FrontToBack | Blend::BackToFront => {}
+        Blend::Maximum => return Ok(under(geometry, FastProject::new(table, Maximum))),
+        Blend::Minimum => return Ok(under(geometry, FastProject::new(table, Minimum))),
+        Blend::Average => return Ok(under(geometry, FastProject::new(table, Sum::Average))),
+        Blend::Additive => return Ok(under(geometry, FastProject::new(table, parameters.additive))),
+    }
+    let phong = parameters.material.map(Material::fast).transpose()?;
     Ok(match (scene.blend == Blend::BackToFront, phong) {
         (true, Some(phong)) => under(geometry, Fast::<_, _, _, BackToFront>::new(table, phong)),
         (true, None) => under(geometry, Fast::<_, _, _, BackToFront>::new(table, Unlit)),

@@ -117,7 +117,7 @@ pub fn rendering(
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, CameraError> {
     if scene.precision == PrecisionName::Fast {
-        return fast::rendering(scene, table, parameters.material, geometry);
+        return fast::rendering(scene, table, parameters, geometry);
     }
     rendering_over(scene.precision, scene, table.expanded(), parameters, geometry)
 }

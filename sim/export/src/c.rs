@@ -116,6 +116,7 @@ static const SlicecastScene {lower} = {{
     0,
     0,
     {{0, 0}},
+    0,
 }};
 
 /* Its pipeline: a call that gives the description. */

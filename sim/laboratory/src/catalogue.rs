@@ -5,8 +5,9 @@
 //! are values ([`Study`]): a further one is a line here, or none at all ([`Configuration::varied`]).
 
 use slicecast::classify::{AlphaCode, Sqrt8, Sqrt16};
+use slicecast::fast::{Colours, Roots};
 use slicecast::format::Rounding;
-use slicecast::precision::{Compact, Formats, NormalForm, Paper, Power, Precision, Shading, Wide};
+use slicecast::precision::{Compact, Fast, Formats, NormalForm, Paper, Power, Precision, Shading, Wide};
 use slicecast_scene::LookupName::{Linear, Nearest};
 use slicecast_scene::{LookupName, PrecisionName};
 
@@ -42,7 +43,7 @@ impl Configuration {
             Kind::Named(PrecisionName::Paper) => (Paper.formats(), Binary(15), "truncated"),
             Kind::Named(PrecisionName::Compact) => (Compact.formats(), Full(16), "dithered"),
             Kind::Named(PrecisionName::Wide) => (Wide.formats(), Binary(31), "telescoping"),
-            Kind::Named(PrecisionName::Fast) => unreachable!("no configuration is of it"),
+            Kind::Named(PrecisionName::Fast) => (Fast.formats(), Full(16), "dithered"),
             Kind::Study(study) => (study.formats, study.pixel.scale(), study.pixel.rounding()),
         };
         Self {
@@ -58,6 +59,14 @@ impl Configuration {
     /// A precision with the table of 16-bit roots.
     fn linear(name: &str, kind: Kind) -> Self {
         Self::of::<Sqrt16>(name, kind, Linear)
+    }
+
+    /// 16-bit lanes, whose table holds roots and colours of two codes each.
+    fn fast() -> Self {
+        Self {
+            table_bytes: size_of::<Roots>() + size_of::<Colours>(),
+            ..Self::linear(FAST, Kind::Named(PrecisionName::Fast))
+        }
     }
 
     /// `compact` with other formats.
@@ -155,6 +164,9 @@ const fn pixel(arithmetic: Arithmetic, scale: Scale) -> StudyPixel {
 /// The configuration that speeds are related to, and that parameters are varied from.
 pub const BASE: &str = "compact";
 
+/// The configuration of 16-bit lanes, which do not know every scene.
+pub const FAST: &str = "fast";
+
 /// All configurations, in the order of reports.
 pub fn all() -> Vec<Configuration> {
     type C = Configuration;
@@ -162,6 +174,7 @@ pub fn all() -> Vec<Configuration> {
         C::of::<Sqrt8>("paper", PAPER, Nearest),
         C::linear(BASE, COMPACT),
         C::linear("wide", WIDE),
+        C::fast(),
     ];
     all.extend([6, 8, 10, 12, 14, 16].map(C::step));
     let numbers = [
@@ -282,6 +295,7 @@ mod tests {
         assert_eq!(bytes("paper"), (8, 16384));
         assert_eq!(bytes("compact"), (8, 20480));
         assert_eq!(bytes("wide"), (16, 20480));
+        assert_eq!(bytes("fast"), (8, 16384 + 32776));
         assert_eq!(bytes("deep-23"), (12, 20480));
         assert_eq!(bytes("pixel-255-blinn"), (4, 20480));
         assert_eq!(bytes("pixel-15-carry"), (16, 20480));

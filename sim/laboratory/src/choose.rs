@@ -1,6 +1,9 @@
 //! Which configurations a sweep runs.
 
-use super::catalogue::{BASE, Configuration};
+use slicecast_scene::Scene;
+
+use super::catalogue::{BASE, Configuration, FAST};
+use super::measure;
 use super::parameters::Name;
 use super::sweep::SweepError;
 
@@ -109,6 +112,13 @@ pub fn applicable(all: &[Configuration], chosen: &[usize], lit: bool) -> Vec<usi
         .collect()
 }
 
+/// Of the chosen configurations those that know a scene: 16-bit lanes do not know every one.
+pub fn knowing(all: &[Configuration], chosen: &[usize], scene: &Scene) -> Vec<usize> {
+    let fast = measure::fast(scene).check().is_ok();
+    let known = |index: &&usize| fast || all[**index].name != FAST;
+    chosen.iter().filter(known).copied().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::catalogue;
@@ -177,13 +187,24 @@ mod tests {
     }
 
     #[test]
+    fn scenes_that_16_bit_lanes_do_not_know_leave_them_out() {
+        let all = catalogue::all();
+        let chosen: Vec<usize> = (0..all.len()).collect();
+        let mut scene = slicecast_scene::file::built_in(slicecast_scene::file::DEFAULT).unwrap();
+        assert_eq!(knowing(&all, &chosen, &scene), chosen);
+        scene.lookup = Some(slicecast_scene::LookupName::Nearest);
+        let left = names(&all, &knowing(&all, &chosen, &scene));
+        assert!(left.len() == all.len() - 1 && !left.iter().any(|name| name == FAST));
+    }
+
+    #[test]
     fn unlit_scenes_leave_out_what_varies_shading() {
         let all = catalogue::all();
         let chosen: Vec<usize> = (0..all.len()).collect();
         assert_eq!(applicable(&all, &chosen, true), chosen);
         let left = names(&all, &applicable(&all, &chosen, false));
         assert_eq!(left.len(), all.len() - 15);
-        for name in ["paper", "compact", "wide", "weight-6", "deep-23"] {
+        for name in ["paper", "compact", "wide", "fast", "weight-6", "deep-23"] {
             assert!(left.iter().any(|l| l == name), "{name}");
         }
         assert!(!left.iter().any(|l| l.starts_with("normal-") || l.starts_with("power-")));

@@ -11,6 +11,7 @@ use slicecast::slice::{Code12, Slice};
 use super::codes::Coded;
 use super::formats::Study;
 use slicecast_compare::Tiles;
+use slicecast_compare::fast::FastLockstep;
 use slicecast_compare::image::{ImageFigures, base_figures};
 use slicecast_compare::lockstep::Lockstep;
 use slicecast_compare::stages::{StageErrors, StageReport};
@@ -21,13 +22,13 @@ use slicecast_engine::folds::Folds;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::BaseImage;
 use slicecast_engine::oriented::Turned;
-use slicecast_engine::pipelines::{Parameters, early, rendering_over};
+use slicecast_engine::pipelines::{Parameters, compile, early, rendering, rendering_over};
 use slicecast_engine::rendering::{Rendering, Under, in_memory_order, tapped};
 use slicecast_engine::table::{Correction, Filled, fill};
-use slicecast_engine::tiles::TILE_ROWS;
-use slicecast_engine::with_precision;
+use slicecast_engine::tiles::{TILE_ROWS, Tile};
+use slicecast_engine::{with_pixel, with_precision};
 use slicecast_model::Model;
-use slicecast_scene::{LookupName, PrecisionName};
+use slicecast_scene::{AlphaCodeName, LookupName, PrecisionName, Scene};
 
 /// A scene that configurations are run on.
 #[derive(Clone, Copy)]
@@ -72,7 +73,7 @@ fn checksum(image: &BaseImage, rays_per_voxel: usize) -> u64 {
 macro_rules! with_kind {
     ($kind:expr, $precision:ident => $with:expr) => {
         match $kind {
-            Kind::Named(name) => with_precision!(name, $precision => $with),
+            Kind::Named(name) => with_pixel!(name, $precision => $with),
             Kind::Study($precision) => $with,
         }
     };
@@ -116,6 +117,12 @@ impl Runner {
         let table = (self.table)(prepared, self.lookup);
         let (parameters, geometry) = (Parameters::of(&prepared.setup, None), prepared.setup.geometry());
         let mut rendering: Box<dyn Rendering> = match self.kind {
+            Kind::Named(PrecisionName::Fast) => {
+                let scene = fast(prepared.scene);
+                let table = compile(&scene, &prepared.volume.mapping, prepared.setup.step_length);
+                let rendering = rendering(&scene, &table, parameters, geometry);
+                rendering?
+            }
             Kind::Named(name) => {
                 let rendering = rendering_over(name, prepared.scene, table, parameters, geometry);
                 rendering?
@@ -161,9 +168,18 @@ impl Runner {
         let Prepared { scene, setup, .. } = bench.prepared;
         let plan = &setup.plan;
         let mut rendering = self.begun(bench.prepared)?;
-        let tap =
-            |tile| with_kind!(self.kind, precision => Lockstep::new(precision, bench.model, setup, scene.blend, tile));
-        let taps = tapped(&mut *rendering, bench.slices, TILE_ROWS, &|_, _| (), tap);
+        let (model, blend) = (bench.model, scene.blend);
+        let taps = if matches!(self.kind, Kind::Named(PrecisionName::Fast)) {
+            let tap = |tile: Tile| FastLockstep::new(model, setup, blend, tile);
+            let taps = tapped(&mut *rendering, bench.slices, TILE_ROWS, &|_, _| (), tap);
+            taps.into_iter().map(|tap| tap.lockstep).collect()
+        } else {
+            let tap = |tile: Tile| match self.kind {
+                Kind::Named(name) => with_precision!(name, p => Lockstep::new(p, model, setup, blend, tile)),
+                Kind::Study(study) => Lockstep::new(study, model, setup, blend, tile),
+            };
+            tapped(&mut *rendering, bench.slices, TILE_ROWS, &|_, _| (), tap)
+        };
         let rays = plan.sampling().rays_per_voxel as usize;
         let [width, _] = plan.base().map(|side| side as usize);
         let mut errors = StageErrors::default();
@@ -211,6 +227,15 @@ fn table<A: Coded>(prepared: &Prepared<'_>, lookup: LookupName) -> Expanded {
     let mapping = &prepared.volume.mapping;
     let filled: Filled = fill(&prepared.scene.transfer, mapping, correction, A::encode, A::decode);
     A::expanded(&filled, lookup)
+}
+
+/// A scene in 16-bit lanes, its table with colours of 8 bits as those of other configurations.
+pub fn fast(scene: &Scene) -> Scene {
+    Scene {
+        precision: PrecisionName::Fast,
+        table: Some(AlphaCodeName::Sqrt16),
+        ..scene.clone()
+    }
 }
 
 /// The rendering of a study, of a lit scene or of an unlit one.

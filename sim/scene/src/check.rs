@@ -120,11 +120,16 @@ impl Scene {
                     "\"linear\"",
                 ),
                 ("crop", self.crop.is_none(), "no crop box"),
+                (
+                    "render.blend",
+                    self.blend.is_composited(),
+                    "\"front-to-back\" or \"back-to-front\"",
+                ),
             ],
         )
     }
 
-    /// In 16-bit lanes there are samples of parallel rays, linear in the table, composited, which nothing clips.
+    /// In 16-bit lanes there are samples of parallel rays, linear in the table, which nothing clips.
     fn fast(&self) -> Result<(), FieldError> {
         if self.precision != PrecisionName::Fast {
             return Ok(());
@@ -147,8 +152,8 @@ impl Scene {
         )
     }
 
-    /// That there are composited samples of values, which nothing clips, turns or modulates, and what is asked besides.
-    fn plain_samples(&self, who: &str, besides: [(&str, bool, &str); 3]) -> Result<(), FieldError> {
+    /// That there are samples of values, which nothing clips, turns or modulates, and what is asked besides.
+    fn plain_samples<const N: usize>(&self, who: &str, besides: [(&str, bool, &str); N]) -> Result<(), FieldError> {
         let segments = !matches!(self.classification, Classification::Point) || !self.surfaces.is_empty();
         let common = [
             ("clip", self.clips.is_empty(), "no clip planes"),
@@ -157,11 +162,6 @@ impl Scene {
             ("reflectance", self.reflectance.is_none(), "no reflectance map"),
             ("colours", self.colours.is_none(), "a volume of one value a voxel"),
             ("render.classification", !segments, "\"point\", without surfaces"),
-            (
-                "render.blend",
-                self.blend.is_composited(),
-                "\"front-to-back\" or \"back-to-front\"",
-            ),
         ];
         match besides.into_iter().chain(common).find(|(_, known, _)| !known) {
             Some((field, _, expected)) => {

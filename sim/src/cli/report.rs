@@ -151,6 +151,7 @@ impl Args {
         let all = catalogue::all();
         let chosen: Vec<usize> = (0..all.len()).collect();
         let chosen = choose::applicable(&all, &chosen, prepared.scene.lighting.is_some());
+        let chosen = choose::knowing(&all, &chosen, prepared.scene);
         let options = sweep::Options {
             rounds: 5,
             timing_threads: 1,

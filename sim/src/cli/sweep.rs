@@ -148,6 +148,11 @@ impl Args {
                 asked - chosen.len()
             );
         }
+        let asked = chosen.len();
+        chosen = choose::knowing(&all, &chosen, &scene);
+        if chosen.len() < asked {
+            eprintln!("note: 16-bit lanes do not know the scene (docs/contract/fast.md): `fast` is left out");
+        }
         if let Some(part) = self.shard {
             chosen = shard(&chosen, part.number() as usize, part.count() as usize);
         }

@@ -95,7 +95,7 @@ where
 
     #[inline(always)]
     fn colour_row(&self, slab: Slab<'_, u16>, out: [&mut [u16]; 3]) {
-        self.table.colour_row(slab.back, out);
+        self.table.colour_row::<V>(slab.back, out);
     }
 
     #[inline(always)]

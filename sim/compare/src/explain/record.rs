@@ -63,7 +63,7 @@ impl Tap for Recorder {
             Stage::Opacity => step.opacity = Some(scales.opacity(bits(0))),
             Stage::Colour => step.colour = Some(scales.colour(three())),
             Stage::Gradient => step.gradient = Some(three().map(|g| f64::from(g) / scales.sample_one)),
-            Stage::Normal => step.normal = Some(scales.normal(three(), bits(3))),
+            Stage::Normal => step.normal = scales.normal(three(), bits(3)),
             Stage::Shading => step.shaded = Some(scales.colour(three())),
             Stage::After => step.after = scales.pixels(rows).get(offset).copied(),
         }

@@ -7,6 +7,7 @@ use slicecast::fast::FastPhong;
 use slicecast::fast::fold::{Offsets, folded};
 use slicecast::fast::table::root_of;
 use slicecast::precision::Fast;
+use slicecast::project::{Projection, Sum};
 
 use super::{Cells, Ray, Rays, Unobserved};
 use crate::camera::{CameraError, Material};
@@ -92,7 +93,39 @@ pub(super) fn render(prepared: &Prepared<'_>) -> Result<BaseImage, CameraError> 
 }
 
 impl FastRays<'_, '_> {
+    /// What a projection makes of a ray.
+    fn projected(&self, ray: &Ray) -> Pixel<u16> {
+        let mut samples = Vec::new();
+        for step in 0..self.rays.planes() {
+            if let Some(located) = self.rays.locate(ray, step, &mut Unobserved) {
+                samples.push((self.sample(Place::of(located.cells)), located.fraction));
+            }
+        }
+        let values = samples.iter().map(|(sample, _)| *sample as u16);
+        let shown = |sum: Sum| {
+            let words = (samples.iter()).fold([0; 3], |words, (s, f)| Sum::add(words, *s as i32, *f));
+            sum.shown(Fast, words).map(|value| value as u16)
+        };
+        let shown = match self.rays.blend {
+            Blend::Maximum => values.max(),
+            Blend::Minimum => values.min(),
+            Blend::Average => shown(Sum::Average),
+            _ => shown(self.rays.additive),
+        };
+        let clear = Pixel {
+            colour: [0; 3],
+            transparency: u16::MAX,
+        };
+        shown.map_or(clear, |sample| {
+            let (colour, root) = (self.table.colour(sample), self.table.root(sample));
+            folded::<FrontToBack>(clear, colour, root, Offsets::NEAREST, 0)
+        })
+    }
+
     fn pixel(&self, ray: &Ray) -> Pixel<u16> {
+        if !self.rays.blend.is_composited() {
+            return self.projected(ray);
+        }
         let mut pixel = Pixel {
             colour: [0; 3],
             transparency: u16::MAX,

@@ -90,7 +90,7 @@ fn harmonic([x, y, z]: [f64; 3]) -> f64 {
 }
 
 /// Marschner and Lobb's test signal, f_M = 6 and alpha = 0.25.
-fn marschner_lobb([x, y, z]: [f64; 3]) -> f64 {
+pub(crate) fn marschner_lobb([x, y, z]: [f64; 3]) -> f64 {
     use std::f64::consts::PI;
     let rho = (2.0 * PI * 6.0 * (PI * (x * x + y * y).sqrt() / 2.0).cos()).cos();
     4095.0 * (1.0 - (PI * z / 2.0).sin() + 0.25 * (1.0 + rho)) / 2.5
