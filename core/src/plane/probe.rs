@@ -283,15 +283,13 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
         }
         let last = self.height - 1;
         let edge = row.min(last).max(0);
-        // Of each place twelve: out of line, too.
-        let with_ends = |row: i32| V::enter((ZWithEnds, self, row as usize, from));
-        let voxels = with_ends(edge);
+        let voxels = self.z_with_ends(edge as usize, from);
         if edge == row {
             return voxels;
         }
-        // Twice the edge less the row inside it.
+        // Twice the edge less the row inside it, which is out of line: there are twelve of these, and few rows lie beyond a face.
         let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
-        voxels + voxels - with_ends(inner)
+        voxels + voxels - V::enter((ZWithEnds, self, inner as usize, from))
     }
 
     /// The same inside the rows of a slice; a place to the left of the first column and to the right of the last one is

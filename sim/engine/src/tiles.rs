@@ -406,6 +406,8 @@ struct Folding<'a, F: Folds + ?Sized> {
     columns: Vec<F::Element>,
     /// Columns of the image.
     width: usize,
+    /// Elements of a row of it.
+    row_len: usize,
     /// Sees every plane, those of finished tiles too.
     tap: Option<&'a mut dyn Tap>,
 }
@@ -429,6 +431,7 @@ impl<'a, F: Folds + ?Sized> Folding<'a, F> {
             kept: Kept::new(kept, first, rows as usize, width).ok(),
             columns: Vec::new(),
             width: way.plan.base()[0] as usize,
+            row_len: way.shape.row_len(way.plan),
             tap,
         }
     }
@@ -445,10 +448,11 @@ impl<'a, F: Folds + ?Sized> Folding<'a, F> {
             columns: own,
             tap,
             width,
+            row_len,
         } = self;
         // Rows that come and go are not kept.
         let kept = kept.as_mut().filter(|_| pixels.is_none());
-        let (width, row_len) = (*width, *width * pipeline.shape().channels);
+        let (width, row_len) = (*width, *row_len);
         let (mut first, mut data, mut columns) = (*first, &mut **data, 0..width);
         if let Some([across, rows]) = pixels {
             let start = (rows.start - first) as usize * row_len;

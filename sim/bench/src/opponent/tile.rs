@@ -85,14 +85,20 @@ impl Sampler<'_> {
     /// Makes the samples between voxel rows `row` and `row + 1`; `LIT` may ask for one row beyond each face.
     #[inline(always)]
     fn make<F: Floats, const LIT: bool>(&mut self, meeting: &Meeting, window: &Window<'_>, row: i32) {
-        if self.sample_row[Self::slot(row)] != row {
-            F::enter(Make::<F, LIT> {
+        if self.sample_row[Self::slot(row)] == row {
+            return;
+        }
+        if LIT {
+            // Called from three places.
+            F::enter(Make {
                 sampler: self,
                 meeting,
                 window,
                 row,
-                lanes: PhantomData,
+                lanes: PhantomData::<F>,
             });
+        } else {
+            self.make_anew::<F, false>(meeting, window, row);
         }
     }
 
@@ -157,8 +163,8 @@ impl Sampler<'_> {
     }
 }
 
-/// Samples of a row to be made.
-struct Make<'a, 's, 'w, F, const LIT: bool> {
+/// Samples of a lit row to be made.
+struct Make<'a, 's, 'w, F> {
     sampler: &'a mut Sampler<'s>,
     meeting: &'a Meeting,
     window: &'a Window<'w>,
@@ -166,12 +172,12 @@ struct Make<'a, 's, 'w, F, const LIT: bool> {
     lanes: PhantomData<F>,
 }
 
-impl<F: Floats, const LIT: bool> Kernel for Make<'_, '_, '_, F, LIT> {
+impl<F: Floats> Kernel for Make<'_, '_, '_, F> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        self.sampler.make_anew::<F, LIT>(self.meeting, self.window, self.row);
+        self.sampler.make_anew::<F, true>(self.meeting, self.window, self.row);
     }
 }
 
