@@ -116,9 +116,9 @@ const FAULTS: [Fault; 13] = [
     },
     Fault {
         what: "a division that can panic",
-        file: "core/src/stream.rs",
-        from: "(number as usize).checked_rem(L::SLICES).unwrap_or(0)",
-        to: "number as usize % (voxels.len() >> 8)",
+        file: "core/src/stream/ring.rs",
+        from: "(number as usize).checked_rem(shape.slices).unwrap_or(0)",
+        to: "number as usize % (len >> 8)",
         finder: Finder::Proof("panic"),
     },
     Fault {
