@@ -106,7 +106,7 @@ pub(crate) fn fold_tiles<F: Folds + ?Sized>(
             clips: clips.as_ref(),
         };
         let way = Way::of(shape, geometry, slices, seen, tile, tiling.part);
-        enough(way.walk(Folding::new(pipeline, simd, &way, (data, memory), None)));
+        enough(way.walk(TileFolding::new(pipeline, simd, &way, (data, memory), None)));
     });
 }
 
@@ -256,7 +256,13 @@ fn fold_scalar<F: Folds + ?Sized>(
         clips: clips.as_ref(),
     };
     let way = Way::of(pipeline.shape(), geometry, slices, None, tile, None);
-    way.walk(Folding::new(pipeline, Simd::Scalar, &way, (data, memory), Some(tap)))
+    way.walk(TileFolding::new(
+        pipeline,
+        Simd::Scalar,
+        &way,
+        (data, memory),
+        Some(tap),
+    ))
 }
 
 /// Clip planes, with lanes still to be chosen.
@@ -318,7 +324,7 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
     }
 
     /// Goes through the planes, in a pipeline's order, until its rays are finished.
-    fn walk<F: Folds<Voxel = X> + ?Sized>(&self, mut fold: Folding<'_, F>) -> Result<(), ScratchError> {
+    fn walk<F: Folds<Voxel = X> + ?Sized>(&self, mut fold: TileFolding<'_, F>) -> Result<(), ScratchError> {
         let back_to_front = self.shape.back_to_front;
         let place = |z: i32| usize::try_from(z - self.first_slice).ok();
         let slice = |z: i32| place(z).and_then(|z| self.slices.get(z)).copied();
@@ -364,7 +370,7 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
         &self,
         brick: &Brick,
         at: &At<'_, X>,
-        fold: &mut Folding<'_, F>,
+        fold: &mut TileFolding<'_, F>,
     ) -> Result<(), ScratchError> {
         let Tile { first, rows, .. } = self.tile;
         let [columns, _] = self.plan.base();
@@ -396,7 +402,7 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
 }
 
 /// A pipeline and the tile that it is folded into.
-struct Folding<'a, F: Folds + ?Sized> {
+struct TileFolding<'a, F: Folds + ?Sized> {
     pipeline: &'a F,
     simd: Simd,
     rows: Rows<'a, F::Element>,
@@ -412,7 +418,7 @@ struct Folding<'a, F: Folds + ?Sized> {
     tap: Option<&'a mut dyn Tap>,
 }
 
-impl<'a, F: Folds + ?Sized> Folding<'a, F> {
+impl<'a, F: Folds + ?Sized> TileFolding<'a, F> {
     fn new(
         pipeline: &'a F,
         simd: Simd,

@@ -22,7 +22,7 @@ use slicecast_firmware::scenes::{
 use slicecast_firmware::stack;
 use slicecast_firmware_shared::scene::{IntegralData, Lights, Model, SURFACES, SceneData, SceneError};
 use slicecast_firmware_shared::sum::Sum;
-use slicecast_firmware_shared::{image, scene};
+use slicecast_firmware_shared::scene;
 use static_cell::ConstStaticCell;
 
 #[cfg(target_arch = "arm")]
