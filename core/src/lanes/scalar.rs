@@ -162,17 +162,6 @@ impl Lanes for i32 {
         let low = ((self & 0xffff) as u32 * w as u32 + bias) >> 16;
         (self >> 16) * w + low as Self
     }
-    /// Of numbers of 16 bits without sign: b - a + 2^15, whose product is 2^15 w more.
-    #[inline(always)]
-    fn between16(self, b: Self, w: Self) -> Self {
-        if cfg!(target_pointer_width = "64") {
-            let product = ((b - self + (1 << 15)) as u32 & 0xffff) * (w as u32 & 0xffff);
-            return ((self << 16) as u32)
-                .wrapping_add(product)
-                .wrapping_sub((w as u32) << 15) as Self;
-        }
-        (self << 16) + (b - self) * w
-    }
     #[inline(always)]
     fn product16_31(self, a: Self, half: u32) -> Self {
         ((u64::from(self as u32) * u64::from(a as u32) + u64::from(half)) >> 31) as Self
