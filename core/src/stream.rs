@@ -16,7 +16,7 @@ mod ring;
 use core::ops::Range;
 
 pub use self::reserved::Reserved;
-use self::ring::{Ring, place};
+use self::ring::Ring;
 use crate::clip::Clipper;
 use crate::composite::{Pixel, Recurrence as _};
 use crate::lanes::{Lanes as _, Native};
@@ -353,7 +353,8 @@ fn band_pixel<L: Pipeline>(
     rows: Range<u32>,
     at: [i64; 2],
 ) -> Pixel<ChannelOf<L::Precision>> {
-    place(L::SHAPE, plan, rows, at)
+    L::SHAPE
+        .place(plan, rows, at)
         .and_then(|(start, column)| {
             let row = image.get(start..start + L::SHAPE.row_len(plan))?;
             Some(pipeline.pixel(row, column))

@@ -80,4 +80,20 @@ impl Shape {
     pub(crate) const fn rows_len(&self, plan: &Plan, rows: u32) -> usize {
         self.row_len(plan).saturating_mul(rows as usize)
     }
+
+    /// Where pixel (u, v) of an image of all phases lies, of which these rows are held: the start of its row, and its column. `None`
+    /// outside them.
+    pub fn place(&self, plan: &Plan, rows: Range<u32>, [u, v]: [i64; 2]) -> Option<(usize, usize)> {
+        let n = u64::from(plan.sampling().rays_per_voxel);
+        let (u, v) = (u64::try_from(u).ok()?, u64::try_from(v).ok()?);
+        let [width, _] = plan.base();
+        let (column, row) = (u.checked_div(n)? as usize, u32::try_from(v.checked_div(n)?).ok()?);
+        if column >= width as usize || !rows.contains(&row) {
+            return None;
+        }
+        let phase = (u.checked_rem(n)? + n * v.checked_rem(n)?) as usize;
+        let start =
+            phase * self.rows_len(plan, rows.end - rows.start) + (row - rows.start) as usize * self.row_len(plan);
+        Some((start, column))
+    }
 }

@@ -134,17 +134,3 @@ impl<'m, X: Voxel> Ring<'m, X> {
         })
     }
 }
-
-/// Where a pixel of a band of an image lies, given in all phases: the start of its row, and its column. `None` outside the band.
-pub(super) fn place(shape: Shape, plan: &Plan, rows: Range<u32>, [u, v]: [i64; 2]) -> Option<(usize, usize)> {
-    let n = u64::from(plan.sampling().rays_per_voxel);
-    let (u, v) = (u64::try_from(u).ok()?, u64::try_from(v).ok()?);
-    let [width, _] = plan.base();
-    let (column, row) = (u.checked_div(n)? as usize, u32::try_from(v.checked_div(n)?).ok()?);
-    if column >= width as usize || !rows.contains(&row) {
-        return None;
-    }
-    let phase = (u.checked_rem(n)? + n * v.checked_rem(n)?) as usize;
-    let start = phase * shape.rows_len(plan, rows.end - rows.start) + (row - rows.start) as usize * shape.row_len(plan);
-    Some((start, column))
-}

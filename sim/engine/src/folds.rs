@@ -1,14 +1,14 @@
 //! Pipelines as objects: what tiles, streams and pictures ask of them, whatever their types.
 //!
 //! A pipeline's own code is compiled for every lanes; what goes round it is compiled once for the voxels and the elements of an
-//! image. A call is a plane of a tile, a row of a picture's copy or a slice of a stream, beside which its cost is nothing.
+//! image. A call is a plane of a tile, a row of a picture's copy or a slice of a stream: some hundred nanoseconds of work at least.
 
 use slicecast::classify::Support;
 use slicecast::clip::Clipper;
 use slicecast::composite::{Channel as _, Pixel, Recurrence as _};
 use slicecast::lanes::Lanes;
 use slicecast::plan::Plan;
-use slicecast::plane::{At, ChannelOf, Kept, Pictured, Pipeline, Rows, ScratchError, Shape};
+use slicecast::plane::{At, ChannelOf, Kept, Pictured, Pipeline, Rows, ScratchError, Shape, clear};
 use slicecast::precision::Precision as _;
 use slicecast::slice::Voxel;
 use slicecast::stream::{Memory, Stream, StreamError};
@@ -29,8 +29,8 @@ pub trait Folds: Send + Sync {
     fn shape(&self) -> Shape;
     /// [`Pipeline::support`].
     fn support(&self) -> Option<Support>;
-    /// [`Pipeline::empty`].
-    fn empty(&self, channel: usize) -> Self::Element;
+    /// [`clear`].
+    fn clear(&self, plan: &Plan, data: &mut [Self::Element]);
     /// Name and 1.0 of the channels of its pixels.
     fn format(&self) -> (&'static str, u32);
     /// Red, green, blue and transparency in a column of a finished row, raw bits.
@@ -112,8 +112,8 @@ impl<L: Pipeline + Send> Folds for L {
         Pipeline::support(self)
     }
 
-    fn empty(&self, channel: usize) -> Self::Element {
-        Pipeline::empty(self, channel)
+    fn clear(&self, plan: &Plan, data: &mut [Self::Element]) {
+        clear(self, plan, data);
     }
 
     fn format(&self) -> (&'static str, u32) {

@@ -46,8 +46,8 @@ pub struct Frame {
 /// # Errors
 /// [`RenderError::Memory`] before anything too large is allocated.
 pub(crate) fn new_image<F: Folds + ?Sized>(plan: &Plan, pipeline: &F) -> Result<Vec<F::Element>, RenderError> {
-    let ([width, height], shape) = (plan.base(), pipeline.shape());
-    let needs = Needs::of_shape(shape, plan, height);
+    let [_, height] = plan.base();
+    let needs = Needs::of_shape(pipeline.shape(), plan, height);
     let bytes = needs.image as u64 * needs.element_bytes as u64;
     if bytes > IMAGE_BYTES_MAX {
         return Err(RenderError::Memory {
@@ -56,22 +56,24 @@ pub(crate) fn new_image<F: Folds + ?Sized>(plan: &Plan, pipeline: &F) -> Result<
         });
     }
     let mut image = vec![F::Element::default(); needs.image];
-    let runs = image.chunks_mut((width as usize).max(1)).enumerate();
-    runs.for_each(|(index, run)| run.fill(pipeline.empty(index % shape.channels)));
+    pipeline.clear(plan, &mut image);
     Ok(image)
 }
 
 /// The base-plane image with its phases interleaved.
 pub(crate) fn base_image<F: Folds + ?Sized>(plan: &Plan, pipeline: &F, image: &[F::Element]) -> BaseImage {
     let n = plan.sampling().rays_per_voxel as usize;
-    let (shape, [width, height]) = (pipeline.shape(), plan.base().map(|side| side as usize * n));
+    let (shape, [base_width, rows]) = (pipeline.shape(), plan.base());
+    let [width, height] = [base_width, rows].map(|side| side as usize * n);
     let (format, one) = pipeline.format();
     let mut planes = [(); 4].map(|()| Vec::with_capacity(width * height));
-    for v in 0..height {
-        for u in 0..width {
-            let start = (v % n * n + u % n) * shape.phase_len(plan) + v / n * shape.row_len(plan);
+    for v in 0..height as i64 {
+        for u in 0..width as i64 {
+            let Some((start, column)) = shape.place(plan, 0..rows, [u, v]) else {
+                unreachable!("the image has all of its pixels");
+            };
             let row = &image[start..start + shape.row_len(plan)];
-            for (plane, bits) in planes.iter_mut().zip(pipeline.pixel(row, u / n)) {
+            for (plane, bits) in planes.iter_mut().zip(pipeline.pixel(row, column)) {
                 plane.push(bits);
             }
         }
