@@ -27,21 +27,6 @@ pub trait Weighted: Recurrence {
     fn over_factor<V: Lanes>(self, pixel: Pixel<V>, sample: [V; 4], factor: (V, u32), dither: Dither) -> Pixel<V>;
 }
 
-/// [`Weighted::over_factor`] of the pixels at a place of a row, with the floor applied.
-#[inline(always)]
-fn settle_at<R: Weighted, V: Lanes>(
-    recurrence: R,
-    row: &mut PixelRow<'_, R::Channel>,
-    at: usize,
-    (sample, factor): ([V; 4], (V, u32)),
-    dither: Dither,
-    floor: V,
-) {
-    let mut out = recurrence.over_factor(row.lanes::<V>(at), sample, factor, dither);
-    out.transparency = out.transparency.at_least_then(floor, out.transparency);
-    row.set_lanes(at, out);
-}
-
 impl Weighted for Telescoping31 {
     /// Of errors of 31 bits those of phi would be the largest, if they added up.
     const PHI: &'static Phi = &CENTRED_PHI;
@@ -185,5 +170,7 @@ fn fold_weighted<R: Weighted, V: Lanes>(
     } else {
         absorption.factor_at(R::PHI, depths, 0)
     };
-    settle_at(recurrence, row, 0, (sample, (factor, absorption.shift)), dither, floor);
+    let mut out = recurrence.over_factor(row.lanes::<V>(0), sample, (factor, absorption.shift), dither);
+    out.transparency = out.transparency.at_least_then(floor, out.transparency);
+    row.set_lanes(0, out);
 }

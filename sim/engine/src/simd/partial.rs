@@ -25,8 +25,8 @@ pub unsafe fn neighbours<const N: usize>(values: &[u32; N], samples: *const i32,
     // SAFETY: there are two samples, in the order of x86-64.
     let pair = unsafe { samples.cast::<u64>().read_unaligned() };
     let pair = pair.wrapping_add(coding.offset as u64 * ((1 << 32) + 1));
-    // Depths of phi have nothing above the code. Of other tables the compiler leaves the question out.
-    let (first, second) = if code_bits == 10 && coding.bits == 22 {
+    // With nothing above the code, as in depths of phi, a shift leaves it alone. The compiler answers this where lookups are made.
+    let (first, second) = if code_bits + coding.bits == 32 {
         (pair as u32 >> coding.bits, pair >> (32 + coding.bits))
     } else {
         // SAFETY: the processor has BMI1.

@@ -167,7 +167,7 @@ impl Floats for f32 {
 pub trait OverFloats {
     /// What comes of it.
     type Output;
-    /// Does it. `#[inline(always)]`, like all that it calls but by [`Floats::enter`].
+    /// The work in these lanes. It is `#[inline(always)]`, and so is all that it calls, except by [`Floats::enter`].
     fn run<F: Floats>(self) -> Self::Output;
 }
 
