@@ -20,9 +20,9 @@ use slicecast_firmware::scenes::{
     DENSE, DENSE_INTEGRALS, DEPTHS_EXPECTED, SURFACES_EXPECTED, TURN_INTEGRALS, TURNS, TURNS_EXPECTED,
 };
 use slicecast_firmware::stack;
+use slicecast_firmware_shared::scene;
 use slicecast_firmware_shared::scene::{IntegralData, Lights, Model, SURFACES, SceneData, SceneError};
 use slicecast_firmware_shared::sum::Sum;
-use slicecast_firmware_shared::scene;
 use static_cell::ConstStaticCell;
 
 #[cfg(target_arch = "arm")]
