@@ -20,7 +20,7 @@
 //! | `splines` | compositing of such samples, of values |
 //! | `fast`, `fast/` | the same in 16-bit lanes: samples and gradients, kernels, pixels, projection |
 //! | `sheets` | compositing of samples that voxels were splatted to |
-//! | `kernels` | row kernels of a classifier and a shader |
+//! | `kernels`, `slots` | row kernels of a classifier and a shader; what goes through a plane sees them as objects |
 //! | `canvas` | pixels |
 //! | `shape` | what a pipeline's type says, as values |
 //! | `fold`, `blocks` | the driver, and the two ways through a plane |
@@ -44,6 +44,7 @@ mod scratch;
 mod shape;
 mod sheets;
 mod slabs;
+mod slots;
 mod smooth;
 mod source;
 mod splines;

@@ -34,8 +34,10 @@ pub(super) trait Canvas<W> {
     fn weigh(&self, _opacities: &mut [W], _factors: &[W]) {}
 }
 
-/// A canvas into which blocks are folded, packed side by side.
+/// A canvas of a plane's parts, into which blocks are folded, packed side by side.
 pub(super) trait Packing<W>: Canvas<W> {
+    /// Says which columns have a sample from now on.
+    fn begin(&mut self, columns: Range<usize>);
     /// Drops the fresh places under which all rays have terminated; the number of those left.
     fn unfinished(&self, places: &mut Places<'_>, fresh: Range<usize>) -> usize;
     /// Moves vectors with a visible sample to the front, and visible samples side by side; how many there are of both.
@@ -199,6 +201,11 @@ impl<R: Recurrence, O: Order, V: Lanes> Canvas<i32> for Image<'_, R, O, V> {
 }
 
 impl<R: Recurrence, O: Order, V: Lanes> Packing<i32> for Image<'_, R, O, V> {
+    #[inline(always)]
+    fn begin(&mut self, columns: Range<usize>) {
+        self.columns = columns;
+    }
+
     #[inline(always)]
     fn unfinished(&self, places: &mut Places<'_>, fresh: Range<usize>) -> usize {
         if O::BACK_TO_FRONT {

@@ -3,16 +3,17 @@
 use core::marker::PhantomData;
 
 use super::blocks::Blocks;
-use super::canvas::{Canvas, Image, Packing, rows_finished};
+use super::canvas::{Image, Packing, rows_finished};
 use super::clipped::{Clipped, Rest};
 use super::extent::Extent;
-use super::fold::{WholeRows, fold};
+use super::fold::WholeRows;
 use super::kept::{Kept, KeptRows};
-use super::kernels::{ClassifierRows, Kernels, ShaderRows};
+use super::kernels::{Kernels, PartRows, ShaderRows};
 use super::parts::{Columns, Parts, Segments};
 use super::probe::Probes;
-use super::scratch::{self, BATCH, BATCH_WIDTH, BatchRows, Scratch, ScratchError};
+use super::scratch::{self, BATCH, BATCH_WIDTH, Scratch, ScratchError};
 use super::slabs::{SlabProbes, Slabs};
+use super::slots::{AnySlots, Slots};
 use super::source::{Sheared, Source, SourceAt};
 use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::{Classifier, Support};
@@ -22,7 +23,7 @@ use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::part_mut;
 use crate::seen::Seen;
-use crate::shade::Shader;
+use crate::shade::{Asked, Shader};
 use crate::slice::{Code12, Window};
 use crate::tap::Tap;
 
@@ -87,126 +88,219 @@ pub(super) fn pixel_of_runs<P: Precision>(precision: P, row: &[ChannelOf<P>], co
     }
 }
 
-impl<P, C, S, O> Composite<P, C, S, O>
+/// How a pipeline's samples are laid out: constants where it is compiled as one.
+#[derive(Clone, Copy)]
+struct Layout {
+    slabs: bool,
+    scratch: scratch::Rows,
+}
+
+/// Folds the samples of a plane, or the segments that end in it.
+#[inline(always)]
+fn fold_plane<V, A, P, C, S, X>(
+    slots: &mut Slots<'_, P, C, S, X>,
+    layout: Layout,
+    at: &At<'_>,
+    scratch: &mut [i32],
+    kept: Option<&mut Kept<'_>>,
+    mut tap: Option<&mut dyn Tap>,
+) -> Result<(), ScratchError>
 where
+    V: Lanes,
+    A: Asked,
     P: Precision,
-    C: Classifier<P>,
-    S: Shader<P>,
-    O: Order,
+    C: PartRows<i32> + ?Sized,
+    S: ShaderRows<i32> + ?Sized,
+    X: Packing<i32> + ?Sized,
 {
-    /// Folds the samples of an extent, or the segments between them and those of the extent in front.
-    #[inline(always)]
-    fn fold_extent<V: Lanes>(
-        &self,
-        (at, rest): (&At<'_>, &Rest<'_>),
-        (extent, behind, seen): (&Extent, &Window<'_>, Option<Seen<'_>>),
-        before: Option<(&Extent, &Window<'_>, [KeptRows<'_>; 2])>,
-        rows: Rows<'_, ChannelOf<P>>,
-        (scratch, spare): (Scratch<'_, i32>, &mut [i32]),
-        tap: Option<&mut dyn Tap>,
-    ) {
-        let At {
-            plan, plane, reading, ..
-        } = at;
-        let Scratch {
-            mut source,
-            mut front,
-            front_gradients,
-            mut batch,
-        } = scratch;
-        let base_width = plan.base()[0] as usize;
-        let Some(count) = rows.data.len().checked_div(4 * base_width) else {
-            return;
-        };
-        let n = extent.columns.len();
-        if n == 0 {
-            return;
+    let At {
+        plan, plane, window, ..
+    } = at;
+    let Layout { slabs, scratch: memory } = layout;
+    let met = (slots.first, slots.count);
+    // Small machines have no whole volume at hand, and observers see whole rows; segments that are cut and colours that turn lie
+    // in rows too.
+    let rest = Rest::of(at, slabs, met, true);
+    let seen = at
+        .seen
+        .filter(|_| !V::SMALL && tap.is_none() && !rest.cuts_rows(slabs));
+    let [mut width, _, _] = plan.dims();
+    if seen.is_some() {
+        width = width.max(BATCH_WIDTH);
+    }
+    let (scratch, spare) = scratch::with_spare(scratch, memory, width, seen.is_some())?;
+    if let Some(tap) = &mut tap {
+        tap.plane(plane);
+    }
+    if matches!(rest, Rest::Nothing) {
+        return Ok(());
+    }
+    // What is read is told of whole rows.
+    let at_rows = |whole: bool| At {
+        reading: at.reading.filter(|_| whole),
+        ..*at
+    };
+    let columns = if seen.is_some() {
+        Columns::InBlocks
+    } else {
+        Columns::InRows
+    };
+    let mut parts = Parts::of(plan, plane, columns);
+    // Behind the first plane there is no segment.
+    if slabs {
+        let mut kept = kept.filter(|_| !V::SMALL);
+        while let Some(Segments { mut ends, inner, .. }) = parts.segments::<V>(window, A::GRADIENTS) {
+            let narrowed = tap.is_none() && rest.narrow(plan, &mut ends, true, met);
+            let [front, back] = &ends;
+            let memory = Scratch::cut(&mut *scratch, memory, width, !V::SMALL)?;
+            let kept = match &mut kept {
+                Some(kept) if inner && !narrowed => kept.of(plane.index, [&front.extent, &back.extent]),
+                _ => Default::default(),
+            };
+            fold_extent::<V, A, P, C, S, X>(
+                slots,
+                (&at_rows(back.whole_rows), &rest),
+                (&back.extent, &back.window, seen),
+                Some((&front.extent, &front.window, kept)),
+                (memory, &mut *spare),
+                again(&mut tap),
+            );
         }
-        let (precision, first) = (self.precision, rows.first);
-        let mut canvas = Image::<P::Pixel, O, V>::new(
-            (first, rows.data),
-            base_width,
-            extent.columns.clone(),
-            plane.index,
-            (precision.pixel(), self.floor),
+        return Ok(());
+    }
+    while let Some(mut samples) = parts.samples::<V>(window) {
+        if seen.is_none() && tap.is_none() {
+            rest.narrow(plan, core::slice::from_mut(&mut samples), false, met);
+        }
+        let memory = Scratch::cut(&mut *scratch, memory, width, !V::SMALL)?;
+        fold_extent::<V, A, P, C, S, X>(
+            slots,
+            (&at_rows(samples.whole_rows), &rest),
+            (&samples.extent, &samples.window, seen),
+            None,
+            (memory, &mut *spare),
+            again(&mut tap),
         );
-        let classifier = Kernels::<C, P, V>::of(&self.classifier, precision).of_fractions(extent, plan.exact());
-        let shader = Kernels::<S, P, V>::of(&self.shader, precision);
-        let clipped = Clipped::of(rest, extent, precision.pixel().colour_bits());
-        let spacing = plan.spacing();
-        // Two constants, before which no code for blocks is compiled.
-        if !V::SMALL
-            && let Some(seen) = seen
-        {
-            let mut probes = Probes::<P, V> {
-                extent,
-                window: behind,
-                spacing,
-                precision,
-                lanes: PhantomData,
-            };
-            let [rows, columns] = &mut source.z;
-            let lists = [part_mut(rows, 0..BATCH), part_mut(columns, 0..BATCH)];
-            let ([back, ..], [ahead, ..]) = (&mut source.samples, &mut front.samples);
-            let samples = [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)];
-            let [ahead, back] = &mut front.z;
-            let (spare_rows, spare_columns) = spare.split_at_mut(spare.len().min(BATCH));
-            let stored = [
-                [spare_rows, spare_columns],
-                [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)],
-            ];
-            let mut slabs;
-            let probes: &mut dyn SourceAt<i32> = match &before {
-                Some((before, ahead, _)) if C::SLABS => {
-                    slabs = SlabProbes {
-                        front: Probes {
-                            extent: before,
-                            window: ahead,
-                            ..probes
-                        },
-                        back: probes,
-                        gradients: front_gradients,
-                    };
-                    &mut slabs
-                }
-                _ => &mut probes,
-            };
-            let lists = (lists, samples, stored);
-            let mut blocks = Blocks::new(seen, extent, (first, count), V::COUNT, probes, clipped.as_ref(), lists);
-            fold_blocks(&mut blocks, (&classifier, &shader), &mut canvas, batch);
-            return;
-        }
-        batch.opacities = part_mut(batch.opacities, 0..n);
-        let (support, met) = ((self.classifier.support(), clipped.as_ref()), extent.met(first, count));
-        let around = (extent, behind);
-        if C::SLABS {
-            let Some((before, ahead, [front_kept, kept])) = before else {
-                return;
-            };
-            let sheared = Sheared::<P, V, S::Asked>::new(precision, extent, behind, spacing, source, kept);
-            let front = Sheared::<P, V, S::Asked>::new(precision, before, ahead, spacing, front, front_kept);
-            let mut slabs = Slabs::new([front, sheared], [before, extent], front_gradients);
-            let before = Some((before, ahead));
-            if V::SMALL {
-                let mut rows = WholeRows::new(plane, around, before, support, &mut slabs, met, None);
-                fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
-            } else {
-                let source: &mut dyn Source<i32> = &mut slabs;
-                let mut rows = WholeRows::new(plane, around, before, support, source, met, *reading);
-                fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+    }
+    Ok(())
+}
+
+/// [`fold_plane`] of any pipeline of a precision.
+#[inline(never)]
+fn fold_plane_of<V: Lanes, A: Asked, P: Precision>(
+    slots: &mut AnySlots<'_, '_, P>,
+    layout: Layout,
+    at: &At<'_>,
+    scratch: &mut [i32],
+    kept: Option<&mut Kept<'_>>,
+    tap: Option<&mut dyn Tap>,
+) -> Result<(), ScratchError> {
+    fold_plane::<V, A, _, _, _, _>(slots, layout, at, scratch, kept, tap)
+}
+
+/// Folds the samples of an extent, or the segments between them and those of the extent in front.
+#[inline(always)]
+fn fold_extent<V, A, P, C, S, X>(
+    slots: &mut Slots<'_, P, C, S, X>,
+    (at, rest): (&At<'_>, &Rest<'_>),
+    (extent, behind, seen): (&Extent, &Window<'_>, Option<Seen<'_>>),
+    before: Option<(&Extent, &Window<'_>, [KeptRows<'_>; 2])>,
+    (scratch, spare): (Scratch<'_, i32>, &mut [i32]),
+    tap: Option<&mut dyn Tap>,
+) where
+    V: Lanes,
+    A: Asked,
+    P: Precision,
+    C: PartRows<i32> + ?Sized,
+    S: ShaderRows<i32> + ?Sized,
+    X: Packing<i32> + ?Sized,
+{
+    let At {
+        plan, plane, reading, ..
+    } = at;
+    let Scratch {
+        mut source,
+        mut front,
+        front_gradients,
+        mut batch,
+    } = scratch;
+    let n = extent.columns.len();
+    if n == 0 {
+        return;
+    }
+    let (precision, first, count) = (slots.precision, slots.first, slots.count);
+    slots.canvas.begin(extent.columns.clone());
+    slots.classifier.begin(extent, plan.exact());
+    let clipped = Clipped::of(rest, extent, precision.pixel().colour_bits());
+    let spacing = plan.spacing();
+    // Two constants, before which no code for blocks is compiled.
+    if !V::SMALL
+        && let Some(seen) = seen
+    {
+        let mut probes = Probes::<P, V> {
+            extent,
+            window: behind,
+            spacing,
+            precision,
+            lanes: PhantomData,
+        };
+        let [rows, columns] = &mut source.z;
+        let lists = [part_mut(rows, 0..BATCH), part_mut(columns, 0..BATCH)];
+        let ([back, ..], [ahead, ..]) = (&mut source.samples, &mut front.samples);
+        let samples = [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)];
+        let [ahead, back] = &mut front.z;
+        let (spare_rows, spare_columns) = spare.split_at_mut(spare.len().min(BATCH));
+        let stored = [
+            [spare_rows, spare_columns],
+            [part_mut(ahead, 0..BATCH), part_mut(back, 0..BATCH)],
+        ];
+        let mut slabs;
+        let probes: &mut dyn SourceAt<i32> = match &before {
+            Some((before, ahead, _)) => {
+                slabs = SlabProbes {
+                    front: Probes {
+                        extent: before,
+                        window: ahead,
+                        ..probes
+                    },
+                    back: probes,
+                    gradients: front_gradients,
+                };
+                &mut slabs
             }
-            return;
-        }
-        let mut sheared =
-            Sheared::<P, V, S::Asked>::new(precision, extent, behind, spacing, source, KeptRows::default());
+            None => &mut probes,
+        };
+        let lists = (lists, samples, stored);
+        let mut blocks = Blocks::new(seen, extent, (first, count), V::COUNT, probes, clipped.as_ref(), lists);
+        slots.fold_apart(&mut blocks, batch, None);
+        return;
+    }
+    batch.opacities = part_mut(batch.opacities, 0..n);
+    let (support, met) = ((slots.support, clipped.as_ref()), extent.met(first, count));
+    let around = (extent, behind);
+    if let Some((before, ahead, [front_kept, kept])) = before {
+        let sheared = Sheared::<P, V, A>::new(precision, extent, behind, spacing, source, kept);
+        let front = Sheared::<P, V, A>::new(precision, before, ahead, spacing, front, front_kept);
+        let mut slabs = Slabs::new([front, sheared], [before, extent], front_gradients);
+        let before = Some((before, ahead));
         if V::SMALL {
-            let mut rows = WholeRows::new(plane, around, None, support, &mut sheared, met, None);
-            fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+            let mut rows = WholeRows::new(plane, around, before, support, &mut slabs, met, None);
+            slots.fold(&mut rows, batch, tap);
         } else {
-            let source: &mut dyn Source<i32> = &mut sheared;
-            let mut rows = WholeRows::new(plane, around, None, support, source, met, *reading);
-            fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+            let source: &mut dyn Source<i32> = &mut slabs;
+            let mut rows = WholeRows::new(plane, around, before, support, source, met, *reading);
+            slots.fold_apart(&mut rows, batch, tap);
         }
+        return;
+    }
+    let mut sheared = Sheared::<P, V, A>::new(precision, extent, behind, spacing, source, KeptRows::default());
+    if V::SMALL {
+        let mut rows = WholeRows::new(plane, around, None, support, &mut sheared, met, None);
+        slots.fold(&mut rows, batch, tap);
+    } else {
+        let source: &mut dyn Source<i32> = &mut sheared;
+        let mut rows = WholeRows::new(plane, around, None, support, source, met, *reading);
+        slots.fold_apart(&mut rows, batch, tap);
     }
 }
 
@@ -216,29 +310,6 @@ pub(super) fn again<'t>(tap: &'t mut Option<&mut dyn Tap>) -> Option<&'t mut dyn
         Some(tap) => Some(&mut **tap),
         None => None,
     }
-}
-
-/// Whole rows through the driver, of which there is one copy for all pipelines.
-#[inline(never)]
-pub(super) fn fold_rows(
-    rows: &mut WholeRows<'_, '_, dyn Source<i32> + '_>,
-    slots: (&dyn ClassifierRows<i32>, &dyn ShaderRows<i32>),
-    canvas: &mut dyn Canvas<i32>,
-    memory: BatchRows<'_, i32>,
-    tap: Option<&mut dyn Tap>,
-) {
-    fold(rows, slots, canvas, memory, tap);
-}
-
-/// Blocks through the driver, of which there is one copy for all pipelines.
-#[inline(never)]
-fn fold_blocks(
-    blocks: &mut Blocks<'_>,
-    slots: (&dyn ClassifierRows<i32>, &dyn ShaderRows<i32>),
-    canvas: &mut dyn Packing<i32>,
-    memory: BatchRows<'_, i32>,
-) {
-    fold(blocks, slots, canvas, memory, None);
 }
 
 impl<P, C, S, O> Pipeline for Composite<P, C, S, O>
@@ -282,94 +353,33 @@ where
         rows: Rows<'_, ChannelOf<P>>,
         scratch: &mut [i32],
         kept: Option<&mut Kept<'_>>,
-        mut tap: Option<&mut dyn Tap>,
+        tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
         // The gradient of a segment is the sum of two.
         const { assert!(!(C::SLABS && S::MODULATES), "modulation is of samples") };
-        let At {
-            plan, plane, window, ..
-        } = at;
-        // Small machines have no whole volume at hand, and observers see whole rows; segments that are cut and colours that turn lie
-        // in rows too.
-        let (first, met) = (
-            rows.first,
-            rows.data.len().checked_div(4 * plan.base()[0] as usize).unwrap_or(0),
-        );
-        let rest = Rest::of(at, C::SLABS, (first, met), true);
-        let seen = at
-            .seen
-            .filter(|_| !V::SMALL && tap.is_none() && !rest.cuts_rows(C::SLABS));
-        let [mut width, _, _] = plan.dims();
-        if seen.is_some() {
-            width = width.max(BATCH_WIDTH);
-        }
-        let (scratch, spare) = scratch::with_spare(scratch, Self::SCRATCH, width, seen.is_some())?;
-        if let Some(tap) = &mut tap {
-            tap.plane(plane);
-        }
-        if matches!(rest, Rest::Nothing) {
-            return Ok(());
-        }
-        let Rows { data, .. } = rows;
-        // What is read is told of whole rows.
-        let at_rows = |whole: bool| At {
-            reading: at.reading.filter(|_| whole),
-            ..*at
+        let (precision, width) = (self.precision, at.plan.base()[0] as usize);
+        let (first, count) = (rows.first, rows.data.len().checked_div(4 * width).unwrap_or(0));
+        let kinds = (precision.pixel(), self.floor);
+        let mut canvas = Image::<P::Pixel, O, V>::new((first, rows.data), width, 0..0, at.plane.index, kinds);
+        let mut classifier = Kernels::<C, P, V>::of(&self.classifier, precision);
+        let mut slots = Slots {
+            precision,
+            classifier: &mut classifier,
+            shader: &Kernels::<S, P, V>::of(&self.shader, precision),
+            canvas: &mut canvas,
+            support: self.classifier.support(),
+            first,
+            count,
         };
-        let mut parts = Parts::of(
-            plan,
-            plane,
-            if seen.is_some() {
-                Columns::InBlocks
-            } else {
-                Columns::InRows
-            },
-        );
-        // Behind the first plane there is no segment; a constant, without which no code for them is compiled.
-        if C::SLABS {
-            let mut kept = kept.filter(|_| !V::SMALL);
-            while let Some(Segments { mut ends, inner, .. }) = parts.segments::<V>(window, S::LIT) {
-                let narrowed = tap.is_none() && rest.narrow(plan, &mut ends, true, (first, met));
-                let [front, back] = &ends;
-                let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
-                let kept = match &mut kept {
-                    Some(kept) if inner && !narrowed => kept.of(plane.index, [&front.extent, &back.extent]),
-                    _ => Default::default(),
-                };
-                let rows = Rows {
-                    first,
-                    data: &mut *data,
-                };
-                self.fold_extent::<V>(
-                    (&at_rows(back.whole_rows), &rest),
-                    (&back.extent, &back.window, seen),
-                    Some((&front.extent, &front.window, kept)),
-                    rows,
-                    (memory, &mut *spare),
-                    again(&mut tap),
-                );
-            }
-            return Ok(());
+        let layout = Layout {
+            slabs: C::SLABS,
+            scratch: Self::SCRATCH,
+        };
+        if V::SMALL {
+            fold_plane::<V, S::Asked, _, _, _, _>(&mut slots, layout, at, scratch, kept, tap)
+        } else {
+            fold_plane_of::<V, S::Asked, P>(&mut slots.any(), layout, at, scratch, kept, tap)
         }
-        while let Some(mut samples) = parts.samples::<V>(window) {
-            if seen.is_none() && tap.is_none() {
-                rest.narrow(plan, core::slice::from_mut(&mut samples), false, (first, met));
-            }
-            let memory = Scratch::cut(&mut *scratch, Self::SCRATCH, width, !V::SMALL)?;
-            let rows = Rows {
-                first,
-                data: &mut *data,
-            };
-            self.fold_extent::<V>(
-                (&at_rows(samples.whole_rows), &rest),
-                (&samples.extent, &samples.window, seen),
-                None,
-                rows,
-                (memory, &mut *spare),
-                again(&mut tap),
-            );
-        }
-        Ok(())
     }
 
     #[inline(always)]

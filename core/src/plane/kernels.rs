@@ -27,6 +27,12 @@ pub(super) trait ClassifierRows<W> {
     fn turn_row(&self, slab: Slab<'_, W>, out: &mut [W]);
 }
 
+/// Row kernels of a classifier, of a plane's parts.
+pub(super) trait PartRows<W>: ClassifierRows<W> {
+    /// Says of which extent rows are from now on: what of each step or segment counts.
+    fn begin(&mut self, extent: &Extent, exact: Option<&'static Exact>);
+}
+
 /// Row kernels of a shader.
 pub(super) trait ShaderRows<W> {
     /// Whether normals are read.
@@ -85,15 +91,16 @@ impl<'a, T, P: Precision, V> Kernels<'a, T, P, V> {
         };
         Self(slot, precision, whole, PhantomData)
     }
+}
 
-    /// For the fractions of an extent.
-    pub(super) fn of_fractions(self, extent: &Extent, exact: Option<&'static Exact>) -> Self {
-        let fractions = Fractions {
+impl<C: Classifier<P>, P: Precision, V: Lanes> PartRows<i32> for Kernels<'_, C, P, V> {
+    #[inline(always)]
+    fn begin(&mut self, extent: &Extent, exact: Option<&'static Exact>) {
+        self.2 = Fractions {
             row: extent.part.length(),
             ends: extent.ends.map(|end| end.map(Part::length)),
             exact,
         };
-        Self(self.0, self.1, fractions, PhantomData)
     }
 }
 

@@ -9,13 +9,14 @@ mod source;
 use core::ops::Range;
 
 use self::source::{Source, Spreads};
-use super::canvas::{Canvas, Image};
+use super::canvas::{Canvas, Image, Packing};
 use super::composite::Composite;
 use super::extent::around;
-use super::fold::{Batches, fold};
+use super::fold::Batches;
 use super::kept::Kept;
-use super::kernels::{ClassifierRows, Kernels, ShaderRows, Towards};
-use super::scratch::{self, BatchRows, ScratchError, SpreadScratch};
+use super::kernels::{ClassifierRows, Kernels, PartRows, ShaderRows, Towards};
+use super::scratch::{self, ScratchError, SpreadScratch};
+use super::slots::{AnySlots, Slots};
 use super::{At, ChannelOf, Pipeline, Rows};
 use crate::classify::{Classifier, Slab, Support};
 use crate::composite::{Colours, Order, Pixel};
@@ -25,7 +26,7 @@ use crate::perspective::Spread;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
-use crate::shade::Shader;
+use crate::shade::{Asked, Shader};
 use crate::slice::{Code12, Window};
 use crate::tap::{Beam, Tap};
 
@@ -163,16 +164,69 @@ impl<X: Canvas<i32> + ?Sized, S: Spreads<i32> + ?Sized> Batches<i32, X> for Spre
     }
 }
 
-/// Rows that spread through the driver, of which there is one copy for all pipelines.
+/// Folds the samples of a plane.
+#[inline(always)]
+fn fold_plane<V, A, P, C, S, X>(
+    slots: &mut Slots<'_, P, C, S, X>,
+    spread: &Spread,
+    memory: scratch::Rows,
+    at: &At<'_>,
+    scratch: &mut [i32],
+    mut tap: Option<&mut dyn Tap>,
+) -> Result<(), ScratchError>
+where
+    V: Lanes,
+    A: Asked,
+    P: Precision,
+    C: PartRows<i32> + ?Sized,
+    S: ShaderRows<i32> + ?Sized,
+    X: Packing<i32> + ?Sized,
+{
+    let (plan, plane, window) = (at.plan, &at.plane, &at.window);
+    let (source_rows, mut batch) = SpreadScratch::cut(scratch, memory, plan.longest_row(), !V::SMALL)?;
+    if let Some(tap) = &mut tap {
+        tap.plane(plane);
+    }
+    let ([width, height, _], [base_width, base_height]) = (plan.dims(), plan.base());
+    // What lies behind the eye or about it, and what is another plan's.
+    if plane.index < spread.first_plane() || !plan.spreads() || spread.base() != plan.base() {
+        return Ok(());
+    }
+    let lines = spread.lines(plane.index);
+    let [across, down] = &lines;
+    let (columns, met) = (across.inside(width, base_width), down.inside(height, base_height));
+    let (first, end) = (slots.first, slots.first + slots.count as u32);
+    let columns = columns.start as usize..columns.end as usize;
+    let met = met.start.max(first)..met.end.min(end);
+    if columns.is_empty() || met.is_empty() {
+        return Ok(());
+    }
+    slots.canvas.begin(columns.clone());
+    batch.opacities = part_mut(batch.opacities, 0..columns.len());
+    let (around, place) = ((plan, spread, plane), columns.clone());
+    let mut source = Source::<P, V, A>::new(slots.precision, around, lines, place, window, source_rows);
+    if V::SMALL {
+        let mut rows = SpreadRows::new(plane, columns, window, slots.support, &mut source, met);
+        slots.fold(&mut rows, batch, tap);
+    } else {
+        let source: &mut dyn Spreads<i32> = &mut source;
+        let mut rows = SpreadRows::new(plane, columns, window, slots.support, source, met);
+        slots.fold_apart(&mut rows, batch, tap);
+    }
+    Ok(())
+}
+
+/// [`fold_plane`] of any pipeline of a precision.
 #[inline(never)]
-fn fold_spread(
-    rows: &mut SpreadRows<'_, '_, dyn Spreads<i32> + '_>,
-    slots: (&dyn ClassifierRows<i32>, &dyn ShaderRows<i32>),
-    canvas: &mut dyn Canvas<i32>,
-    memory: BatchRows<'_, i32>,
+fn fold_plane_of<V: Lanes, A: Asked, P: Precision>(
+    slots: &mut AnySlots<'_, '_, P>,
+    spread: &Spread,
+    memory: scratch::Rows,
+    at: &At<'_>,
+    scratch: &mut [i32],
     tap: Option<&mut dyn Tap>,
-) {
-    fold(rows, slots, canvas, memory, tap);
+) -> Result<(), ScratchError> {
+    fold_plane::<V, A, _, _, _, _>(slots, spread, memory, at, scratch, tap)
 }
 
 impl<P, C, S, O> Pipeline for Perspective<P, C, S, O>
@@ -214,7 +268,7 @@ where
         rows: Rows<'_, ChannelOf<P>>,
         scratch: &mut [i32],
         _: Option<&mut Kept<'_>>,
-        mut tap: Option<&mut dyn Tap>,
+        tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
         const {
             assert!(
@@ -222,28 +276,6 @@ where
                 "in perspective samples are classified, and not modulated"
             )
         };
-        let (plan, plane, window) = (at.plan, &at.plane, &at.window);
-        let memory = SpreadScratch::cut(scratch, Self::SCRATCH, plan.longest_row(), !V::SMALL)?;
-        if let Some(tap) = &mut tap {
-            tap.plane(plane);
-        }
-        let spread = &self.spread;
-        let ([width, height, _], [base_width, base_height]) = (plan.dims(), plan.base());
-        // What lies behind the eye or about it, and what is another plan's.
-        if plane.index < spread.first_plane() || !plan.spreads() || spread.base() != plan.base() {
-            return Ok(());
-        }
-        let lines = spread.lines(plane.index);
-        let [across, down] = &lines;
-        let (columns, met) = (across.inside(width, base_width), down.inside(height, base_height));
-        let Some(count) = rows.data.len().checked_div(4 * base_width as usize) else {
-            return Ok(());
-        };
-        let (columns, end) = (columns.start as usize..columns.end as usize, rows.first + count as u32);
-        let met = met.start.max(rows.first)..met.end.min(end);
-        if columns.is_empty() || met.is_empty() {
-            return Ok(());
-        }
         let Composite {
             precision,
             classifier,
@@ -251,36 +283,25 @@ where
             floor,
             ..
         } = &self.pipeline;
-        let precision = *precision;
-        let mut canvas = Image::<P::Pixel, O, V>::new(
-            (rows.first, rows.data),
-            base_width as usize,
-            columns.clone(),
-            plane.index,
-            (precision.pixel(), *floor),
-        );
-        let support = classifier.support();
-        let classifier = Kernels::<C, P, V>::of(classifier, precision);
-        let shader = Towards(Kernels::<S, P, V>::of(shader, precision));
-        let (source_rows, mut batch) = memory;
-        batch.opacities = part_mut(batch.opacities, 0..columns.len());
-        let mut source = Source::<P, V, S::Asked>::new(
+        let (precision, width) = (*precision, at.plan.base()[0] as usize);
+        let (first, count) = (rows.first, rows.data.len().checked_div(4 * width).unwrap_or(0));
+        let kinds = (precision.pixel(), *floor);
+        let mut canvas = Image::<P::Pixel, O, V>::new((first, rows.data), width, 0..0, at.plane.index, kinds);
+        let mut slots = Slots {
             precision,
-            (plan, spread, plane),
-            lines,
-            columns.clone(),
-            window,
-            source_rows,
-        );
+            classifier: &mut Kernels::<C, P, V>::of(classifier, precision),
+            shader: &Towards(Kernels::<S, P, V>::of(shader, precision)),
+            canvas: &mut canvas,
+            support: classifier.support(),
+            first,
+            count,
+        };
+        let (spread, memory) = (&self.spread, Self::SCRATCH);
         if V::SMALL {
-            let mut rows = SpreadRows::new(plane, columns, window, support, &mut source, met);
-            fold(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+            fold_plane::<V, S::Asked, _, _, _, _>(&mut slots, spread, memory, at, scratch, tap)
         } else {
-            let source: &mut dyn Spreads<i32> = &mut source;
-            let mut rows = SpreadRows::new(plane, columns, window, support, source, met);
-            fold_spread(&mut rows, (&classifier, &shader), &mut canvas, batch, tap);
+            fold_plane_of::<V, S::Asked, P>(&mut slots.any(), spread, memory, at, scratch, tap)
         }
-        Ok(())
     }
 
     #[inline(always)]
