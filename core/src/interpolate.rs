@@ -329,7 +329,7 @@ fn yx_row_of<P: Precision, V: Lanes, T, const WHOLE: bool>(
     let (wx, wy) = (V::splat(cut(p, wx)), V::splat(cut(p, wy)));
     let mut here = rows.between::<P, V>(p, 0, wy);
     let behind = rows.behind::<V>();
-    if V::COUNT == 1 {
+    if const { V::COUNT == 1 } {
         // A single lane stops before an element that has no right neighbour.
         let len = out.len().min(behind.len());
         let (Some(behind), Some((inner, last))) = (behind.first(len), out.split_at_mut_checked(len)) else {

@@ -17,7 +17,7 @@
 
 use crate::format::{ReciprocalNorm, Unit};
 use crate::lanes::{Lanes, places};
-use crate::rows::part_mut;
+use crate::rows::{part_mut, three};
 
 /// A block-normalised gradient and its reciprocal length: the direction is `g * r / 2^35`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,12 +82,12 @@ pub fn normalise_row<V: Lanes>(g: [&mut [i32]; 3], r: &mut [i32]) {
     let (Some(x), Some(y), Some(z)) = (x.get_mut(..len), y.get_mut(..len), z.get_mut(..len)) else {
         return;
     };
-    if V::COUNT > 1 {
+    if const { V::COUNT > 1 } {
         return normalise_row_by::<V, 4>([x, y, z], r);
     }
     for at in places::<V>(len) {
         let one = at..at + 1;
-        let g = [&mut *x, &mut *y, &mut *z].map(|row| part_mut(row, one.clone()));
+        let g = three([&mut *x, &mut *y, &mut *z], |row| part_mut(row, one.clone()));
         normalise_row_by::<V, 1>(g, part_mut(r, one));
     }
 }

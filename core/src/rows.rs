@@ -21,6 +21,18 @@ pub(crate) fn three<T, U>([a, b, c]: [T; 3], mut each: impl FnMut(T) -> U) -> [U
     [each(a), each(b), each(c)]
 }
 
+/// The same of two.
+#[inline(always)]
+pub(crate) fn two<T, U>([a, b]: [T; 2], mut each: impl FnMut(T) -> U) -> [U; 2] {
+    [each(a), each(b)]
+}
+
+/// The same of four.
+#[inline(always)]
+pub(crate) fn four<T, U>([a, b, c, d]: [T; 4], mut each: impl FnMut(T) -> U) -> [U; 4] {
+    [each(a), each(b), each(c), each(d)]
+}
+
 /// Cuts the first `len` elements off a buffer.
 #[inline]
 pub(crate) fn take<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T] {

@@ -519,11 +519,17 @@ impl<P: Precision> Phong<P> {
             return;
         };
         let (normals, colour) = (Normals { g: [gx, gy, gz], r }, [red, green, blue]);
-        match (V::COUNT > 1, self.grey) {
-            (true, true) => self.shade_row_by::<V, G, W, M, 2, 1>(gaze, weights, normals, matter, colour),
-            (true, false) => self.shade_row_by::<V, G, W, M, 2, 3>(gaze, weights, normals, matter, colour),
-            (false, true) => self.shade_row_by::<V, G, W, M, 1, 1>(gaze, weights, normals, matter, colour),
-            (false, false) => self.shade_row_by::<V, G, W, M, 1, 3>(gaze, weights, normals, matter, colour),
+        // A constant, so that nothing is compiled for the other.
+        if const { V::COUNT > 1 } {
+            if self.grey {
+                self.shade_row_by::<V, G, W, M, 2, 1>(gaze, weights, normals, matter, colour);
+            } else {
+                self.shade_row_by::<V, G, W, M, 2, 3>(gaze, weights, normals, matter, colour);
+            }
+        } else if self.grey {
+            self.shade_row_by::<V, G, W, M, 1, 1>(gaze, weights, normals, matter, colour);
+        } else {
+            self.shade_row_by::<V, G, W, M, 1, 3>(gaze, weights, normals, matter, colour);
         }
     }
 

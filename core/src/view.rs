@@ -260,6 +260,11 @@ pub(crate) const fn ratio(numerator: u64, denominator: u64, times: u32) -> u64 {
     let mut bit = 0;
     // One integer bit, 32 fraction bits and one more to round by.
     while bit < 34 {
+        // Most phases start at 0 or a half.
+        if remainder == 0 {
+            quotient <<= 34 - bit;
+            break;
+        }
         quotient <<= 1;
         if remainder >= divisor {
             remainder -= divisor;

@@ -5,7 +5,7 @@ use core::ops::Range;
 
 use super::{Channel, Dither, Order, Pixel, Recurrence};
 use crate::lanes::Lanes;
-use crate::rows::take;
+use crate::rows::{part_mut, take, three};
 
 /// The four planes of a row of pixels, or of a part of it.
 #[derive(Debug)]
@@ -82,10 +82,7 @@ impl<'a, C> PixelRow<'a, C> {
     #[inline]
     pub fn span(&mut self, columns: Range<usize>) -> PixelRow<'_, C> {
         PixelRow {
-            colour: self
-                .colour
-                .each_mut()
-                .map(|c| c.get_mut(columns.clone()).unwrap_or(&mut [])),
+            colour: three(self.colour.each_mut(), |c| part_mut(c, columns.clone())),
             transparency: self.transparency.get_mut(columns).unwrap_or(&mut []),
         }
     }

@@ -15,7 +15,7 @@ use core::iter::zip;
 use super::{Channel as _, Dither, Dithered, Pixel, PixelRow, Recurrence, Telescoping31};
 use crate::extinction::{Absorption, CENTRED_PHI, PHI, Phi};
 use crate::lanes::{Lanes, Wide as _, places};
-use crate::rows::part;
+use crate::rows::{four, part};
 
 /// A pixel that takes samples of colour and extinction.
 pub trait Weighted: Recurrence {
@@ -70,7 +70,7 @@ impl Weighted for Dithered {
 /// `product >> by`, 1 to 63, below 2^32. Vectors have an instruction less for either half of the bits.
 #[inline(always)]
 fn shifted<V: Lanes>(product: V::Wide, by: u32) -> V {
-    if V::COUNT == 1 {
+    if const { V::COUNT == 1 } {
         product.shr(by).narrow()
     } else if by < 32 {
         product.shr_narrow(by)
@@ -100,7 +100,7 @@ pub(crate) fn fold_weighted_row<R: Weighted, V: Lanes>(
     floor: R::Channel,
 ) {
     let floor = V::splat(floor.bits() as i32);
-    if V::COUNT == 1 {
+    if const { V::COUNT == 1 } {
         fold_weighted_block::<R, V>(recurrence, row, samples, (absorption, &[]), (dither, floor));
         return;
     }
@@ -111,7 +111,7 @@ pub(crate) fn fold_weighted_row<R: Weighted, V: Lanes>(
     let mut first = 0;
     while first < extinction.len() {
         let block = first..(first + BLOCK).min(extinction.len());
-        let samples = samples.map(|run| part(run, block.clone()));
+        let samples = four(samples, |run| part(run, block.clone()));
         let [extinction, ..] = samples;
         for at in places::<V>(extinction.len()) {
             absorption.depth(V::load(extinction, at)).store(&mut depths, at);
@@ -142,9 +142,9 @@ fn fold_weighted_block<R: Weighted, V: Lanes>(
         fold_weighted::<R, V>(recurrence, &mut row, [t, red, green, blue], depths, (dither, floor));
         at += V::COUNT;
     }
-    if V::COUNT > 1 && at < extinction.len() {
+    if const { V::COUNT > 1 } && at < extinction.len() {
         let rest = at..extinction.len();
-        let samples = samples.map(|run| part(run, rest.clone()));
+        let samples = four(samples, |run| part(run, rest.clone()));
         let depths = (absorption, part(depths, at..at + V::COUNT));
         fold_weighted::<R, V>(recurrence, &mut row.span(rest), samples, depths, (dither, floor));
     }
@@ -165,7 +165,7 @@ fn fold_weighted<R: Weighted, V: Lanes>(
         return;
     }
     let sample = [t, V::load(red, 0), V::load(green, 0), V::load(blue, 0)];
-    let factor = if V::COUNT == 1 {
+    let factor = if const { V::COUNT == 1 } {
         absorption.factor(R::PHI, t)
     } else {
         absorption.factor_at(R::PHI, depths, 0)

@@ -10,7 +10,7 @@ use crate::borders::WHOLE;
 use crate::classify::Slab;
 use crate::clip::{Boxed, Clipper, Clipping, Distances, Left, Remainder};
 use crate::plan::Plan;
-use crate::rows::part_mut;
+use crate::rows::{part_mut, three};
 use crate::surface::Turn;
 
 /// What clip planes leave of rows of a plane.
@@ -270,7 +270,7 @@ impl ClipRows<i32> for Clipped<'_> {
     ) {
         self.each_rest(row, of, &mut |at, _, ends, fraction| {
             let colours = [&mut *red, &mut *green, &mut *blue];
-            let colours = colours.map(|row| part_mut(row, at..at + 1));
+            let colours = three(colours, |row| part_mut(row, at..at + 1));
             classifier.colour_row(one(&ends).of_part(part).of_fraction(fraction), colours);
         });
     }

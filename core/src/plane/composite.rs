@@ -121,9 +121,7 @@ where
     // Small machines have no whole volume at hand, and observers see whole rows; segments that are cut and colours that turn lie
     // in rows too.
     let rest = Rest::of(at, slabs, met, true);
-    let seen = at
-        .seen
-        .filter(|_| !V::SMALL && tap.is_none() && !rest.cuts_rows(slabs));
+    let seen = at.seen.filter(|_| !V::SMALL && tap.is_none() && !rest.cuts_rows(slabs));
     let [mut width, _, _] = plan.dims();
     if seen.is_some() {
         width = width.max(BATCH_WIDTH);

@@ -11,6 +11,7 @@ use crate::lanes::{Kernel, Lanes, places};
 use crate::modulate::magnitude;
 use crate::normalise::normalise_row;
 use crate::precision::Precision;
+use crate::rows::two;
 use crate::shade::Shader;
 
 /// Row kernels of a classifier.
@@ -98,7 +99,7 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> PartRows<i32> for Kernels<'_, C, 
     fn begin(&mut self, extent: &Extent, exact: Option<&'static Exact>) {
         self.2 = Fractions {
             row: extent.part.length(),
-            ends: extent.ends.map(|end| end.map(Part::length)),
+            ends: two(extent.ends, |end| end.map(Part::length)),
             exact,
         };
     }
@@ -108,7 +109,11 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
     #[inline(always)]
     fn one_colour(&self) -> Option<[u32; 3]> {
         // One lane is faster without a decision at each sample.
-        if V::COUNT > 1 { self.0.one_colour(self.1) } else { None }
+        if const { V::COUNT > 1 } {
+            self.0.one_colour(self.1)
+        } else {
+            None
+        }
     }
 
     #[inline(always)]
@@ -120,18 +125,18 @@ impl<C: Classifier<P>, P: Precision, V: Lanes> ClassifierRows<i32> for Kernels<'
             return;
         };
         let last = out.len().saturating_sub(1);
-        let ends = [0, last].into_iter().zip(ends);
+        let [first_end, last_end] = ends;
         // Of the whole opacity, which the row's fraction is about to change.
-        let ends = ends.map(|(at, fraction)| match (fraction, out.get(at)) {
-            (Some(fraction), Some(opacity)) if *opacity != 0 => {
-                let mut end = [*opacity];
-                (exact.reduce)(&mut end, fraction);
-                Some((at, end))
+        let reduced = two([(0, first_end), (last, last_end)], |(at, fraction)| {
+            match (fraction, out.get(at)) {
+                (Some(fraction), Some(opacity)) if *opacity != 0 => {
+                    let mut end = [*opacity];
+                    (exact.reduce)(&mut end, fraction);
+                    Some((at, end))
+                }
+                _ => None,
             }
-            _ => None,
         });
-        let mut reduced = [None; 2];
-        reduced.iter_mut().zip(ends).for_each(|(reduced, end)| *reduced = end);
         if row < WHOLE {
             if V::SMALL {
                 (exact.reduce)(out, row);

@@ -14,7 +14,7 @@ use crate::composite::Pixel;
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::project::{Projection, pixel};
-use crate::rows::{part, part_mut};
+use crate::rows::{part, part_mut, three};
 use crate::shade::SamplesAlone;
 use crate::slice::Code12;
 use crate::stage::Stage;
@@ -50,7 +50,7 @@ impl<P: Precision, C: Classifier<P>, X: Projection> Project<P, C, X> {
 #[inline(always)]
 fn runs(row: &mut [i32], width: usize) -> [&mut [i32]; 3] {
     let mut runs = row.chunks_mut(width.max(1));
-    [(); 3].map(|()| runs.next().unwrap_or(&mut []))
+    three([(); 3], |()| runs.next().unwrap_or(&mut []))
 }
 
 impl<P: Precision, C: Classifier<P>, X: Projection> Pipeline for Project<P, C, X> {
@@ -129,7 +129,7 @@ impl<P: Precision, C: Classifier<P>, X: Projection> Pipeline for Project<P, C, X
                 let start = X::WORDS * (row - rows.first) as usize * base_width;
                 let row_of_words = part_mut(&mut *rows.data, start..start + X::WORDS * base_width);
                 let words = runs(row_of_words, base_width);
-                let [a, b, c] = words.map(|run| part_mut(run, extent.columns.clone()));
+                let [a, b, c] = three(words, |run| part_mut(run, extent.columns.clone()));
                 if let Some(clipped) = &clipped {
                     clipped.each(row, 0..samples.len(), &mut |columns, left| {
                         if left.weight() > 0 {

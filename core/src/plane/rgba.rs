@@ -20,7 +20,7 @@ use crate::lanes::{Kernel, Lanes};
 use crate::normalise::normalise_row;
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::{part, part_mut, three};
+use crate::rows::{four, part, part_mut, three};
 use crate::shade::{SamplesAlone, SamplesAndGradients, Shader, Unlit};
 use crate::slice::Window;
 use crate::stage::Stage;
@@ -286,7 +286,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
                 part: 0,
             };
             if let Some(tap) = &mut tap {
-                let [t, r, g, b] = sources.channels.each_ref().map(|channel| channel.samples(voxel_row));
+                let [t, r, g, b] = four(sources.channels.each_ref(), |channel| channel.samples(voxel_row));
                 tap.row(Stage::Interpolation, beam, &[&t, &r, &g, &b]);
                 image.look(row, all.clone(), &mut |rows| tap.row(Stage::Before, beam, rows));
             }
@@ -311,16 +311,16 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
             if let Some(tap) = &mut tap
                 && (S::LIT || cues)
             {
-                let [r, g, b] = colours.each_ref().map(|channel| channel.samples(voxel_row));
+                let [r, g, b] = three(colours.each_ref(), |channel| channel.samples(voxel_row));
                 tap.row(Stage::Shading, beam, &[&r, &g, &b]);
             }
-            let [r, g, b] = colours.each_ref().map(|channel| channel.samples(voxel_row));
+            let [r, g, b] = three(colours.each_ref(), |channel| channel.samples(voxel_row));
             let samples = [t, r, g, b];
             if let Some(clipped) = &clipped {
                 clipped.each(row, all.clone(), &mut |columns, left| {
                     if left.weight() > 0 {
                         let absorption = self.medium.absorption(bits, clipped.fraction(left));
-                        let samples = samples.map(|run| part(run, columns.clone()));
+                        let samples = four(samples, |run| part(run, columns.clone()));
                         image.absorb(row, columns, samples, absorption);
                     }
                 });

@@ -13,7 +13,7 @@ use super::source::{Sheared, Source, SourceAt};
 use crate::classify::Slab;
 use crate::lanes::{Kernel, Lanes, places};
 use crate::precision::Precision;
-use crate::rows::part_mut;
+use crate::rows::{part_mut, three};
 use crate::shade::Asked;
 use crate::slice::Window;
 use crate::surface::turned;
@@ -80,10 +80,7 @@ impl<P: Precision, V: Lanes, A: Asked> Source<i32> for Slabs<'_, '_, P, V, A> {
         self.back
             .gradients(row, span.clone(), None, [&mut *x, &mut *y, &mut *z]);
         let len = x.len();
-        let [fx, fy, fz] = self
-            .gradients
-            .each_mut()
-            .map(|row| row.get_mut(..len).unwrap_or(&mut []));
+        let [fx, fy, fz] = three(self.gradients.each_mut(), |row| part_mut(row, 0..len));
         let front = row.wrapping_add(self.rows);
         self.front.gradients(front, span, None, [&mut *fx, &mut *fy, &mut *fz]);
         if A::GRADIENTS {
@@ -174,7 +171,7 @@ impl<P: Precision, V: Lanes> SourceAt<i32> for SlabProbes<'_, '_, P, V> {
         let ([x, y, z], offset, chosen) = (out, self.offset(), (count, chosen));
         let back = [&mut *x, &mut *y, &mut *z];
         self.back.gradients_from(places, [0; 2], chosen, back);
-        let [fx, fy, fz] = self.gradients.each_mut().map(|row| part_mut(row, 0..x.len()));
+        let [fx, fy, fz] = three(self.gradients.each_mut(), |row| part_mut(row, 0..x.len()));
         let front = [&mut *fx, &mut *fy, &mut *fz];
         self.front.gradients_from(places, offset, chosen, front);
         join::<V>([x, y, z], [fx, fy, fz], turns);

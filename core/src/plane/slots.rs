@@ -62,7 +62,13 @@ where
         memory: BatchRows<'_, i32>,
         tap: Option<&mut dyn Tap>,
     ) {
-        fold(batches, (&*self.classifier, self.shader), &mut *self.canvas, memory, tap);
+        fold(
+            batches,
+            (&*self.classifier, self.shader),
+            &mut *self.canvas,
+            memory,
+            tap,
+        );
     }
 
     /// The same, of which there is one copy for a way.
@@ -73,7 +79,13 @@ where
         memory: BatchRows<'_, i32>,
         tap: Option<&mut dyn Tap>,
     ) {
-        fold_apart(batches, (&*self.classifier, self.shader), &mut *self.canvas, memory, tap);
+        fold_apart(
+            batches,
+            (&*self.classifier, self.shader),
+            &mut *self.canvas,
+            memory,
+            tap,
+        );
     }
 }
 

@@ -13,7 +13,7 @@ use crate::locate::{Cell, Plane, cell};
 use crate::perspective::{ALONG_K, Line, Spread, Way, square};
 use crate::plan::Plan;
 use crate::precision::Precision;
-use crate::rows::{part, part_mut, three};
+use crate::rows::{part, part_mut, three, two};
 use crate::shade::Asked;
 use crate::slice::Window;
 
@@ -239,7 +239,7 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
         V::enter((MakeY, &mut *self, at.index - 1, 1));
         V::enter((MakeY, &mut *self, at.index + 1, 2));
         let last = self.window.near.height() as i32 - 1;
-        let [this, next] = [at.index, at.index + 1].map(|row| row.min(last).max(0) as usize);
+        let [this, next] = two([at.index, at.index + 1], |row| row.min(last).max(0) as usize);
         self.make_derivatives(this);
         self.make_derivatives(next);
         let voxels = self.voxels.start + 1..self.voxels.end + 2;
@@ -263,11 +263,11 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
         let (a, b) = (pick(this), pick(next));
         along_y::<P, V>(p, [a, b], at.weight, part_mut(derivative, voxels.clone()));
         let all = 0..self.window.near.width() + 2;
-        let [y, above, below] = [y, above, below].map(|row| part(row, all.clone()));
+        let [y, above, below] = three([y, above, below], |row| part(row, all.clone()));
         let derivative = part(derivative, all);
         let (cells, weights) = (part(cells, span.clone()), part(weights, span.clone()));
         let (squares, slopes) = (part(squares, span.clone()), part(slopes, span.clone()));
-        let [ti, tj, tk] = [ti, tj, tk].map(|row| part_mut(row, span.clone()));
+        let [ti, tj, tk] = three([ti, tj, tk], |row| part_mut(row, span.clone()));
         let (down, down_square) = (V::splat(down), V::splat(square(down)));
         for at in places::<V>(cells.len()) {
             let (w, here) = (V::load(weights, at), cells_at::<V>(cells, at));
