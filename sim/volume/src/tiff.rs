@@ -13,9 +13,10 @@ mod planes;
 mod stack;
 
 use std::fs;
-use std::io::{Cursor, Read, Seek};
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+use self::patched::Source;
 use self::pixels::{Wanted, is_coloured};
 use self::stack::Stack;
 use super::choice::Choice;
@@ -33,8 +34,8 @@ const NAME: &str = "TIFF";
 /// [`ReadError`] names the file, what was wrong and what was expected; see [`Problem`].
 pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
     let fail = |problem| ReadError::new(path, problem);
-    let (source, len) = open_regular(path)?;
-    read_source(source, len, path.display().to_string(), choice).map_err(fail)
+    let (mut source, len) = open_regular(path)?;
+    read_source(&mut source, len, path.display().to_string(), choice).map_err(fail)
 }
 
 /// Reads a TIFF file that is already in memory; `name` stands for its path in messages.
@@ -42,7 +43,7 @@ pub fn read(path: &Path, choice: &Choice) -> Result<Decoded, ReadError> {
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: &[u8], name: &str, choice: &Choice) -> Result<Decoded, ReadError> {
-    let read = read_source(Cursor::new(bytes), bytes.len() as u64, name.to_owned(), choice);
+    let read = read_source(&mut Cursor::new(bytes), bytes.len() as u64, name.to_owned(), choice);
     read.map_err(|problem| ReadError::new(Path::new(name), problem))
 }
 
@@ -65,17 +66,17 @@ pub fn read_colours(path: &Path, choice: &Choice) -> Result<Option<Colours>, Rea
     let stack = if path.is_dir() {
         let (_, paths) = files_of(path)?;
         match paths.first() {
-            Some(first) if is_coloured(open_regular(first)?.0) => stack_of(path, choice, Wanted::Colours)?,
+            Some(first) if is_coloured(&mut open_regular(first)?.0) => stack_of(path, choice, Wanted::Colours)?,
             _ => return Ok(None),
         }
     } else {
-        if !is_coloured(open_regular(path)?.0) {
+        if !is_coloured(&mut open_regular(path)?.0) {
             return Ok(None);
         }
-        let (source, len) = open_regular(path)?;
+        let (mut source, len) = open_regular(path)?;
         let mut stack = Stack::new(choice.clone(), Wanted::Colours);
         stack
-            .add_file(source, len)
+            .add_file(&mut source, len)
             .map_err(|problem| ReadError::new(path, problem))?;
         stack
     };
@@ -102,9 +103,9 @@ fn stack_of(folder: &Path, choice: &Choice, wanted: Wanted) -> Result<Stack, Rea
     let (hidden, paths) = files_of(folder)?;
     let mut stack = Stack::new(choice.clone(), wanted);
     for path in &paths {
-        let (source, len) = open_regular(path)?;
+        let (mut source, len) = open_regular(path)?;
         stack
-            .add_file(source, len)
+            .add_file(&mut source, len)
             .map_err(|problem| ReadError::new(path, problem))?;
     }
     if !hidden.is_empty() {
@@ -152,7 +153,7 @@ fn natural_key(path: &Path) -> Vec<(u8, u128, String)> {
     parts
 }
 
-fn read_source<R: Read + Seek>(source: R, len: u64, name: String, choice: &Choice) -> Result<Decoded, Problem> {
+fn read_source(source: &mut dyn Source, len: u64, name: String, choice: &Choice) -> Result<Decoded, Problem> {
     let mut stack = Stack::new(choice.clone(), Wanted::Grey);
     stack.add_file(source, len)?;
     stack.finish(name)

@@ -1,11 +1,9 @@
 //! What the first page's tags and description say about the whole stack: planes, distances, calibration.
 
-use std::io::{Read, Seek};
-
-use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
 use super::ome;
+use super::patched::Decoder;
 use super::planes::Planes;
 use crate::error::Problem;
 use crate::length::millimetres;
@@ -46,7 +44,7 @@ pub(super) struct Description {
 
 impl Description {
     /// Reads the first page's description and, where it states no distances, the page's resolution.
-    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>, size: [u32; 2]) -> Result<Self, Problem> {
+    pub fn read(decoder: &mut Decoder<'_>, size: [u32; 2]) -> Result<Self, Problem> {
         let (text, latin) = decode(&text(decoder));
         let mut description = if ome::recognise(&text) {
             ome::read(&text)?
@@ -111,7 +109,7 @@ impl Description {
 }
 
 /// The first page's description, as its bytes stand in the file, up to the first 0.
-fn text<R: Read + Seek>(decoder: &mut Decoder<R>) -> Vec<u8> {
+fn text(decoder: &mut Decoder<'_>) -> Vec<u8> {
     let mut ifd = decoder.image_ifd();
     let Some(entry) = ifd.find_entry(Tag::ImageDescription) else {
         return Vec::new();
@@ -126,7 +124,7 @@ fn text<R: Read + Seek>(decoder: &mut Decoder<R>) -> Vec<u8> {
 }
 
 /// The distance between pixels along x and y in the resolution's unit.
-fn resolution<R: Read + Seek>(decoder: &mut Decoder<R>) -> [Option<f64>; 2] {
+fn resolution(decoder: &mut Decoder<'_>) -> [Option<f64>; 2] {
     [Tag::XResolution, Tag::YResolution].map(|tag| {
         let [n, d] = decoder.get_tag_u32_vec(tag).ok()?.try_into().ok()?;
         (n > 0 && d > 0).then(|| f64::from(d) / f64::from(n))

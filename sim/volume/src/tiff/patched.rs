@@ -5,9 +5,17 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
+/// A file or bytes in memory: as an object, so that the library's decoder is compiled for one type.
+pub(super) trait Source: Read + Seek {}
+
+impl<R: Read + Seek> Source for R {}
+
+/// What reads the pages.
+pub(super) type Decoder<'s> = tiff::decoder::Decoder<Patched<'s>>;
+
 /// A source with replaced bytes.
-pub(super) struct Patched<R> {
-    source: R,
+pub(super) struct Patched<'s> {
+    source: &'s mut dyn Source,
     at: u64,
     patches: Vec<(u64, u8)>,
 }
@@ -15,9 +23,9 @@ pub(super) struct Patched<R> {
 /// `PhotometricInterpretation`.
 const PHOTOMETRIC: u16 = 262;
 
-impl<R: Read + Seek> Patched<R> {
+impl<'s> Patched<'s> {
     /// A source at its first byte.
-    pub fn new(source: R) -> Self {
+    pub fn new(source: &'s mut dyn Source) -> Self {
         Self {
             source,
             at: 0,
@@ -57,7 +65,7 @@ impl<R: Read + Seek> Patched<R> {
     }
 }
 
-impl<R: Read> Read for Patched<R> {
+impl Read for Patched<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let len = self.source.read(buffer)?;
         for &(at, byte) in &self.patches {
@@ -71,7 +79,7 @@ impl<R: Read> Read for Patched<R> {
     }
 }
 
-impl<R: Seek> Seek for Patched<R> {
+impl Seek for Patched<'_> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.at = self.source.seek(to)?;
         Ok(self.at)

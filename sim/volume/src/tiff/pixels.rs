@@ -1,12 +1,10 @@
 //! The type of a page's pixels, from its tags, and what is read of it.
 
-use std::io::{Read, Seek};
-
 use tiff::ColorType;
-use tiff::decoder::Decoder;
 use tiff::tags::{ExtraSamples, PlanarConfiguration, Tag};
 
 use super::NAME;
+use super::patched::{Decoder, Patched, Source};
 use super::stack::damaged;
 use crate::error::Problem;
 use crate::values::ValueType;
@@ -31,7 +29,7 @@ pub(super) struct Pixel {
 
 impl Pixel {
     /// The current page's, which has to be of the wanted kind.
-    pub fn of<R: Read + Seek>(decoder: &mut Decoder<R>, wanted: Wanted) -> Result<Self, Problem> {
+    pub fn of(decoder: &mut Decoder<'_>, wanted: Wanted) -> Result<Self, Problem> {
         let found = decoder.colortype().map_err(damaged)?;
         let unsupported = |found: String, expected| Problem::Unsupported {
             format: NAME,
@@ -76,7 +74,7 @@ impl Pixel {
     }
 
     /// The type of the page's values.
-    pub fn value_type<R: Read + Seek>(self, decoder: &mut Decoder<R>) -> Result<ValueType, Problem> {
+    pub fn value_type(self, decoder: &mut Decoder<'_>) -> Result<ValueType, Problem> {
         let format = decoder.find_tag_unsigned::<u16>(Tag::SampleFormat).map_err(damaged)?;
         match (format.unwrap_or(1), self.bits) {
             (1, 8) => Ok(ValueType::U8),
@@ -97,7 +95,7 @@ impl Pixel {
 }
 
 /// Whether the first page has colours.
-pub(super) fn is_coloured<R: Read + Seek>(source: R) -> bool {
-    let colour = Decoder::new(source).and_then(|mut decoder| decoder.colortype());
+pub(super) fn is_coloured(source: &mut dyn Source) -> bool {
+    let colour = Decoder::new(Patched::new(source)).and_then(|mut decoder| decoder.colortype());
     matches!(colour, Ok(ColorType::RGB(_) | ColorType::RGBA(_)))
 }

@@ -1,15 +1,15 @@
 //! Pages of one file or of many, joined to a volume.
 
 use std::collections::HashMap;
-use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Seek as _, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::decoder::{DecodingResult, Limits};
 use tiff::tags::{ByteOrder, CompressionMethod, PhotometricInterpretation, Tag};
 
 use super::NAME;
 use super::description::Description;
-use super::patched::Patched;
+use super::patched::{Decoder, Patched, Source};
 use super::pixels::{Pixel, Wanted};
 use crate::choice::Choice;
 use crate::colours::Colours;
@@ -57,7 +57,7 @@ impl Stack {
     }
 
     /// Adds the slices of a file of `len` bytes. A panic of the library, of which none is known, becomes an error.
-    pub fn add_file<R: Read + Seek>(&mut self, source: R, len: u64) -> Result<(), Problem> {
+    pub fn add_file(&mut self, source: &mut dyn Source, len: u64) -> Result<(), Problem> {
         let read = catch_unwind(AssertUnwindSafe(|| self.add_slices(source, len)));
         read.unwrap_or_else(|_| {
             Err(Problem::format(
@@ -67,7 +67,7 @@ impl Stack {
         })
     }
 
-    fn add_slices<R: Read + Seek>(&mut self, mut source: R, len: u64) -> Result<(), Problem> {
+    fn add_slices(&mut self, source: &mut dyn Source, len: u64) -> Result<(), Problem> {
         source.seek(SeekFrom::Start(0)).map_err(Problem::io("read the file"))?;
         let mut limits = Limits::default();
         let page_max = len.saturating_mul(EXPANSION_MAX).min(MAX_BYTES);
@@ -122,11 +122,7 @@ impl Stack {
     }
 
     /// Has a page's values arrive as they are stored, even where white is 0.
-    fn set_black_is_zero<R: Read + Seek>(
-        &mut self,
-        decoder: &mut Decoder<Patched<R>>,
-        index: usize,
-    ) -> Result<(), Problem> {
+    fn set_black_is_zero(&mut self, decoder: &mut Decoder<'_>, index: usize) -> Result<(), Problem> {
         let white = PhotometricInterpretation::WhiteIsZero.to_u16();
         if decoder
             .find_tag_unsigned::<u16>(Tag::PhotometricInterpretation)
@@ -145,7 +141,7 @@ impl Stack {
     }
 
     /// Adds the current page.
-    fn add_page<R: Read + Seek>(&mut self, decoder: &mut Decoder<R>, file_max: u64) -> Result<(), Problem> {
+    fn add_page(&mut self, decoder: &mut Decoder<'_>, file_max: u64) -> Result<(), Problem> {
         let pixel = Pixel::of(decoder, self.wanted)?;
         let [width, height] = self.take_size(decoder, 1)?;
         self.take_components(pixel)?;
@@ -184,9 +180,9 @@ impl Stack {
 
     /// Adds the wanted ones of the `images` that follow one another behind the only directory, as ImageJ writes them
     /// above 4 GB.
-    fn add_contiguous<R: Read + Seek>(
+    fn add_contiguous(
         &mut self,
-        decoder: &mut Decoder<Patched<R>>,
+        decoder: &mut Decoder<'_>,
         file_len: u64,
         images: usize,
         wanted: &[usize],
@@ -246,7 +242,7 @@ impl Stack {
     }
 
     /// Counts `more` pages of the decoder's size, which has to be that of the pages before.
-    fn take_size<R: Read + Seek>(&mut self, decoder: &mut Decoder<R>, more: u64) -> Result<[u32; 2], Problem> {
+    fn take_size(&mut self, decoder: &mut Decoder<'_>, more: u64) -> Result<[u32; 2], Problem> {
         let (width, height) = decoder.dimensions().map_err(damaged)?;
         self.count += more;
         let size = *self.size.get_or_insert([width, height]);
