@@ -6,8 +6,8 @@
     host-tests/peers/stages.py fast.data
 
 Every address that `perf` has met is looked up with the functions that were inlined there (`addr2line -i`), and counts for the
-first stage of the list below to which one of them belongs. Of what runs before the first frame (the volume is made, other precisions' tables) and of other
-programs nothing counts. With a frame's nanoseconds a sample, which the example prints, shares become nanoseconds. Needs perf and
+first stage of the list below to which one of them belongs. Of what runs before the first frame (the volume is made, other
+precisions' tables) and of other programs nothing counts. With a frame's nanoseconds a sample, which the example prints, shares become nanoseconds. Needs perf and
 binutils. Not part of the build.
 """
 import collections, re, subprocess, sys
