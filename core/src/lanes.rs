@@ -10,6 +10,7 @@
 mod halves;
 mod scalar;
 mod small;
+pub(crate) mod two;
 
 use core::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 

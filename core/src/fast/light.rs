@@ -62,6 +62,18 @@ pub struct Light {
     specular: [u16; 3],
 }
 
+impl Light {
+    /// What sheds none.
+    const NONE: Self = Self {
+        away: [0; 3],
+        away_from_half: [0; 3],
+        along: 0,
+        against: 0,
+        diffuse: [0; 3],
+        specular: [0; 3],
+    };
+}
+
 /// Phong illumination by up to eight lights.
 #[derive(Clone, Debug)]
 pub struct FastPhong {
@@ -180,9 +192,36 @@ impl FastPhong {
         [red, green, blue].map(|[c]| c)
     }
 
-    /// Shades the colours of a row in place, so that its rows hold them. Without a highlight's vectors where no light has one.
+    /// Shades the colours of a row in place, so that its rows hold them. Vectors have code of their own for each kind of light, in
+    /// which nothing is asked in the loop.
     #[inline(always)]
-    pub(crate) fn shade_row<H: Halves>(&self, [x, y, z]: [&[u16]; 3], colours: &mut Colours<'_, u16>) {
+    pub(crate) fn shade_row<H: Halves>(&self, g: [&[u16]; 3], colours: &mut Colours<'_, u16>) {
+        if H::COUNT == 1 {
+            return self.shade_as::<H, ASKED>(g, colours);
+        }
+        match (self.highlight, self.grey, self.lights.len()) {
+            (Highlight::Reflection, true, 1) => self.shade_as::<H, { REFLECTION | GREY | ALONE }>(g, colours),
+            (Highlight::Reflection, true, _) => self.shade_as::<H, { REFLECTION | GREY }>(g, colours),
+            (Highlight::Reflection, false, _) => self.shade_as::<H, REFLECTION>(g, colours),
+            (Highlight::HalfVector, true, 1) => self.shade_as::<H, { GREY | ALONE }>(g, colours),
+            (Highlight::HalfVector, true, _) => self.shade_as::<H, GREY>(g, colours),
+            (Highlight::HalfVector, false, _) => self.shade_as::<H, 0>(g, colours),
+        }
+    }
+
+    /// Whether light is of a kind, which may be known to the compiler.
+    #[inline(always)]
+    fn is<const KIND: u32>(&self, asked: u32) -> bool {
+        match KIND {
+            ASKED if asked == GREY => self.grey,
+            ASKED => self.highlight == Highlight::Reflection,
+            kind => kind & asked != 0,
+        }
+    }
+
+    /// Shades by lights of a kind. Without a highlight's vectors where no light has one.
+    #[inline(always)]
+    fn shade_as<H: Halves, const KIND: u32>(&self, [x, y, z]: [&[u16]; 3], colours: &mut Colours<'_, u16>) {
         let (one, [red, green, blue], len) = (colours.one.take(), &mut colours.rows, x.len());
         let (Some(y), Some(z)) = (y.get(..len), z.get(..len)) else {
             return;
@@ -193,6 +232,8 @@ impl FastPhong {
         };
         let [r, g, b] = one.unwrap_or_default();
         let one = [one.map(|_| r as u16), one.map(|_| g as u16), one.map(|_| b as u16)];
+        let alone = Spread::of(self.lights.first().unwrap_or(&Light::NONE));
+        let away_from_viewer = H::direction(self.away_from_viewer);
         each!(H, x.len(), |at, WHOLE| {
             let gradient = [
                 H::load::<WHOLE>(x, at),
@@ -200,28 +241,79 @@ impl FastPhong {
                 H::load::<WHOLE>(z, at),
             ];
             let normal = Normal::of(gradient);
-            let viewer = match self.highlight {
-                Highlight::Reflection => normal.towards(self.away_from_viewer),
-                Highlight::HalfVector => H::splat(0),
+            let viewer = if self.is::<KIND>(REFLECTION) {
+                normal.towards(away_from_viewer)
+            } else {
+                H::splat(0)
             };
             let mut sums = Sums::of(self.ambient);
-            for light in &self.lights {
-                let x = normal.towards(light.away);
-                let mut y = match self.highlight {
-                    Highlight::Reflection => reflected(x, viewer, light),
-                    Highlight::HalfVector => x.nonzero_then(normal.towards(light.away_from_half)),
-                };
-                for _ in 0..self.exponent_log2 {
-                    y = y.product_high(y);
+            if KIND & ALONE != 0 {
+                self.add::<H, KIND>(&mut sums, &normal, viewer, &alone);
+            } else {
+                for light in &self.lights {
+                    self.add::<H, KIND>(&mut sums, &normal, viewer, &Spread::of(light));
                 }
-                sums.add(x, y, light, self.grey);
             }
-            let sums = if self.grey { sums.grey() } else { sums };
+            let sums = if self.is::<KIND>(GREY) { sums.grey() } else { sums };
             let [one_red, one_green, one_blue] = one;
             sums.red.shade::<WHOLE>(one_red, red, at);
             sums.green.shade::<WHOLE>(one_green, green, at);
             sums.blue.shade::<WHOLE>(one_blue, blue, at);
         });
+    }
+
+    /// Adds a light.
+    #[inline(always)]
+    fn add<H: Halves, const KIND: u32>(&self, sums: &mut Sums<H>, normal: &Normal<H>, viewer: H, light: &Spread<H>) {
+        let x = normal.towards(light.away);
+        let mut y = if self.is::<KIND>(REFLECTION) {
+            reflected(x, viewer, light)
+        } else {
+            x.nonzero_then(normal.towards(light.away_from_half))
+        };
+        for _ in 0..self.exponent_log2 {
+            y = y.product_high(y);
+        }
+        sums.add(x, y, light, self.is::<KIND>(GREY));
+    }
+}
+
+/// Kinds of light: a highlight by reflection, not by a half vector.
+const REFLECTION: u32 = 1;
+/// Light of no colour.
+const GREY: u32 = 2;
+/// One light.
+const ALONE: u32 = 4;
+/// A kind that is asked for.
+const ASKED: u32 = 8;
+
+/// Red, green and blue in all lanes.
+#[inline(always)]
+fn all<H: Halves>([red, green, blue]: [u16; 3]) -> [H; 3] {
+    [H::splat(red), H::splat(green), H::splat(blue)]
+}
+
+/// A light in all lanes, made before a loop over samples.
+struct Spread<H: Halves> {
+    away: H::Direction,
+    away_from_half: H::Direction,
+    along: H,
+    against: H,
+    diffuse: [H; 3],
+    specular: [H; 3],
+}
+
+impl<H: Halves> Spread<H> {
+    #[inline(always)]
+    fn of(light: &Light) -> Self {
+        Self {
+            away: H::direction(light.away),
+            away_from_half: H::direction(light.away_from_half),
+            along: H::splat(light.along),
+            against: H::splat(light.against),
+            diffuse: all(light.diffuse),
+            specular: all(light.specular),
+        }
     }
 }
 
@@ -246,7 +338,7 @@ impl<H: Halves> Normal<H> {
 
     /// The cosine with a vector.
     #[inline(always)]
-    fn towards(&self, vector: [i16; 3]) -> H {
+    fn towards(&self, vector: H::Direction) -> H {
         cosine(H::facing(self.gradient, vector, self.k), self.r)
     }
 }
@@ -268,9 +360,9 @@ impl<H: Halves> Sum<H> {
     }
 
     #[inline(always)]
-    fn add(&mut self, x: H, y: H, diffuse: u16, specular: u16) {
-        self.m = self.m.plus_saturating(x.product_high(H::splat(diffuse)));
-        self.e = self.e.plus_saturating(y.product_high(H::splat(specular)));
+    fn add(&mut self, x: H, y: H, diffuse: H, specular: H) {
+        self.m = self.m.plus_saturating(x.product_high(diffuse));
+        self.e = self.e.plus_saturating(y.product_high(specular));
     }
 
     /// Shades colours of a row, or one.
@@ -307,7 +399,7 @@ impl<H: Halves> Sums<H> {
 
     /// Red alone, where it serves all.
     #[inline(always)]
-    fn add(&mut self, x: H, y: H, light: &Light, grey: bool) {
+    fn add(&mut self, x: H, y: H, light: &Spread<H>, grey: bool) {
         let ([dr, dg, db], [sr, sg, sb]) = (light.diffuse, light.specular);
         self.red.add(x, y, dr, sr);
         if !grey {
@@ -329,12 +421,12 @@ impl<H: Halves> Sums<H> {
 
 /// R.L of the cosines N.L and N.V, 0 where one of them is.
 #[inline(always)]
-fn reflected<H: Halves>(x: H, viewer: H, light: &Light) -> H {
+fn reflected<H: Halves>(x: H, viewer: H, light: &Spread<H>) -> H {
     let (high, low) = (x.product_high(viewer), x.product_low(viewer));
-    let t = high.minus_saturating(H::splat(light.along));
+    let t = high.minus_saturating(light.along);
     let y = t
         .plus_saturating(t)
-        .plus_saturating(H::splat(light.against))
+        .plus_saturating(light.against)
         .plus_saturating(low.shr(15));
     x.nonzero_then(viewer.nonzero_then(y))
 }

@@ -9,8 +9,9 @@ use super::sample::lerp;
 use super::table::{fill_colours, fill_roots, root_of};
 use super::{FastPhong, RootTable};
 use crate::classify::{Linear, PointTable, Sqrt16, entry, opacity_of_root};
-use crate::composite::{BackToFront, FrontToBack, Pixel};
+use crate::composite::{BackToFront, Colours, FrontToBack, Pixel};
 use crate::format::{Coefficient, Vector};
+use crate::lanes::two::Two;
 use crate::shade::{Highlight, Light};
 use crate::table::ENTRIES;
 
@@ -122,6 +123,39 @@ proptest! {
             let allowed = 0.5 * 8.0 + 4.0 + ks * 19.0 * f64::from(1u32 << n);
             let near_edge = nl.abs().min(nv.abs()) < 1e-3;
             prop_assert!((f64::from(found[channel]) - exact.min(65535.0)).abs() <= allowed || near_edge, "{found:?} {exact} {channel}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(2))]
+
+    /// Code of its own for each kind of light, and lanes side by side, against the definition.
+    #[test]
+    fn rows_of_lanes_side_by_side_are_shaded_as_samples_are(
+        g in prop::collection::vec(prop::array::uniform3(-32767i16..=32767), 0..8), away in prop::array::uniform3(-1f64..1.0),
+        lights in 0usize..=3, grey in any::<bool>(), half in any::<bool>(), n in 0u32..=8,
+        one in prop::option::of(prop::array::uniform3(0u32..=65535)), seed in any::<u16>(),
+    ) {
+        let length = away.iter().map(|c| c * c).sum::<f64>().sqrt();
+        prop_assume!(length > 0.1);
+        let unit = away.map(|c| Vector::from_bits((c / length * 1073741824.0).round() as i32));
+        let viewer = [0, 0, -1].map(|c| Vector::from_bits(c << 30));
+        let part = |c: u32| Coefficient::from_bits(c << 24);
+        let specular = if grey { [part(30); 3] } else { [part(30), part(20), part(10)] };
+        let light = Light { direction: unit, half: viewer, diffuse: [part(50); 3], specular };
+        let highlight = if half { Highlight::HalfVector } else { Highlight::Reflection };
+        let phong = FastPhong::new([part(12); 3], &std::vec![light; lights], viewer, highlight, n).unwrap();
+        let component = |axis: usize| g.iter().map(|g| g[axis] as u16).collect::<Vec<_>>();
+        let [x, y, z] = [0, 1, 2].map(component);
+        let given = |channel: usize| (0..g.len()).map(|at| seed.wrapping_mul((7 * at + channel + 1) as u16)).collect::<Vec<_>>();
+        let before = [0, 1, 2].map(given);
+        let [mut red, mut green, mut blue] = before.clone();
+        let mut colours = Colours { one, rows: [&mut red, &mut green, &mut blue] };
+        phong.shade_row::<Two<u16>>([&x, &y, &z], &mut colours);
+        for (at, g) in g.iter().enumerate() {
+            let colour = [0, 1, 2].map(|channel| one.map_or(before[channel][at], |one| one[channel] as u16));
+            prop_assert_eq!([red[at], green[at], blue[at]], phong.shade(*g, colour), "sample {}", at);
         }
     }
 }

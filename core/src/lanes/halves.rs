@@ -8,6 +8,8 @@
 pub trait Halves: Copy {
     /// Shifts of [`Halves::normalised`], in whatever order.
     type Shifts: Copy;
+    /// A vector as [`Halves::facing`] multiplies by it.
+    type Direction: Copy;
     /// How many lanes.
     const COUNT: usize;
 
@@ -67,8 +69,10 @@ pub trait Halves: Copy {
     /// Of the squared length S of a vector of signed numbers above -2^15, the shift `k = min(15, clz(S) >> 1)`, and the upper half of
     /// `S << 2 k`: at least 16384, or 0 where the vector is.
     fn normalised(vector: [Self; 3]) -> (Self::Shifts, Self);
-    /// `((a . b << k) + 2^14) >> 15` of signed numbers, held to 0 and 65535, where k is of `a` and b is no longer than 32767.
-    fn facing(a: [Self; 3], b: [i16; 3], k: Self::Shifts) -> Self;
+    /// The same vector for all lanes, no longer than 32767.
+    fn direction(vector: [i16; 3]) -> Self::Direction;
+    /// `((a . b << k) + 2^14) >> 15` of signed numbers, held to 0 and 65535, where k is of `a`.
+    fn facing(a: [Self; 3], b: Self::Direction, k: Self::Shifts) -> Self;
 }
 
 /// Numbers as signed ones.
@@ -79,6 +83,7 @@ fn signed(vector: [u16; 3]) -> [i32; 3] {
 
 impl Halves for u16 {
     type Shifts = u32;
+    type Direction = [i16; 3];
     const COUNT: usize = 1;
 
     #[inline(always)]
@@ -168,6 +173,10 @@ impl Halves for u16 {
         let square = (x * x) as u32 + (y * y) as u32 + (z * z) as u32;
         let k = (square.leading_zeros() >> 1).min(15);
         (k, (square << (2 * k) >> 16) as Self)
+    }
+    #[inline(always)]
+    fn direction(vector: [i16; 3]) -> [i16; 3] {
+        vector
     }
     #[inline(always)]
     fn facing(a: [Self; 3], [bx, by, bz]: [i16; 3], k: u32) -> Self {

@@ -518,6 +518,35 @@ mod tests {
         }
     }
 
+    /// Two rows of halves to a row of words, of which the last half may be nothing's.
+    #[test]
+    fn halves_are_cut_as_counted() {
+        for (kind, wanted, words) in [(Rows::FastProjection, 3, 2), (Rows::Fast, 7, 4), (Rows::LitFast, 15, 8)] {
+            for width in [1, 2, 15, 64, 65] {
+                let (needed, len) = (kind.len(width), width as usize + 2);
+                assert_eq!(needed, words * len);
+                for (spare, aligned) in [(0, true), (1, true), (700, true), (700, false)] {
+                    let mut memory = vec![0i32; needed + spare];
+                    let cut = FastScratch::cut(&mut memory, kind, width, aligned).unwrap();
+                    let batch = &cut.batch;
+                    assert!(batch.r.is_empty() && batch.magnitudes.is_empty());
+                    let rows = cut.z.iter().chain(&cut.samples).chain(&cut.derivatives);
+                    let rows = rows.chain([&cut.slope, &batch.opacities]);
+                    let rows = rows.chain(&batch.colours).chain(&batch.g).filter(|row| !row.is_empty());
+                    let mut places: Vec<(usize, usize)> = rows.map(|row| (row.as_ptr().addr(), row.len())).collect();
+                    assert!(places.len() == wanted && places.iter().all(|(_, row_len)| *row_len == len));
+                    places.sort_unstable();
+                    assert!(places.windows(2).all(|pair| pair[0].0 + 2 * len <= pair[1].0));
+                    let lines = places.iter().all(|(place, _)| place % (4 * LINE) == 0);
+                    assert!(lines || !aligned || spare < 700, "{kind:?} {width}");
+                }
+                let given = needed - 1;
+                let refused = FastScratch::cut(&mut vec![0i32; given], kind, width, true).err();
+                assert_eq!(refused, Some(ScratchError { needed, given }));
+            }
+        }
+    }
+
     #[test]
     fn rays_that_spread_are_cut_as_counted() {
         for (kind, wanted) in [(Rows::Spread, 12), (Rows::LitSpread, 28)] {

@@ -12,7 +12,7 @@ use crate::toolchain::{build, need_program};
 
 const LIMIT: Duration = Duration::from_secs(120);
 /// Frames of `frame.c`.
-const CASES: usize = 7;
+const CASES: usize = 9;
 const WARNINGS: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
 /// Builds and runs the example on a machine; returns the number of failures.

@@ -40,8 +40,22 @@ fn image(named: &Named, kind: Kind) -> Result<(u32, u64), Failure> {
     let mut rendering = prepared.begun().map_err(|e| words(&e))?;
     rendering.fold_rows(&slices, 32, Simd::widest(), &|_, _| ());
     let mut sum = Sum::new();
-    in_memory_order(&rendering.base(), 1).for_each(|bits| sum.word(bits));
+    let rays = named.scene.sampling.rays_per_voxel as usize;
+    in_memory_order(&rendering.base(), rays).for_each(|bits| sum.word(bits));
     Ok((sum.get(), places(&plan)))
+}
+
+/// The sums of a scene's images for C.
+///
+/// # Errors
+/// If the scene cannot be rendered.
+pub fn c(named: &Named) -> Result<String, Failure> {
+    let mut out = String::new();
+    for kind in [Kind::COMPACT_UNLIT, Kind::COMPACT_LIT] {
+        let (sum, _) = image(named, kind)?;
+        let _ = writeln!(out, "#define FAST_{} {sum}u", kind.shading().to_uppercase());
+    }
+    Ok(out)
 }
 
 impl Fast {

@@ -105,7 +105,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if let Some(small) = scenes.first() {
         let sums = |kind| references[&(small.name, kind)].0.image;
-        write_if_changed(&workshop.directory().join("scene.h"), &small.c(sums)?)?;
+        let header = small.c(sums)? + &fast::c(small)?;
+        write_if_changed(&workshop.directory().join("scene.h"), &header)?;
     }
 
     let mut failed = 0;

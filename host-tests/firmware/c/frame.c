@@ -100,7 +100,25 @@ static int frame(const char *name, const SlicecastPipeline *pipeline, const Slic
   return sum == expected;
 }
 
+/* The scene with a table of 16-bit lanes, made of its own, and no other. */
+static int fast_scene(SlicecastScene *fast) {
+  static uint32_t roots[4096];
+  static uint16_t colours[4 * 4097];
+  static SlicecastFastTable table;
+  SlicecastError error;
+  *fast = scene;
+  fast->low_colours = 0;
+  if (!check(slicecast_fast_table(fast, roots, colours, &table, &error), &error)) {
+    return 0;
+  }
+  fast->entries = 0;
+  fast->low_roots = 0;
+  fast->fast = &table;
+  return 1;
+}
+
 int main(void) {
+  SlicecastScene fast;
   int passed = slicecast_version() == SLICECAST_VERSION;
   passed &= frame("small compact unlit", slicecast_compact_unlit(), &scene, 0, COMPACT_UNLIT);
   passed &= frame("small compact lit", slicecast_compact_lit(), &scene, 0, COMPACT_LIT);
@@ -109,6 +127,9 @@ int main(void) {
   passed &= frame("small compact lit clipped", slicecast_compact_lit(), &scene, sizeof clips / sizeof *clips, CLIPPED);
   passed &= frame("small compact unlit colours", slicecast_compact_unlit_rgba(), &scene_colours, 0, COLOURS_COMPACT_UNLIT);
   passed &= frame("small wide lit colours", slicecast_wide_lit_rgba(), &scene_colours, 0, COLOURS_WIDE_LIT);
+  passed &= fast_scene(&fast);
+  passed &= frame("small fast unlit", slicecast_fast_unlit(), &fast, 0, FAST_UNLIT);
+  passed &= frame("small fast lit", slicecast_fast_lit(), &fast, 0, FAST_LIT);
   /* What C gets wrong comes back as a number. */
   SlicecastError error;
   passed &= slicecast_push((SlicecastStream *)memory, voxels, 1, &error) == SLICECAST_COMPLETE;

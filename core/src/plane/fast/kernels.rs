@@ -8,6 +8,7 @@ use crate::classify::{Slab, opacity_of_root};
 use crate::composite::Colours;
 use crate::fast::{self, FastPhong, RootTable};
 use crate::format::Opacity;
+use crate::lanes::two::Two;
 use crate::lanes::{Halves, Kernel, Lanes};
 use crate::plane::extent::Extent;
 use crate::plane::kernels::{Beside, ClassifierRows, ShaderRows};
@@ -165,6 +166,11 @@ impl<S: FastShader, V: Lanes> Kernel for (ShadeRow, &Lit<'_, S, V>, [&[u16]; 3],
     #[inline(always)]
     fn run(self) {
         let (_, lit, g, colours) = self;
-        lit.0.shade_row::<V::Halves>(g, colours);
+        // Half as many registers would not hold two.
+        if V::Halves::COUNT == 32 {
+            lit.0.shade_row::<Two<V::Halves>>(g, colours);
+        } else {
+            lit.0.shade_row::<V::Halves>(g, colours);
+        }
     }
 }

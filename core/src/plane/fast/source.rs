@@ -71,6 +71,8 @@ pub(super) struct Short<'s, 'w, V, S> {
     /// Which row and which of its columns the derivatives are of.
     made: [(usize, Range<usize>); 2],
     slope: &'s mut [u16],
+    /// What rises between the first two and between the last two voxels along x, of each row of samples.
+    rises: [[u16; 2]; 3],
     kinds: PhantomData<(V, S)>,
 }
 
@@ -97,6 +99,7 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
             derivatives,
             made: [(0, 0..0), (0, 0..0)],
             slope,
+            rises: [[0; 2]; 3],
             kinds: PhantomData,
         }
     }
@@ -139,6 +142,29 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
             yx_row::<V::Halves>(voxels(row), voxels(next), VOXEL_SHIFT, [wx, wy], out);
         } else {
             yx_row::<V::Halves>(made(row), made(next), 0, [wx, wy], out);
+        }
+        if S::LIT {
+            self.keep_rises(slot, [row, next]);
+        }
+    }
+
+    /// Keeps what rises between the voxels at both ends of a row of samples between two rows of voxels, while these are at hand.
+    #[inline(always)]
+    fn keep_rises(&mut self, slot: usize, [row, next]: [i32; 2]) {
+        let ([_, wy, wz], last) = (self.weights, self.width.saturating_sub(1));
+        let ([even, odd], near) = (&self.z, self.window.near);
+        let of = |row: i32| match (wz, row & 1) {
+            (0, _) => (near.row(row.max(0) as usize), VOXEL_SHIFT),
+            (_, 0) => (&**even, 0),
+            _ => (&**odd, 0),
+        };
+        let rows = [of(row), of(next)];
+        let rises = [
+            rise(rows, [1.min(last), 0], wy),
+            rise(rows, [last, last.saturating_sub(1)], wy),
+        ];
+        if let Some(kept) = self.rises.get_mut(slot) {
+            *kept = rises;
         }
     }
 
@@ -260,25 +286,17 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
     /// Makes the gradients of samples whose neighbours along x lie beyond the voxels.
     #[inline(always)]
     fn mend_ends(&self, row: i32, places: Range<usize>, halved: bool, [gx, gy, gz]: [&mut [u16]; 3]) {
-        let ([wx, wy, wz], width, last) = (self.weights, self.width, self.width.saturating_sub(1));
-        let far = self.window.far_or_near();
-        let (this, next) = self.extent.voxel_rows(row);
+        let ([wx, _, _], width, last) = (self.weights, self.width, self.width.saturating_sub(1));
         let here = self.whole(row);
         let sample = |place: usize| here.get(place).copied().unwrap_or(0);
-        let voxel = |row: usize, place: usize| {
-            let of = |slice: &[u16]| slice.get(place).copied().unwrap_or(0) << VOXEL_SHIFT;
-            lerp(of(self.window.near.row(row)), of(far.row(row)), wz)
-        };
-        let on_row = |place: usize| lerp(voxel(this, place), voxel(next, place), wy);
+        let [low, high] = self.rises.get(Self::slot(row)).copied().unwrap_or_default();
         let highest = last.saturating_sub(usize::from(wx != 0));
-        for place in [0, highest] {
+        for (place, rise) in [(0, low), (highest, high)] {
             let faces = Faces::of(place as i32, wx, width as i32);
             let at = place.checked_sub(places.start).filter(|_| place < places.end);
             let Some(at) = at.filter(|_| faces.any() && (place > 0 || faces.low)) else {
                 continue;
             };
-            let low = place.min(last.saturating_sub(1));
-            let rise = on_row((low + 1).min(last)).minus(on_row(low));
             let half = |v: u16| v.shr_signed(1);
             if let (Some(gx), Some(gy), Some(gz)) = (gx.get_mut(at), gy.get_mut(at), gz.get_mut(at)) {
                 *gx = match faces {
@@ -295,6 +313,16 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
             }
         }
     }
+}
+
+/// What rises between two places of a row of samples, of two rows shifted left first.
+#[inline(always)]
+fn rise([(a, shift), (b, _)]: [(&[u16], u32); 2], [to, from]: [usize; 2], wy: u16) -> u16 {
+    let between = |place: usize| {
+        let of = |row: &[u16]| row.get(place).copied().unwrap_or(0) << shift;
+        lerp(of(a), of(b), wy)
+    };
+    between(to).minus(between(from))
 }
 
 /// Some columns of a derivative, 12.3, or of half of it.

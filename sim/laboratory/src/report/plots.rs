@@ -20,6 +20,9 @@ const SERIES: [RGBColor; 4] = [
     RGBColor(6, 6, 6),
 ];
 
+/// The precisions that the plot of the front names wherever they are; the last has the colour of all other points, but filled.
+const NAMED: [&str; 4] = ["paper", "compact", "wide", "fast"];
+
 /// A plot that cannot be drawn.
 pub(crate) type PlotError = Box<dyn std::error::Error>;
 
@@ -164,7 +167,7 @@ pub fn front(rows: &[Row], label: &str) -> Result<String, PlotError> {
         let line: Vec<_> = front.iter().map(|row| (row.relative_speed, error(row))).collect();
         chart.draw_series(LineSeries::new(line, INK.stroke_width(1)))?;
         for (row, on) in rows.iter().zip(&marked) {
-            let place = ["paper", "compact", "wide"].iter().position(|name| *name == row.name);
+            let place = NAMED.iter().position(|name| *name == row.name);
             let colour = SERIES[place.unwrap_or(3)];
             let style = if *on || place.is_some() {
                 colour.filled()
@@ -179,7 +182,7 @@ pub fn front(rows: &[Row], label: &str) -> Result<String, PlotError> {
         let named = rows
             .iter()
             .zip(&marked)
-            .filter(|(row, on)| **on || ["paper", "compact", "wide"].contains(&row.name.as_str()));
+            .filter(|(row, on)| **on || NAMED.contains(&row.name.as_str()));
         for (row, _) in named {
             let (x, y) = chart.backend_coord(&(row.relative_speed, error(row)));
             let width = 7 * row.name.chars().count() as i32;

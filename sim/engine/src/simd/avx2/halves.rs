@@ -1,5 +1,6 @@
 //! Sixteen lanes of 16 bits in AVX2.
 
+use std::arch::asm;
 use std::arch::x86_64::*;
 
 use slicecast::lanes::{Halves, Lanes as _};
@@ -68,8 +69,29 @@ fn both(low: i16, high: i16) -> __m256i {
     avx2!(_mm256_set1_epi32(i32::from(low as u16) | i32::from(high) << 16))
 }
 
+/// The upper halves of unsigned products. What the intrinsic becomes are products of 32 bits cut off, which the compiler knows again
+/// as one instruction only while both factors are made in the same block as the product; behind a branch it widens them.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn upper(a: __m256i, b: __m256i) -> __m256i {
+    let high;
+    // SAFETY: an instruction of the features named, between registers.
+    unsafe {
+        asm!(
+            "vpmulhuw {}, {}, {}",
+            lateout(ymm_reg) high,
+            in(ymm_reg) a,
+            in(ymm_reg) b,
+            options(pure, nomem, nostack, preserves_flags)
+        );
+    }
+    high
+}
+
 impl Halves for Halves256 {
     type Shifts = [__m256i; 2];
+    /// x and y, and z and 0, side by side.
+    type Direction = [__m256i; 2];
     const COUNT: usize = 16;
 
     #[inline(always)]
@@ -150,7 +172,7 @@ impl Halves for Halves256 {
     }
     #[inline(always)]
     fn product_high(self, other: Self) -> Self {
-        Self(avx2!(_mm256_mulhi_epu16(self.0, other.0)))
+        Self(avx2!(upper(self.0, other.0)))
     }
     #[inline(always)]
     fn product_low(self, other: Self) -> Self {
@@ -208,10 +230,13 @@ impl Halves for Halves256 {
         })
     }
     #[inline(always)]
-    fn facing([ax, ay, az]: [Self; 3], [bx, by, bz]: [i16; 3], [k_low, k_high]: [__m256i; 2]) -> Self {
+    fn direction([x, y, z]: [i16; 3]) -> [__m256i; 2] {
+        [both(x, y), both(z, 0)]
+    }
+    #[inline(always)]
+    fn facing([ax, ay, az]: [Self; 3], [xy, z]: [__m256i; 2], [k_low, k_high]: [__m256i; 2]) -> Self {
         avx2!({
             let ([xy_low, xy_high], [z_low, z_high]) = (pairs(ax.0, ay.0), pairs(az.0, _mm256_setzero_si256()));
-            let (xy, z) = (both(bx, by), both(bz, 0));
             let low = _mm256_add_epi32(_mm256_madd_epi16(xy_low, xy), _mm256_madd_epi16(z_low, z));
             let high = _mm256_add_epi32(_mm256_madd_epi16(xy_high, xy), _mm256_madd_epi16(z_high, z));
             Self(_mm256_packus_epi32(rounded(low, k_low), rounded(high, k_high)))

@@ -87,7 +87,7 @@ fn results<H: Halves>(given: &Rows) -> (Vec<Vec<u16>>, Vec<bool>) {
             x.nonzero_then(y),
             x.at_least_or_zero(y),
             h,
-            H::facing(gradient, *vector, k),
+            H::facing(gradient, H::direction(*vector), k),
             H::splat(*offset),
             low,
             high,
