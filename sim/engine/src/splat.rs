@@ -432,10 +432,14 @@ fn from_eye<'a>(
     let frame = [right, up.map(|c| -c), forward];
     let steps = [0, 1, 2].map(|m| frame.map(|axis| axis[m] * spacing[m] / sheet));
     let first = [0, 1, 2].map(|axis| -(0..3).map(|m| eye[m] * steps[m][axis]).sum::<f64>());
-    let deepest: f64 = (0..3).map(|m| (steps[m][2] * (volume.dims[m] as f64 - 1.0)).max(0.0)).sum();
+    let deepest: f64 = (0..3)
+        .map(|m| (steps[m][2] * (volume.dims[m] as f64 - 1.0)).max(0.0))
+        .sum();
     let coarsest = pixel * (first[2] + deepest) * sheet * f64::from(scene.sampling.rays_per_voxel) / finest;
     let finer = (coarsest - COARSER).ceil().clamp(1.0, f64::from(PIXELS)) as u32;
-    let distance = (f64::from(finer) / pixel * 65536.0).round().clamp(0.0, f64::from(u32::MAX)) as u32;
+    let distance = (f64::from(finer) / pixel * 65536.0)
+        .round()
+        .clamp(0.0, f64::from(u32::MAX)) as u32;
     let step = |c: f64| Step::from_bits((c * 4294967296.0).round() as i64);
     let splatting = Splatting::from_eye(
         volume.dims.map(|side| u32::try_from(side).unwrap_or(u32::MAX)),
