@@ -408,7 +408,7 @@ impl Splatting {
         let [_, _, z] = origin;
         let [nearest, farthest] = depths(&steps, dims).map(|depth| z + depth);
         let eye = Eye::new(distance, nearest, size, (widths, rho, lattice.volume));
-        if farthest <= eye.near() {
+        if farthest < eye.near() {
             return Err(SplatError::Nothing);
         }
         let margin = eye.margin();

@@ -2,7 +2,7 @@
 
     python3 -m venv peers && peers/bin/pip install vtk numpy
     peers/bin/python vtk_ratio.py PATH/TO/slicecast PATH/TO/bone-ct.nrrd [--frames 3] [--rounds 4]
-                                  [--threads N] [--only fog|bone] [--pictures DIR]
+                                  [--threads N] [--only fog|bone] [--pictures DIR] [--perspective]
 
 Two scenes, both under one white light from the viewer: dense fog (made here, 256^3, nothing can be skipped) and the bone
 of a CT volume, made cubic first (linear along z), because rays are so many a voxel here and so many a millimetre there.
@@ -11,7 +11,9 @@ sample planes, the view is parallel, the opacity table is corrected for the step
 1/128 of its light is left (VTK: 255 of 32767). Rounds of VTK and of slicecast
 take turns; the shortest frame of each counts. VTK's time is the mapper's own (GetTimeToDraw: its gradients are made
 before the first frame and not counted, nor is showing the picture); slicecast's is all sample planes and the final warp,
-`compact`, all threads. With --pictures both pictures are written, to be looked at. Not part of the build.
+`compact`, all threads. With --perspective both see the scene from an eye, 40 degrees from the top of the picture to its bottom, the whole
+volume within, in a picture of the same size; one thread each, and slicecast's time is that of the whole picture (`bench`, the ways to a
+picture: its pixels are mixed from up to five base planes). VTK's step is the same along all rays, slicecast's grows to the side. With --pictures both pictures are written, to be looked at. Not part of the build.
 """
 import argparse, json, math, os, pathlib, subprocess, tempfile, time
 
@@ -20,6 +22,7 @@ import vtk
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
 VIEW = (17.0, 12.0)  # azimuth, elevation, degrees
+FOV = 40.0  # that of the bench
 
 SCENE = """[view]
 azimuth = {view[0]}
@@ -89,7 +92,7 @@ def to_vtk(voxels, spacing):
 class Vtk:
     """A scene in VTK."""
 
-    def __init__(self, image, points, threads):
+    def __init__(self, image, points, threads, perspective):
         sides = [(n - 1) * s for n, s in zip(image.GetDimensions(), image.GetSpacing())]
         azimuth, elevation = map(math.radians, VIEW)
         (sa, ca), (se, ce) = ((math.sin(a), math.cos(a)) for a in (azimuth, elevation))
@@ -131,9 +134,15 @@ class Vtk:
         renderer.AddLight(light)
         camera = renderer.GetActiveCamera()
         centre = [side / 2 for side in sides]
-        camera.ParallelProjectionOn()
         camera.SetFocalPoint(*centre)
-        camera.SetPosition(*(c - 1000 * f for c, f in zip(centre, forward)))
+        far = 1000
+        if perspective:
+            camera.SetViewAngle(FOV)
+            diagonal = math.dist([0] * 3, [n * s for n, s in zip(image.GetDimensions(), image.GetSpacing())])
+            far = diagonal / 2 / math.sin(math.radians(FOV / 2))
+        else:
+            camera.ParallelProjectionOn()
+        camera.SetPosition(*(c - far * f for c, f in zip(centre, forward)))
         camera.SetViewUp(*up)
         camera.SetParallelScale(size[1] * pixel / 2)
         renderer.ResetCameraClippingRange()
@@ -164,12 +173,15 @@ class Vtk:
         return vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars()).reshape(self.size[1], self.size[0], -1)
 
 
-def slicecast(binary, volume, scene, frames, threads, folder):
+def slicecast(binary, volume, scene, frames, threads, folder, perspective):
     """The scene's shortest frame, seconds, and its samples."""
     report = folder / "bench.json"
     command = [binary, "bench", volume, "--scene", scene, "--sides", "0", "--frames", frames, "--threads", threads, "--json", report, "--force"]
     subprocess.run(list(map(str, command)), check=True, capture_output=True)
     section = json.loads(report.read_text())["sections"][0]
+    if perspective:
+        way = next(way for way in section["ways"] if way["way"] == "rays, in perspective")
+        return way["milliseconds"] / 1e3, way["count"]
     row = [row for row in section["rows"] if row["engine"] == "compact"][-1]  # The last one is on all threads.
     return (row["milliseconds"] + section["beside"]["warp_milliseconds"]) / 1e3, section["samples"]
 
@@ -183,8 +195,9 @@ def main():
     parser.add_argument("--threads", type=int, default=None)
     parser.add_argument("--only", choices=["fog", "bone"])
     parser.add_argument("--pictures", type=pathlib.Path)
+    parser.add_argument("--perspective", action="store_true")
     asked = parser.parse_args()
-    threads = asked.threads or os.cpu_count()
+    threads = 1 if asked.perspective else asked.threads or os.cpu_count()
     print(f"VTK {vtk.vtkVersion().GetVTKVersion()}, {threads} threads, shortest of {asked.rounds} x {asked.frames} frames")
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
@@ -197,14 +210,14 @@ def main():
             listed = ", ".join(f'{{ value = {v}, colour = "{c}", opacity = {o} }}' for v, c, o in points)
             scene = folder / f"{name.split()[0]}.toml"
             scene.write_text(SCENE.format(view=VIEW, points=listed))
-            peer = Vtk(to_vtk(voxels, spacing), points, threads)
+            peer = Vtk(to_vtk(voxels, spacing), points, threads, asked.perspective)
             ours, theirs = math.inf, math.inf
             for _ in range(asked.rounds):
                 theirs = min([theirs] + [peer.frame() for _ in range(asked.frames)])
-                seconds, samples = slicecast(asked.binary, path, scene, asked.frames, threads, folder)
+                seconds, samples = slicecast(asked.binary, path, scene, asked.frames, threads, folder, asked.perspective)
                 ours = min(ours, seconds)
             print(
-                f"{name}, lit, {peer.size[0]} x {peer.size[1]} rays, {samples / 1e6:.1f} M samples: VTK {1e3 * theirs:.1f} ms "
+                f"{name}, lit, {'in perspective, ' if asked.perspective else ''}{peer.size[0]} x {peer.size[1]} rays, {samples / 1e6:.1f} M samples: VTK {1e3 * theirs:.1f} ms "
                 f"(first frame {peer.first:.2f} s), slicecast {1e3 * ours:.1f} ms: {theirs / ours:.1f} times as fast (aim {aim})"
             )
             if asked.pictures:
@@ -213,7 +226,8 @@ def main():
                 theirs_picture = peer.picture(asked.pictures / f"{stem}-vtk.png")
                 own = asked.pictures / f"{stem}-slicecast.png"
                 size = f"{peer.size[0]}x{peer.size[1]}"
-                subprocess.run([asked.binary, "render", str(path), "--scene", str(scene), "--size", size, "-o", str(own), "--force"], check=True, capture_output=True)
+                seen = ["--fov", str(FOV)] if asked.perspective else []
+                subprocess.run([asked.binary, "render", str(path), "--scene", str(scene), "--size", size, "-o", str(own), "--force"] + seen, check=True, capture_output=True)
                 reader = vtk.vtkPNGReader()
                 reader.SetFileName(str(own))
                 reader.Update()

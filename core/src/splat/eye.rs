@@ -159,7 +159,7 @@ impl Eye {
     }
 
     /// Pixels before the image in a record.
-    pub(super) const fn margin(&self) -> [u32; 2] {
+    pub const fn margin(&self) -> [u32; 2] {
         self.margin
     }
 
@@ -187,7 +187,7 @@ impl Eye {
     /// A voxel's place in the record's pixels along x and y, with so many fraction bits, from its place from the eye; none where it is
     /// beyond them. This function is the definition.
     #[inline(always)]
-    pub(crate) fn project(&self, [x, y, z]: [i64; 3], bits: u32) -> Option<[u32; 2]> {
+    pub fn project(&self, [x, y, z]: [i64; 3], bits: u32) -> Option<[u32; 2]> {
         let cut = (34 - z.leading_zeros() as i32).max(1) as u32;
         let short = |c: i64| (c + (1 << (cut - 1))) >> cut;
         let depth = short(z);
