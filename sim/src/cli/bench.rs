@@ -226,7 +226,7 @@ impl Bench {
         }
         let found = with_bar(name, |progress| {
             measure_ways(
-                scene,
+                &scene,
                 volume,
                 self.frames.min(WAYS_FRAMES),
                 (&self.threads, false),
