@@ -374,9 +374,9 @@ impl Splatting {
         })
     }
 
-    /// A volume of these sides that is seen from an eye, which looks along z through the middle of an image of `size`. Voxel (0, 0, 0) lies at
-    /// `first` from the eye, the next voxel along each axis `steps` further: x to the right, y down, z away, all in sheets. The image lies
-    /// `distance` pixels from the eye, 16.16.
+    /// A volume of these sides that is seen from an eye, which looks along z through the middle of an image of `size`. Voxel
+    /// (0, 0, 0) lies at `first` from the eye, the next voxel along each axis `steps` further: x to the right, y down, z away,
+    /// all in sheets. The image lies `distance` pixels from the eye, 16.16.
     ///
     /// # Errors
     /// [`SplatError`], with what is out of range.

@@ -10,8 +10,8 @@ use super::tests::{kernel_of, needed, noise, samples, step};
 use super::*;
 use crate::classify::Support;
 
-/// A volume of these sides, turned, its middle so far in front of an eye and beside its axis, in sheets; pixels of an image of this field of
-/// view.
+/// A volume of these sides, turned, its middle so far in front of an eye and beside its axis, in voxels; pixels of an image of
+/// this field of view.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     dims: [u32; 3],

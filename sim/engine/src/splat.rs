@@ -1,8 +1,8 @@
 //! A scene whose voxels are splatted: bins of records, made in runs of slices, and bands of rows, on all cores.
 //!
 //! The image is aligned with the picture; pixels are as long as the volume's shortest voxel side divided by the rays per voxel, sheets
-//! as thick as it divided by the planes per voxel. The picture is this image enlarged or reduced. In perspective the image is the picture, or
-//! some times as fine.
+//! as thick as it divided by the planes per voxel. The picture is this image enlarged or reduced. In perspective the image is the
+//! picture, or some times as fine.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};

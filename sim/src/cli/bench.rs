@@ -25,8 +25,9 @@ use super::tables;
 /// Synthetic fog, in which nothing can be skipped, and a volume: the built-in head as bone, or the one given under the scene
 /// that is named or chosen for it. All subjects of a section take turns, and the shortest time of each counts; how far the
 /// others scatter is shown beside it. A frame is all sample planes folded into the base plane: no reading, no preparation, no
-/// final warp. Samples are all that lie in the volume, skipped or not. Borders are whole, the only ones that f32 has. Whole pictures of one size, by
-/// rays and by splats, parallel and in perspective, are timed beside each other on one thread, at two planes and rays per voxel at most.
+/// final warp. Samples are all that lie in the volume, skipped or not. Borders are whole, the only ones that f32 has. Whole
+/// pictures of one size, by rays and by splats, parallel and in perspective, are timed beside each other on one thread, at
+/// two planes and rays per voxel at most.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast bench
@@ -217,8 +218,8 @@ impl Bench {
         Ok(())
     }
 
-    /// Measures the scene's picture by rays and by splats, parallel and in perspective, on one thread, at two planes and rays per voxel at most. A scene that one of them does not
-    /// know is told, and not measured.
+    /// Measures the scene's picture by rays and by splats, parallel and in perspective, on one thread, at two planes and rays
+    /// per voxel at most. A scene that one of them does not know is told, and not measured.
     fn ways(&mut self, name: &str, scene: &Scene, volume: &Volume) -> Result<(), Failure> {
         let mut scene = scene.clone();
         for rate in [&mut scene.sampling.planes_per_voxel, &mut scene.sampling.rays_per_voxel] {
