@@ -480,7 +480,7 @@ mod tests {
         let z = seen.near + number as f64 + 1.0 - model.reach();
         let samples = model.samples(number);
         let mut count = 0;
-        for at in 0..41 * 41 {
+        for (at, sample) in samples.iter().enumerate() {
             let [x, y] = seen.slopes(at, [41, 41]);
             // Far enough from the faces.
             if x.abs() * z > 6.0 || y.abs() * z > 6.0 {
@@ -490,7 +490,7 @@ mod tests {
             let wanted =
                 10.0 * 170.0 + x * z * step(axes.right) - y * z * step(axes.up) + (z - 30.0) * step(axes.forward);
             // A kernel has one width in a slab, and its voxels are nearer and farther than the sheet.
-            assert!((samples[at] - wanted).abs() < 6.0, "{at}: {} {wanted}", samples[at]);
+            assert!((sample - wanted).abs() < 6.0, "{at}: {} {wanted}", *sample);
         }
         assert!(count > 50, "{count}");
     }
