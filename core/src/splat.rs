@@ -21,18 +21,22 @@
 
 mod band;
 mod bins;
+mod eye;
 mod kernel;
 mod sheets;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_from_eye;
 
 use core::fmt;
 
 pub use self::band::{Bands, Memory, fold_band};
 pub use self::bins::{BLOCK, Bins, Needed, Voxels, measure_layer};
+pub use self::eye::{DISTANCES, Eye, PLACE_MAX, Rays, tilted};
 pub use self::kernel::{Kernel, product};
 pub use self::sheets::{MISSING, Sheet, Sheets, sample, slope};
-use crate::format::Step;
+use crate::format::{Intensity, Step};
 use crate::table::ENTRIES;
 
 /// The most voxels along a side.
@@ -215,6 +219,17 @@ pub enum SplatError {
     },
     /// More records than bins can count.
     Records,
+    /// The distance of the image from the eye, pixels, 16.16.
+    Distance {
+        /// The distance's bits.
+        bits: u32,
+    },
+    /// The first voxel is farther from the eye than [`PLACE_MAX`] sheets along an axis.
+    Far,
+    /// Rays that run too far to the side.
+    Slopes,
+    /// All voxels lie behind the eye, or too near to it.
+    Nothing,
 }
 
 impl fmt::Display for SplatError {
@@ -255,6 +270,21 @@ impl fmt::Display for SplatError {
             Self::Memory { needed, given } => write!(f, "{needed} elements of memory are needed, {given} given"),
             Self::Value { value } => write!(f, "a voxel of {value}; accepted: 0 to {CODE_MAX}"),
             Self::Records => write!(f, "2^32 records or more"),
+            Self::Distance { bits } => {
+                write!(
+                    f,
+                    "an image {bits}/2^16 pixels from the eye; accepted: 0.25 to 32768, not included"
+                )
+            }
+            Self::Far => write!(
+                f,
+                "an eye farther than {PLACE_MAX} sheets from the first voxel along an axis"
+            ),
+            Self::Slopes => write!(
+                f,
+                "rays that run too far to the side; accepted: slopes below 4 with what kernels reach beyond the image, and together below 7"
+            ),
+            Self::Nothing => write!(f, "no voxel lies far enough in front of the eye"),
         }
     }
 }
@@ -281,6 +311,8 @@ pub struct Splatting {
     least: u64,
     /// Reach of a sample in voxels along each axis of the volume, and with a neighbour.
     reach: [[u32; 2]; 3],
+    /// Where rays spread from.
+    eye: Option<Eye>,
 }
 
 impl Splatting {
@@ -308,11 +340,7 @@ impl Splatting {
         // A pixel beyond what a kernel reaches.
         let margin = [wx, wy].map(|width| ((3 * width) >> 17) + 2);
         let [mx, my] = margin;
-        let [width, height] = size;
-        let whole = [width.saturating_add(2 * mx), height.saturating_add(2 * my)];
-        if width == 0 || height == 0 || whole.iter().any(|side| *side > PIXELS) {
-            return Err(SplatError::Image { size: whole });
-        }
+        whole(size, margin)?;
         let lattice = Lattice::of(&steps).ok_or(SplatError::Flat)?;
         let rho = (3 * wz + (1 << 16) + 1) >> 1;
         // Half a unit of a record besides: places are rounded.
@@ -326,9 +354,7 @@ impl Splatting {
         if voxels.saturating_mul(WEIGHT_MAX) >= SUM_MAX {
             return Err(SplatError::Crowded { voxels });
         }
-        let depth = |step: &[i64; 3], side: u32| step[2] * i64::from(side - 1);
-        let depths = steps.iter().zip(dims).map(|(step, side)| depth(step, side));
-        let (nearest, farthest) = depths.fold((0, 0), |(low, high), depth| (low + depth.min(0), high + depth.max(0)));
+        let [nearest, farthest] = depths(&steps, dims);
         let [ox, oy] = origin;
         let [x, y] = [(ox, mx), (oy, my)].map(|(place, margin)| place.to_bits() + (i64::from(margin) << 32));
         let bins = rounded(farthest - nearest, layout.depth_bits) >> layout.depth_bits;
@@ -342,9 +368,114 @@ impl Splatting {
             margin,
             rho,
             bins: bins as u32 + 1,
-            least: lattice.nominal(widths).div_ceil(2),
+            least: nominal(widths, lattice.volume).div_ceil(2),
             reach: lattice.reach(reach),
+            eye: None,
         })
+    }
+
+    /// A volume of these sides that is seen from an eye, which looks along z through the middle of an image of `size`. Voxel
+    /// (0, 0, 0) lies at `first` from the eye, the next voxel along each axis `steps` further: x to the right, y down, z away,
+    /// all in sheets. The image lies `distance` pixels from the eye, 16.16.
+    ///
+    /// # Errors
+    /// [`SplatError`], with what is out of range.
+    pub fn from_eye(
+        dims: [u32; 3],
+        first: [Step; 3],
+        steps: [[Step; 3]; 3],
+        (distance, size): (u32, [u32; 2]),
+        layout: Layout,
+    ) -> Result<Self, SplatError> {
+        if dims.iter().any(|side| !(1..=SIDE_MAX).contains(side)) {
+            return Err(SplatError::Sides { dims });
+        }
+        if !DISTANCES.contains(&distance) {
+            return Err(SplatError::Distance { bits: distance });
+        }
+        let origin = first.map(Step::to_bits);
+        if origin.iter().any(|c| c.unsigned_abs() >> 32 >= PLACE_MAX as u64) {
+            return Err(SplatError::Far);
+        }
+        let steps = steps.map(|step| step.map(Step::to_bits));
+        let widths = widths(&steps);
+        if widths.iter().any(|width| !WIDTHS.contains(width)) {
+            return Err(SplatError::Width { widths });
+        }
+        let lattice = Lattice::of(&steps).ok_or(SplatError::Flat)?;
+        let [_, _, wz] = widths;
+        let rho = (3 * wz + (1 << 16) + 1) >> 1;
+        let [_, _, z] = origin;
+        let [nearest, farthest] = depths(&steps, dims).map(|depth| z + depth);
+        let eye = Eye::new(distance, nearest, size, (widths, rho, lattice.volume));
+        if farthest < eye.near() {
+            return Err(SplatError::Nothing);
+        }
+        let margin = eye.margin();
+        whole(size, margin)?;
+        if !eye.fits() {
+            return Err(SplatError::Slopes);
+        }
+        let unit = 1 << (15 - layout.position_bits);
+        let ([hx, hy], [px, py]) = (eye.reach(farthest, unit), eye.edges());
+        let deep = rho + (1 << (15 - layout.depth_bits));
+        let voxels = lattice.tilted([px, py]).count([hx, hy, deep]);
+        if voxels.saturating_mul(WEIGHT_MAX) >= SUM_MAX {
+            return Err(SplatError::Crowded { voxels });
+        }
+        let beside = |edge: u32, half: u32| {
+            let beside = (u64::from(edge) * u64::from(deep)) >> 16;
+            half.saturating_add(u32::try_from(beside).unwrap_or(u32::MAX))
+                .saturating_add(1)
+        };
+        let own = [beside(px, hx), beside(py, hy), deep];
+        let apart = eye.coarsest(farthest);
+        let next = [apart.max(px), apart.max(py), 1 << 16];
+        let bins = rounded(farthest - eye.near(), layout.depth_bits) >> layout.depth_bits;
+        Ok(Self {
+            dims,
+            origin: [origin[0], origin[1], z],
+            steps,
+            size,
+            layout,
+            // The spline of a pixel: bins scale it.
+            widths: [1 << 16, 1 << 16, wz],
+            margin,
+            rho,
+            bins: bins as u32 + 1,
+            least: 0,
+            reach: lattice.reach_and_beside(own, next),
+            eye: Some(eye),
+        })
+    }
+
+    /// Where rays spread from; none where they are parallel.
+    pub const fn eye(&self) -> Option<&Eye> {
+        self.eye.as_ref()
+    }
+
+    /// The first sheet that no voxel is missing from.
+    pub const fn first_sheet(&self) -> u32 {
+        match &self.eye {
+            Some(eye) => eye.first(self.reached()),
+            None => 0,
+        }
+    }
+
+    /// Kernels of a bin.
+    pub(crate) fn scale(&self, bin: u32) -> eye::Scale {
+        match &self.eye {
+            Some(eye) => eye.scale(bin),
+            None => eye::Scale::own(self.widths),
+        }
+    }
+
+    /// The spacing factors of a sheet's gradients, which those of parallel sheets are told.
+    pub(crate) fn spacing(&self, sheet: u32, parallel: [Intensity; 3]) -> [Intensity; 3] {
+        match &self.eye {
+            Some(eye) => eye.spacing(sheet),
+            None => parallel,
+        }
     }
 
     /// Voxels along the axes.
@@ -382,9 +513,12 @@ impl Splatting {
         self.bins + self.reached() - 1
     }
 
-    /// The sum of weights from which on a sample exists.
-    pub const fn least(&self) -> u64 {
-        self.least
+    /// The sum of weights from which on a sample of a sheet exists; of parallel rays the same in all.
+    pub fn least(&self, sheet: u32) -> u64 {
+        match &self.eye {
+            Some(eye) => eye.least(sheet),
+            None => self.least,
+        }
     }
 
     /// How far along each axis of the volume the voxels of a sample lie, in voxels, 16.16; and those of its neighbours.
@@ -409,6 +543,29 @@ impl Splatting {
     pub(crate) const fn along(&self) -> [i64; 3] {
         self.steps[0]
     }
+}
+
+/// Depths of the nearest and the farthest voxel behind voxel (0, 0, 0).
+fn depths(steps: &[[i64; 3]; 3], dims: [u32; 3]) -> [i64; 2] {
+    let depth = |step: &[i64; 3], side: u32| step[2] * i64::from(side - 1);
+    let depths = steps.iter().zip(dims).map(|(step, side)| depth(step, side));
+    depths.fold([0, 0], |[low, high], depth| [low + depth.min(0), high + depth.max(0)])
+}
+
+/// An image that a record reaches across, with its margins.
+fn whole([width, height]: [u32; 2], [mx, my]: [u32; 2]) -> Result<(), SplatError> {
+    let size = [width.saturating_add(2 * mx), height.saturating_add(2 * my)];
+    if width == 0 || height == 0 || size.iter().any(|side| *side > PIXELS) {
+        return Err(SplatError::Image { size });
+    }
+    Ok(())
+}
+
+/// The sum of weights within, 18 fraction bits, of kernels of these widths over cells of this volume, 48 fraction bits.
+fn nominal(widths: [u32; 3], volume: u128) -> u64 {
+    let product: u128 = widths.map(u128::from).into_iter().product();
+    let nominal = (product << 18).checked_div(volume).unwrap_or(0);
+    u64::try_from(nominal).unwrap_or(u64::MAX)
 }
 
 /// A number of 32 fraction bits with so many of them, halves up.
@@ -474,11 +631,23 @@ impl Lattice {
         u64::try_from(count.unwrap_or(u128::MAX)).unwrap_or(u64::MAX)
     }
 
-    /// The sum of weights within, 18 fraction bits.
-    fn nominal(&self, widths: [u32; 3]) -> u64 {
-        let product: u128 = widths.map(u128::from).into_iter().product();
-        let nominal = (product << 18).checked_div(self.volume).unwrap_or(0);
-        u64::try_from(nominal).unwrap_or(u64::MAX)
+    /// In coordinates that rays of slopes up to these, 16.16, are straight in: as far as cells may then extend.
+    fn tilted(&self, [px, py]: [u32; 2]) -> Self {
+        let along = |size: u64, edge: u32, z: u64| size + ((u64::from(edge) * z) >> 16) + 1;
+        Self {
+            sizes: self.sizes.map(|[x, y, z]| [along(x, px, z), along(y, py, z), z]),
+            ..*self
+        }
+    }
+
+    /// How far along each axis of the volume a box of these half sides reaches, voxels, 16.16, rounded up; and one of half sides longer
+    /// by so much.
+    fn reach_and_beside(&self, half: [u32; 3], longer: [u32; 3]) -> [[u32; 2]; 3] {
+        let [own, beside] = [half, longer].map(|half| self.reach(half).map(|[reach, _]| reach));
+        core::array::from_fn(|axis| {
+            let at = |of: &[u32; 3]| of.get(axis).copied().unwrap_or(u32::MAX);
+            [at(&own), at(&own).saturating_add(at(&beside))]
+        })
     }
 
     /// How far along each axis of the volume a box of these half sides reaches, voxels, 16.16, rounded up; and with a unit along one

@@ -2,7 +2,7 @@
 
     python3 -m venv peers && peers/bin/pip install vtk numpy
     peers/bin/python vtk_ratio.py PATH/TO/slicecast PATH/TO/bone-ct.nrrd [--frames 3] [--rounds 4]
-                                  [--threads N] [--only fog|bone|colours] [--pictures DIR]
+                                  [--threads N] [--only fog|bone|colours] [--pictures DIR] [--perspective]
 
 Three scenes, all under one white light from the viewer: dense fog (made here, 256^3, nothing can be skipped), and of a CT volume
 its bone and, in many colours, all of it; the volume is made cubic first (linear along z), because rays are so many a voxel here and
@@ -12,7 +12,10 @@ sample planes, the view is parallel, the opacity table is corrected for the step
 1/128 of its light is left (VTK: 255 of 32767). Rounds of VTK and of slicecast
 take turns; the shortest frame of each counts. VTK's time is the mapper's own (GetTimeToDraw: its gradients are made
 before the first frame and not counted, nor is showing the picture); slicecast's is all sample planes and the final warp,
-`compact` and `fast`, all threads, in turns. With --pictures all pictures are written, to be looked at. Not part of the build.
+`compact` and `fast`, all threads, in turns. With --perspective both see the scene from an eye, 40 degrees from the top of the picture to
+its bottom, the whole volume within, in a picture of the same size, by `compact` on one thread each; slicecast's time is that of the whole
+picture (`bench`, the ways to a picture: its pixels are mixed from up to five base planes). VTK's step is the same along all rays,
+slicecast's grows to the side. With --pictures all pictures are written, to be looked at. Not part of the build.
 """
 import argparse, json, math, os, pathlib, subprocess, tempfile, time
 
@@ -21,6 +24,7 @@ import vtk
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
 VIEW = (17.0, 12.0)  # azimuth, elevation, degrees
+FOV = 40.0  # that of the bench
 
 SCENE = """[view]
 azimuth = {view[0]}
@@ -95,7 +99,7 @@ def to_vtk(voxels, spacing):
 class Vtk:
     """A scene in VTK."""
 
-    def __init__(self, image, points, threads):
+    def __init__(self, image, points, threads, perspective):
         sides = [(n - 1) * s for n, s in zip(image.GetDimensions(), image.GetSpacing())]
         azimuth, elevation = map(math.radians, VIEW)
         (sa, ca), (se, ce) = ((math.sin(a), math.cos(a)) for a in (azimuth, elevation))
@@ -137,9 +141,15 @@ class Vtk:
         renderer.AddLight(light)
         camera = renderer.GetActiveCamera()
         centre = [side / 2 for side in sides]
-        camera.ParallelProjectionOn()
         camera.SetFocalPoint(*centre)
-        camera.SetPosition(*(c - 1000 * f for c, f in zip(centre, forward)))
+        far = 1000
+        if perspective:
+            camera.SetViewAngle(FOV)
+            diagonal = math.dist([0] * 3, [n * s for n, s in zip(image.GetDimensions(), image.GetSpacing())])
+            far = diagonal / 2 / math.sin(math.radians(FOV / 2))
+        else:
+            camera.ParallelProjectionOn()
+        camera.SetPosition(*(c - far * f for c, f in zip(centre, forward)))
         camera.SetViewUp(*up)
         camera.SetParallelScale(size[1] * pixel / 2)
         renderer.ResetCameraClippingRange()
@@ -170,12 +180,15 @@ class Vtk:
         return vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars()).reshape(self.size[1], self.size[0], -1)
 
 
-def slicecast(binary, volume, scene, frames, threads, folder):
+def slicecast(binary, volume, scene, frames, threads, folder, perspective):
     """The scene's shortest frame of each precision, seconds, and its samples."""
     report = folder / "bench.json"
     command = [binary, "bench", volume, "--scene", scene, "--sides", "0", "--frames", frames, "--threads", threads, "--json", report, "--force"]
     subprocess.run(list(map(str, command)), check=True, capture_output=True)
     section = json.loads(report.read_text())["sections"][0]
+    if perspective:
+        way = next(way for way in section["ways"] if way["way"] == "rays, in perspective")
+        return [way["milliseconds"] / 1e3], way["count"]
     # The last row is on all threads.
     rows = [[row for row in section["rows"] if row["engine"] == precision][-1] for precision in PRECISIONS]
     return [(row["milliseconds"] + section["beside"]["warp_milliseconds"]) / 1e3 for row in rows], section["samples"]
@@ -190,8 +203,10 @@ def main():
     parser.add_argument("--threads", type=int, default=None)
     parser.add_argument("--only", choices=["fog", "bone", "colours"])
     parser.add_argument("--pictures", type=pathlib.Path)
+    parser.add_argument("--perspective", action="store_true")
     asked = parser.parse_args()
-    threads = asked.threads or os.cpu_count()
+    threads = 1 if asked.perspective else asked.threads or os.cpu_count()
+    precisions = PRECISIONS[:1] if asked.perspective else PRECISIONS
     print(f"VTK {vtk.vtkVersion().GetVTKVersion()}, {threads} threads, shortest of {asked.rounds} x {asked.frames} frames")
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
@@ -205,26 +220,28 @@ def main():
             listed = ", ".join(f'{{ value = {v}, colour = "{c}", opacity = {o} }}' for v, c, o in points)
             scene = folder / f"{name.split()[0]}.toml"
             scene.write_text(SCENE.format(view=VIEW, points=listed))
-            peer = Vtk(to_vtk(voxels, spacing), points, threads)
-            ours, theirs = [math.inf] * len(PRECISIONS), math.inf
+            peer = Vtk(to_vtk(voxels, spacing), points, threads, asked.perspective)
+            ours, theirs = [math.inf] * len(precisions), math.inf
             for _ in range(asked.rounds):
                 theirs = min([theirs] + [peer.frame() for _ in range(asked.frames)])
-                seconds, samples = slicecast(asked.binary, path, scene, asked.frames, threads, folder)
+                seconds, samples = slicecast(asked.binary, path, scene, asked.frames, threads, folder, asked.perspective)
                 ours = list(map(min, ours, seconds))
+            kind = "lit, in perspective" if asked.perspective else "lit"
             print(
-                f"{name}, lit, {peer.size[0]} x {peer.size[1]} rays, {samples / 1e6:.1f} M samples: VTK {1e3 * theirs:.1f} ms "
+                f"{name}, {kind}, {peer.size[0]} x {peer.size[1]} rays, {samples / 1e6:.1f} M samples: VTK {1e3 * theirs:.1f} ms "
                 f"(first frame {peer.first:.2f} s)"
-                + "".join(f", {name} {1e3 * own:.1f} ms: {theirs / own:.1f} times as fast" for name, own in zip(PRECISIONS, ours))
+                + "".join(f", {own} {1e3 * took:.1f} ms: {theirs / took:.1f} times as fast" for own, took in zip(precisions, ours))
             )
             if asked.pictures:
                 asked.pictures.mkdir(parents=True, exist_ok=True)
                 stem = name.replace(" ", "-")
                 theirs_picture = peer.picture(asked.pictures / f"{stem}-vtk.png")
                 size = f"{peer.size[0]}x{peer.size[1]}"
-                for precision in PRECISIONS:
+                seen = ["--fov", str(FOV)] if asked.perspective else []
+                for precision in precisions:
                     own = asked.pictures / f"{stem}-{precision}.png"
                     command = [asked.binary, "render", path, "--scene", scene, "--precision", precision]
-                    command += ["--size", size, "-o", own, "--force"]
+                    command += ["--size", size, "-o", own, "--force"] + seen
                     subprocess.run(list(map(str, command)), check=True, capture_output=True)
                     reader = vtk.vtkPNGReader()
                     reader.SetFileName(str(own))

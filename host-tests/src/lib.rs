@@ -12,10 +12,12 @@
 //! | [`found`] | which directed vectors find which mistake of the second model |
 //! | [`framed`] | the vectors of a frame, computed once more by the second model |
 //! | [`tolerance`] | how far each stage may be from f64 |
+//! | [`beside`] | the same of modulation, sums, reflectance maps and splatting |
 //!
 //! Frames are stated in integers because a sine or a logarithm may differ in its last bit between machines; the tests
 //! are about what the pipeline makes of its inputs, and those must not move.
 
+pub mod beside;
 pub mod checksum;
 pub mod colours;
 pub mod exhaustive;

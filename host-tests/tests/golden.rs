@@ -27,7 +27,7 @@ use slicecast_host_tests::checksum::{fnv, of_frame, of_image};
 use slicecast_host_tests::colours::ColourFrame;
 use slicecast_scene::PrecisionName;
 
-use self::frames::{colour_frames, frames, splats};
+use self::frames::{colour_frames, frames, splats, splats_from_eye};
 use super::fast::is_fast;
 
 const HEAD: &str = "\
@@ -89,10 +89,35 @@ fn measured_splats(lines: &mut BTreeMap<String, u64>) {
     }
 }
 
+/// The same of frames that are splatted from an eye.
+fn measured_splats_from_eye(lines: &mut BTreeMap<String, u64>) {
+    for (name, splat) in splats_from_eye() {
+        for precision in PrecisionName::STAGED {
+            let frame = splat.frame.in_precision(precision);
+            let made = frame.with_prepared(|prepared, _| {
+                let dims = prepared.volume.dims.map(|side| side as u32);
+                let [first, steps @ ..] =
+                    [splat.first, splat.steps[0], splat.steps[1], splat.steps[2]].map(|step| step.map(Step::from_bits));
+                let image = (splat.distance, splat.size);
+                let splatting = Splatting::from_eye(dims, first, steps, image, splat.layout).expect("within limits");
+                Splatted::of(prepared, splatting, [Intensity::ONE; 3])
+                    .render(&|_, _| ())
+                    .expect("a small frame")
+            });
+            let picture = fnv(made.picture.bytes.iter().copied());
+            for (boundary, checksum) in [("image", of_image(&made.base)), ("picture", picture)] {
+                let line = format!("{name}/{}/{boundary}", precision.name());
+                assert_eq!(lines.insert(line.clone(), checksum), None, "two frames called {line}");
+            }
+        }
+    }
+}
+
 fn measured() -> BTreeMap<String, u64> {
     let mut lines = BTreeMap::new();
     measured_colours(&mut lines);
     measured_splats(&mut lines);
+    measured_splats_from_eye(&mut lines);
     for (name, frame) in frames() {
         let fast = is_fast(&frame).then_some(PrecisionName::Fast);
         for precision in PrecisionName::STAGED.into_iter().chain(fast) {
@@ -167,7 +192,7 @@ fn checksums_tell_frames_apart() {
     let fast = frames().iter().filter(|(_, frame)| is_fast(frame)).count();
     assert_eq!(
         images.len(),
-        3 * (frames().len() + splats().len()) + 2 * colour_frames().len() + fast
+        3 * (frames().len() + splats().len() + splats_from_eye().len()) + 2 * colour_frames().len() + fast
     );
     for (n, (name, checksum)) in images.iter().enumerate() {
         for (other, same) in &images[n + 1..] {

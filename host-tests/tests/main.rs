@@ -1,5 +1,6 @@
 //! The regressions, as one program: what they link is linked once, and their tests share the processors.
 
+mod beside;
 mod c_segments;
 mod c_stages;
 mod colours;
@@ -19,6 +20,7 @@ mod parts;
 mod perspective;
 mod small;
 mod splat;
+mod splat_eye;
 mod tolerance;
 mod vectors;
 

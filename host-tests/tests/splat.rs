@@ -9,8 +9,6 @@ use slicecast_engine::splat::{BAND_ROWS, Splatted};
 use slicecast_engine::threads::on_threads;
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_model::splat::Rounding;
-use slicecast_scene::clip::ClipUnit;
-use slicecast_scene::perspective::{Eye, Perspective};
 use slicecast_scene::{Blend, Classification, Face, Interpolation, Point, PrecisionName, Sampling, Scene, Surface};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
@@ -220,18 +218,6 @@ fn what_splatting_does_not_know_is_named() {
             other => panic!("{other:?}"),
         }
     };
-    let eye = Eye {
-        at: [0.0; 3],
-        unit: ClipUnit::Voxels,
-    };
-    let perspective = Perspective {
-        fov: 40.0,
-        eye: Some(eye),
-    };
-    assert_eq!(
-        refused(&|scene| scene.perspective = Some(perspective)),
-        "view.projection"
-    );
     assert_eq!(
         refused(&|scene| scene.interpolation = Interpolation::Nearest),
         "sampling.interpolation"

@@ -6,19 +6,21 @@ use core::ops::Range;
 use super::canvas::{Canvas, Image};
 use super::composite::Composite;
 use super::fold::{Batches, fold};
-use super::kernels::{ClassifierRows, Kernels, ShaderRows};
+use super::kernels::{ClassifierRows, Kernels, ShaderRows, Towards};
 use super::scratch::{BatchRows, Scratch, ScratchError};
 use super::source::spaced;
 use super::{ChannelOf, Pipeline, Rows};
+use crate::borders::lengths_row;
 use crate::classify::{Classifier, Slab, Support};
 use crate::composite::{Channel as _, Colours, FrontToBack};
 use crate::format::Intensity;
+use crate::gradient::{coarsen_row, space_row};
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
 use crate::shade::Shader;
 use crate::slice::RowRange;
-use crate::splat::{MISSING, Sheet, slope};
+use crate::splat::{MISSING, Rays, Sheet, slope};
 use crate::tap::Beam;
 
 /// A pipeline that takes the samples of [sheets](crate::splat).
@@ -71,6 +73,12 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>> FoldSheet for Composite<P, C,
         );
         let classifier = Kernels::<C, P, V>::of(&self.classifier, precision);
         let shader = Kernels::<S, P, V>::of(&self.shader, precision);
+        let towards = Towards(Kernels::<S, P, V>::of(&self.shader, precision));
+        // The viewer of rays that spread is another in each column.
+        let shader: &dyn ShaderRows<i32> = match sheet.rays() {
+            Some(_) => &towards,
+            None => &shader,
+        };
         let [samples, ..] = source.samples;
         batch.opacities = part_mut(batch.opacities, 0..width);
         let spacing: &dyn Spacing = &SpacedBy::<P, V>(precision, PhantomData);
@@ -84,7 +92,7 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>> FoldSheet for Composite<P, C,
             row: first,
             from: 0,
         };
-        fold_rows(&mut rows, (&classifier, &shader), &mut canvas, batch);
+        fold_rows(&mut rows, (&classifier, shader), &mut canvas, batch);
         Ok(())
     }
 }
@@ -100,9 +108,11 @@ fn fold_rows(
     fold(rows, slots, canvas, memory, None);
 }
 
-/// Brings gradients to the spacing of pixels and sheets.
+/// Brings gradients to the spacing of pixels and sheets, and opacities to the lengths of steps.
 trait Spacing {
     fn apply(&self, g: [&mut [i32]; 3], factors: [Intensity; 3]);
+    fn lengthen(&self, opacities: &mut [i32], lengths: &[i32]);
+    fn tilt(&self, rays: &Rays<'_>, at: (u32, usize), g: [&mut [i32]; 3], factors: [Intensity; 3]);
 }
 
 struct SpacedBy<P, V>(P, PhantomData<V>);
@@ -110,6 +120,52 @@ struct SpacedBy<P, V>(P, PhantomData<V>);
 impl<P: Precision, V: Lanes> Spacing for SpacedBy<P, V> {
     fn apply(&self, g: [&mut [i32]; 3], factors: [Intensity; 3]) {
         V::enter((Space, self, g, factors));
+    }
+
+    fn lengthen(&self, opacities: &mut [i32], lengths: &[i32]) {
+        V::enter((Lengthen, PhantomData::<V>, opacities, lengths));
+    }
+
+    fn tilt(&self, rays: &Rays<'_>, at: (u32, usize), [gx, gy, gz]: [&mut [i32]; 3], [fx, fy, fz]: [Intensity; 3]) {
+        V::enter((Tilt, self, (rays, at), [gx, gy, gz], [fx, fy, fz]));
+    }
+}
+
+struct Lengthen;
+
+impl<V: Lanes> Kernel for (Lengthen, PhantomData<V>, &mut [i32], &[i32]) {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, _, opacities, lengths) = self;
+        lengths_row::<V>(opacities, lengths);
+    }
+}
+
+struct Tilt;
+
+impl<P: Precision, V: Lanes> Kernel
+    for (
+        Tilt,
+        &SpacedBy<P, V>,
+        (&Rays<'_>, (u32, usize)),
+        [&mut [i32]; 3],
+        [Intensity; 3],
+    )
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (_, SpacedBy(precision, _), (rays, at), [gx, gy, gz], [fx, fy, fz]) = self;
+        for (row, factor) in [(&mut *gx, fx), (&mut *gy, fy), (&mut *gz, fz)] {
+            space_row::<V>(row, factor);
+        }
+        rays.tilt(at, [&mut *gx, &mut *gy, &mut *gz]);
+        if precision.formats().gradient_bits < 15 {
+            coarsen_row::<V>([gx, gy, gz], precision.formats().gradient_bits);
+        }
     }
 }
 
@@ -182,12 +238,22 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for SheetRows<'_> {
         self.from = 0;
     }
 
-    /// There is nothing where no sample exists.
+    /// There is nothing where no sample exists; where rays spread, steps are as long as they are.
     fn clip<C: ClassifierRows<i32> + ?Sized>(&self, _: &C, _: u32, opacities: &mut [i32]) {
         for (opacity, &sample) in opacities.iter_mut().zip(self.sheet.row(1, self.row.into())) {
             if sample == MISSING {
                 *opacity = 0;
             }
+        }
+        if let Some(rays) = self.sheet.rays() {
+            self.spacing.lengthen(opacities, rays.lengths(self.row));
+        }
+    }
+
+    fn towards(&self, visible: Range<usize>) -> [&[i32]; 3] {
+        match self.sheet.rays() {
+            Some(rays) => rays.towards(self.row).map(|row| part(row, visible.clone())),
+            None => [&[]; 3],
         }
     }
 
@@ -226,7 +292,14 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for SheetRows<'_> {
                 }
             }
         }
-        self.spacing.apply([gx, gy, gz], self.sheet.spacing());
+        let factors = self.sheet.spacing();
+        match self.sheet.rays() {
+            Some(rays) => {
+                let at = (self.row, visible.start);
+                self.spacing.tilt(&rays, at, [gx, gy, gz], factors);
+            }
+            None => self.spacing.apply([gx, gy, gz], factors),
+        }
     }
 
     fn weigh(&self, canvas: &X, visible: Range<usize>, opacities: &mut [i32], factors: &[i32]) {

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::{Bins, Kernel, Sheets, SplatError, Splatting};
+use super::{Bins, Kernel, Rays, Sheets, SplatError, Splatting};
 use crate::format::Intensity;
 use crate::lanes::Lanes;
 use crate::plane::{FoldSheet, Rows};
@@ -53,6 +53,14 @@ impl Bands {
         self.rows + if self.lit { 2 } else { 0 }
     }
 
+    /// Words that the rays of a band need: none where they are parallel.
+    pub const fn rays_len(self, splatting: &Splatting) -> usize {
+        match splatting.eye() {
+            Some(_) => Rays::len(splatting.size, self.rows, self.lit),
+            None => 0,
+        }
+    }
+
     /// The bands that need rows which a kernel covers, in a record's pixels.
     #[inline(always)]
     pub(crate) fn reached(self, splatting: &Splatting, [from, to]: [i32; 2]) -> Range<u32> {
@@ -79,6 +87,8 @@ pub struct Memory<'a> {
     pub samples: &'a mut [i32],
     /// [`Shape::scratch_len`](crate::plane::Shape::scratch_len) of the image's width.
     pub scratch: &'a mut [i32],
+    /// [`Bands::rays_len`].
+    pub rays: &'a mut [i32],
 }
 
 /// Folds all sheets into the rows of a band, from the bins of all runs of slices: sums do not depend on how many there are.
@@ -93,18 +103,26 @@ pub fn fold_band<L: FoldSheet, V: Lanes>(
     data: &mut [L::Element],
     memory: Memory<'_>,
 ) -> Result<(), SplatError> {
-    let Memory { sums, samples, scratch } = memory;
-    let needed = L::SCRATCH.len(splatting.size[0]);
-    if scratch.len() < needed {
-        return Err(SplatError::Memory {
-            needed,
-            given: scratch.len(),
-        });
+    let Memory {
+        sums,
+        samples,
+        scratch,
+        rays,
+    } = memory;
+    let needed = [L::SCRATCH.len(splatting.size[0]), bands.rays_len(splatting)];
+    for (needed, given) in needed.into_iter().zip([scratch.len(), rays.len()]) {
+        if given < needed {
+            return Err(SplatError::Memory { needed, given });
+        }
     }
     let rows = bands.sampled(splatting, band);
     let mut sheets = Sheets::new(splatting, kernel, rows, bands.lit, sums, samples)?;
     let bits = pipeline.precision().formats().sample_bits;
-    let (first, _) = bands.rows(splatting, band);
+    let (first, count) = bands.rows(splatting, band);
+    let rays = splatting
+        .eye()
+        .map(|eye| Rays::make::<V>(eye, (first, count), bands.lit, rays));
+    let whole = splatting.first_sheet();
     // Where there are gradients, a sheet is folded when the one behind it is made.
     let behind = u32::from(bands.lit);
     let count = splatting.sheets();
@@ -114,6 +132,9 @@ pub fn fold_band<L: FoldSheet, V: Lanes>(
                 sheets.add::<V>(number, bins.records(band, number));
             }
             sheets.settle(number, bits);
+            if number < whole {
+                sheets.none(number);
+            }
         } else {
             sheets.none(number);
         }
@@ -125,7 +146,7 @@ pub fn fold_band<L: FoldSheet, V: Lanes>(
             data: &mut *data,
         };
         // Its memory has been looked at.
-        let folded = pipeline.fold_sheet::<V>(&sheets.sheet(number, spacing), rows, scratch);
+        let folded = pipeline.fold_sheet::<V>(&sheets.sheet(number, spacing, rays), rows, scratch);
         if folded.is_err() || finished::<L>(splatting, data) {
             break;
         }

@@ -315,6 +315,8 @@ fn each_record(
     let [width, height, _] = splatting.dims;
     let (layout, bins) = (splatting.layout, splatting.bins as usize);
     let [_, reach] = kernel::reach(splatting.widths);
+    let mut of_bin = (usize::MAX, reach);
+    let near = splatting.eye.as_ref().map_or(0, super::Eye::near);
     let mut rows = voxels.voxels.chunks_exact(width as usize);
     for z in voxels.first..voxels.first + voxels.slices {
         for y in 0..height {
@@ -330,12 +332,18 @@ fn each_record(
                 let [mut x, mut down, mut depth] = splatting.place([number as u32 * BLOCK, y, z]);
                 let [along_x, along_y, along_z] = splatting.along();
                 for &code in codes {
-                    if let Some(place) = stored(splatting, [x, down]) {
-                        let q = rounded(depth, layout.depth_bits);
+                    if let Some(place) = stored(splatting, [x, down, depth]) {
+                        let q = rounded(depth - near, layout.depth_bits);
                         let (bin, u) = (
                             (q >> layout.depth_bits) as usize,
                             q as u32 & ((1 << layout.depth_bits) - 1),
                         );
+                        // Neighbours often share a bin.
+                        if let Some(eye) = splatting.eye.as_ref().filter(|_| of_bin.0 != bin) {
+                            let [_, reach] = eye.scale(bin as u32).reach;
+                            of_bin = (bin, reach);
+                        }
+                        let (_, reach) = of_bin;
                         let record = layout.pack(place, u, code);
                         let [_, at] = place.map(|c| c << (13 - layout.position_bits));
                         for band in bands.reached(splatting, kernel::pixels(at, reach)) {
@@ -353,9 +361,17 @@ fn each_record(
 
 /// x and y as records have them, of a voxel whose kernel may reach the image.
 #[inline(always)]
-fn stored(splatting: &Splatting, place: [i64; 2]) -> Option<[u32; 2]> {
+fn stored(splatting: &Splatting, place: [i64; 3]) -> Option<[u32; 2]> {
     let bits = splatting.layout.position_bits;
-    let [x, y] = place.map(|c| rounded(c, bits));
+    let [x, y, depth] = place;
+    if let Some(eye) = &splatting.eye {
+        return if depth < eye.near() {
+            None
+        } else {
+            eye.project(place, bits)
+        };
+    }
+    let [x, y] = [x, y].map(|c| rounded(c, bits));
     let ([width, height], [mx, my]) = (splatting.size, splatting.margin);
     let [right, below] = [width + 2 * mx, height + 2 * my].map(|side| i64::from(side - 1) << bits);
     ((0..=right).contains(&x) && (0..=below).contains(&y)).then_some([x as u32, y as u32])

@@ -41,8 +41,6 @@ pub struct Kernel<'a> {
     /// Integrals over sheets in widths, 1.16: J of each place between two sheets.
     slabs: &'a [u32],
     reached: usize,
-    /// Along x and y, 13 fraction bits, upwards.
-    reach: [u32; 2],
 }
 
 /// Nodes of a kernel of this width up to the first that is 0, and one more.
@@ -107,14 +105,7 @@ impl<'a> Kernel<'a> {
             nodes: [x, y],
             slabs,
             reached: splatting.reached() as usize,
-            reach: reach(splatting.widths),
         })
-    }
-
-    /// What it covers along x or y about a place with 13 fraction bits: first and last pixel.
-    #[inline(always)]
-    pub(crate) fn pixels(&self, axis: usize, place: u32) -> [i32; 2] {
-        pixels(place, self.reach.get(axis).copied().unwrap_or(0))
     }
 
     /// The weight along x or y at a distance with 13 fraction bits, 1.15. This function is the definition.

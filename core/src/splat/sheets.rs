@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use super::{Kernel, SplatError, Splatting, kernel};
+use super::{Kernel, Rays, SplatError, Splatting, kernel};
 use crate::format::Intensity;
 use crate::lanes::{Kernel as LaneKernel, Lanes};
 use crate::rows::{part, part_mut};
@@ -13,8 +13,8 @@ pub const MISSING: i32 = i32::MIN;
 
 /// Where the sum of weights begins in the word of a pixel; below it is that of weights times values.
 const WEIGHTS: u32 = 38;
-/// Pixels along an axis that a kernel covers, at most.
-const TAPS: usize = 98;
+/// Pixels along an axis that a kernel covers, at most: 3 times 128, as near to an eye.
+const TAPS: usize = 386;
 /// Sheets of samples that are kept where there are gradients.
 const KEPT: usize = 3;
 
@@ -121,14 +121,14 @@ impl<'a> Sheets<'a> {
             first as i32 + margin_y..(first as i32 + rows as i32) + margin_y,
         ];
         let sheet = rows * stride;
-        let up = 13 - layout.position_bits();
+        let (up, scale) = (13 - layout.position_bits(), splatting.scale(bin));
         let mut weights = [0; TAPS];
         let distance = |pixel: i32, place: u32| ((pixel << 13) - place as i32).unsigned_abs();
         for &record in records {
             let (place, u, value) = layout.unpack(record);
             let [x, y] = place.map(|c| c << up);
             let covered = |axis: usize, place: u32, all: &Range<i32>| {
-                let [from, to] = kernel.pixels(axis, place);
+                let [from, to] = kernel::pixels(place, scale.reach.get(axis).copied().unwrap_or(0));
                 from.max(all.start)..(to + 1).min(all.end)
             };
             let (columns, lines) = (covered(0, x, &across), covered(1, y, &down));
@@ -137,11 +137,11 @@ impl<'a> Sheets<'a> {
             }
             let weights = part_mut(&mut weights, 0..columns.len());
             for (pixel, weight) in columns.clone().zip(weights.iter_mut()) {
-                *weight = kernel.weight(0, distance(pixel, x));
+                *weight = kernel.weight(0, scale.distance(0, distance(pixel, x)));
             }
             let column = (columns.start - margin_x) as usize;
             for line in lines {
-                let height = kernel.weight(1, distance(line, y));
+                let height = kernel.weight(1, scale.distance(1, distance(line, y)));
                 let row = (line - down.start) as usize * stride;
                 for (number, &slab) in (bin..).zip(kernel.slabs(u)) {
                     let shared = kernel::down(slab, height);
@@ -165,7 +165,7 @@ impl<'a> Sheets<'a> {
 
     /// Makes the samples of a sheet that nothing will be added to, with so many fraction bits, and empties it.
     pub fn settle(&mut self, number: u32, bits: u32) {
-        let (sheet, least) = (self.rows * self.stride, self.splatting.least);
+        let (sheet, least) = (self.rows * self.stride, self.splatting.least(number));
         let slot = number.checked_rem(self.splatting.reached()).unwrap_or(0) as usize;
         let kept = (number as usize).checked_rem(self.kept).unwrap_or(0);
         let sums = part_mut(self.sums, slot * sheet..(slot + 1) * sheet);
@@ -199,7 +199,8 @@ impl<'a> Sheets<'a> {
     }
 
     /// A sheet whose samples, and those of the sheets about it where there are gradients, are made.
-    pub fn sheet(&self, number: u32, spacing: [Intensity; 3]) -> Sheet<'_> {
+    /// `spacing` is that of parallel rays; where they spread, sheets have their own, and `rays` besides.
+    pub fn sheet<'s>(&'s self, number: u32, spacing: [Intensity; 3], rays: Option<Rays<'s>>) -> Sheet<'s> {
         let sheet = self.rows * self.stride;
         let of = |number: u32| {
             let kept = (number as usize).checked_rem(self.kept).unwrap_or(0);
@@ -212,7 +213,8 @@ impl<'a> Sheets<'a> {
             stride: self.stride,
             // Two further on lies the one in front.
             samples: [about(number + 2), of(number), about(number + 1)],
-            spacing,
+            spacing: self.splatting.spacing(number, spacing),
+            rays,
         }
     }
 }
@@ -238,6 +240,7 @@ pub struct Sheet<'a> {
     /// Of the sheet in front, this one, and the one behind.
     samples: [&'a [i32]; 3],
     spacing: [Intensity; 3],
+    rays: Option<Rays<'a>>,
 }
 
 impl<'a> Sheet<'a> {
@@ -254,6 +257,11 @@ impl<'a> Sheet<'a> {
     /// The spacing factors of gradients.
     pub const fn spacing(&self) -> [Intensity; 3] {
         self.spacing
+    }
+
+    /// Rays of its pixels, where they spread.
+    pub const fn rays(&self) -> Option<Rays<'a>> {
+        self.rays
     }
 
     /// Samples of a row of the image: in front (0), of this sheet (1), behind (2). Empty where none exists.

@@ -12,7 +12,7 @@ use crate::format::Intensity;
 use crate::slice::RowRange;
 
 /// s31.32.
-fn step(c: f64) -> Step {
+pub(super) fn step(c: f64) -> Step {
     Step::from_bits((c * 4294967296.0).round() as i64)
 }
 
@@ -72,14 +72,14 @@ fn sums(splatting: &Splatting, voxels: &[u16]) -> Vec<[u128; 2]> {
     sums
 }
 
-fn kernel_of(splatting: &Splatting) -> Vec<u32> {
+pub(super) fn kernel_of(splatting: &Splatting) -> Vec<u32> {
     let mut memory = vec![0; Kernel::len(splatting)];
     Kernel::fill(splatting, &mut memory).unwrap();
     memory
 }
 
 /// Blocks that a support needs; the voxels' ranges in the order of layers.
-fn needed(splatting: &Splatting, voxels: &[u16], support: Support) -> Vec<u8> {
+pub(super) fn needed(splatting: &Splatting, voxels: &[u16], support: Support) -> Vec<u8> {
     let [width, height, depth] = splatting.dims();
     let layer_len = width.div_ceil(BLOCK) * height.div_ceil(BLOCK);
     let mut ranges = vec![RowRange::EMPTY; Needed::len(splatting)];
@@ -95,7 +95,13 @@ fn needed(splatting: &Splatting, voxels: &[u16], support: Support) -> Vec<u8> {
 }
 
 /// Samples of all sheets, in bands, of voxels binned in runs of slices; of blocks that are needed.
-fn samples(splatting: &Splatting, voxels: &[u16], bands: Bands, run: u32, blocks: Option<&[u8]>) -> Vec<i32> {
+pub(super) fn samples(
+    splatting: &Splatting,
+    voxels: &[u16],
+    bands: Bands,
+    run: u32,
+    blocks: Option<&[u8]>,
+) -> Vec<i32> {
     let memory = kernel_of(splatting);
     let kernel = Kernel::of(splatting, &memory).unwrap();
     let ([width, height], [nx, ny, nz]) = (splatting.size(), splatting.dims());
@@ -127,7 +133,7 @@ fn samples(splatting: &Splatting, voxels: &[u16], bands: Bands, run: u32, blocks
             bins.iter()
                 .for_each(|bins| sheets.add::<i32>(number, bins.records(band, number)));
             sheets.settle(number, 15);
-            let sheet = sheets.sheet(number, [Intensity::ONE; 3]);
+            let sheet = sheets.sheet(number, [Intensity::ONE; 3], None);
             for row in first..first + rows {
                 let start = ((number * height + row) * width) as usize;
                 for (out, &sample) in out[start..].iter_mut().zip(sheet.row(1, row.into())) {
@@ -139,7 +145,7 @@ fn samples(splatting: &Splatting, voxels: &[u16], bands: Bands, run: u32, blocks
     out
 }
 
-fn noise(dims: [u32; 3], seed: u32) -> Vec<u16> {
+pub(super) fn noise(dims: [u32; 3], seed: u32) -> Vec<u16> {
     let mut state = seed | 1;
     let next = |_| {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -174,7 +180,7 @@ proptest! {
             .into_iter()
             .map(|[weights, values]| {
                 assert!(weights < 1 << 26 && values < 1 << 38);
-                if weights < u128::from(splatting.least()) {
+                if weights < u128::from(splatting.least(0)) {
                     MISSING
                 } else {
                     (((values << 15) + weights / 2) / weights) as i32
@@ -260,7 +266,7 @@ fn homogeneous_volumes_stay_so() {
 #[test]
 fn along_an_axis_ramps_stay_ramps() {
     let splatting = turned([12; 3], [0.0, 0.0], [1.0, 1.0], [1.0; 3], Layout::FINE);
-    assert_eq!(splatting.least(), 1 << 17);
+    assert_eq!(splatting.least(0), 1 << 17);
     let voxels: Vec<u16> = (0..12 * 12 * 12).map(|at: usize| 300 * (at % 12) as u16).collect();
     let found = samples(&splatting, &voxels, Bands::new(32, false), 12, None);
     let [width, height] = splatting.size().map(|side| side as usize);

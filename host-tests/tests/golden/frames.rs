@@ -801,3 +801,77 @@ pub fn splats() -> Vec<(&'static str, Splat)> {
         ),
     ]
 }
+
+/// A frame whose voxels are splatted from an eye: the place of the first voxel and steps, sheets along x, y and z of the image, s31.32; the
+/// distance of the image, 16.16.
+pub struct SplatFromEye {
+    pub frame: Frame,
+    pub first: [i64; 3],
+    pub steps: [[i64; 3]; 3],
+    pub distance: u32,
+    pub size: [u32; 2],
+    pub layout: Layout,
+}
+
+/// The named frames that are splatted from an eye. Lights are those of the image's frame.
+pub fn splats_from_eye() -> Vec<(&'static str, SplatFromEye)> {
+    let head = Frame {
+        material: two_lights(Highlight::Reflection, 5),
+        ..head_table()
+    };
+    let noise = Frame::new(
+        Arc::new(volume([31, 33, 29], Filling::Noise, 78)),
+        table_of(&[
+            (0, [0, 255, 9], 0),
+            (2100, [200, 3, 90], 9_000),
+            (2600, [2, 30, 255], 60_000),
+        ]),
+    );
+    let whole = 1i64 << 32;
+    let third = whole / 3;
+    let turned = [
+        [2 * third, 2 * third, -third],
+        [-third, 2 * third, 2 * third],
+        [2 * third, -third, 2 * third],
+    ];
+    let axes = [[whole, 0, 0], [0, 0, 2 * whole], [0, -whole, 0]];
+    vec![
+        (
+            "splat-head-eye-outside",
+            SplatFromEye {
+                frame: head.clone(),
+                first: [-30 * whole - 7, -31 * whole, 60 * whole + third],
+                steps: turned,
+                distance: 130 << 16,
+                size: [100, 96],
+                layout: Layout::FINE,
+            },
+        ),
+        (
+            "splat-head-eye-within",
+            SplatFromEye {
+                frame: head,
+                first: [-36 * whole, -30 * whole, -28 * whole],
+                steps: turned,
+                distance: (40 << 16) + 777,
+                size: [91, 97],
+                layout: Layout::PAPER,
+            },
+        ),
+        (
+            "splat-noise-eye-near-two-sheets",
+            SplatFromEye {
+                frame: Frame {
+                    material: two_lights(Highlight::HalfVector, 4),
+                    early_termination: Some(8),
+                    ..noise
+                },
+                first: [-15 * whole, 14 * whole, 3 * whole],
+                steps: axes,
+                distance: 77 << 16,
+                size: [85, 67],
+                layout: Layout::new(12, 6, 12).expect("64 bits"),
+            },
+        ),
+    ]
+}

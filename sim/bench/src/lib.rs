@@ -7,6 +7,7 @@
 pub mod opponent;
 pub mod scenes;
 pub mod spread;
+pub mod ways;
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

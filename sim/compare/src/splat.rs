@@ -3,6 +3,7 @@
 use super::image::{ImageFigures, base_figures, picture_figures};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::image::Frame;
+use slicecast_engine::perspective::Camera;
 use slicecast_engine::splat::Splatted;
 use slicecast_model::splat::{Rounding, Splat};
 use slicecast_model::{Affine, ModelImage};
@@ -25,7 +26,14 @@ pub struct Comparison {
 /// The model's image of a scene that is splatted.
 pub fn model(scene: &Scene, volume: &Volume, splatted: &Splatted<'_>, rounding: Rounding) -> ModelImage {
     let size = splatted.splatting.size().map(|side| side as usize);
-    Splat::new(scene, volume, size, rounding).render()
+    // The scene has been splatted: it has a camera.
+    match scene
+        .perspective
+        .map(|seen| (seen.fov, Camera::of(scene, &seen, volume)))
+    {
+        Some((fov, Ok(camera))) => Splat::from_eye(scene, volume, size, (camera.eye, fov), rounding).render(),
+        _ => Splat::new(scene, volume, size, rounding).render(),
+    }
 }
 
 /// Compares a splatted scene with the model.

@@ -1,7 +1,8 @@
 //! A scene whose voxels are splatted: bins of records, made in runs of slices, and bands of rows, on all cores.
 //!
 //! The image is aligned with the picture; pixels are as long as the volume's shortest voxel side divided by the rays per voxel, sheets
-//! as thick as it divided by the planes per voxel. The picture is this image enlarged or reduced.
+//! as thick as it divided by the planes per voxel. The picture is this image enlarged or reduced. In perspective the image is the
+//! picture, or some times as fine.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,10 +17,11 @@ use slicecast::precision::Precision;
 use slicecast::shade::Unlit;
 use slicecast::slice::RowRange;
 use slicecast::splat::{
-    BLOCK, Bands, Bins, Kernel, Layout, Memory, Needed, Sheets, Splatting, Voxels, fold_band, measure_layer,
+    BLOCK, Bands, Bins, Kernel, Layout, Memory, Needed, PIXELS, Sheets, Splatting, Voxels, fold_band, measure_layer,
 };
 use slicecast::view::View;
 use slicecast::warp::Warp;
+use slicecast_scene::perspective::Perspective;
 use slicecast_scene::{
     Blend, CameraAxes, Classification, Frame as Frames, Interpolation, Light, Lighting, PrecisionName, Scene,
 };
@@ -30,6 +32,7 @@ use crate::error::RenderError;
 use crate::expanded::Expanded;
 use crate::frame::Prepared;
 use crate::image::{BaseImage, Frame};
+use crate::perspective::Camera;
 use crate::picture::of_base;
 use crate::pipelines::{compile, early};
 use crate::rendering::Progress;
@@ -94,6 +97,9 @@ impl<'a> Splatted<'a> {
     /// range.
     pub fn new(scene: &'a Scene, volume: &'a Volume, layout: Layout) -> Result<Self, RenderError> {
         check(scene)?;
+        if let Some(perspective) = &scene.perspective {
+            return from_eye(scene, perspective, volume, layout);
+        }
         let (dims, spacing) = (volume.dims, volume.spacing);
         check_spacing(spacing)?;
         let CameraAxes { right, up, forward } = scene.view.axes();
@@ -341,16 +347,22 @@ impl<'a> Splatted<'a> {
                         vec![0; sums],
                         vec![0; samples],
                         vec![0; L::SCRATCH.len(splatting.size()[0]) + 1024],
+                        vec![0; bands.rays_len(splatting)],
                     )
                 },
-                |(sums, samples, scratch), (band, data)| {
+                |(sums, samples, scratch, rays), (band, data)| {
                     let fold = FoldBand {
                         pipeline,
                         frame: (splatting, kernel, self.spacing),
                         bins: &bins,
                         band: (bands, band as u32),
                         data,
-                        memory: Memory { sums, samples, scratch },
+                        memory: Memory {
+                            sums,
+                            samples,
+                            scratch,
+                            rays,
+                        },
                     };
                     with_lanes(self.simd, fold)?;
                     progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
@@ -397,6 +409,70 @@ impl<L: FoldSheet> OverLanes for FoldBand<'_, L> {
     }
 }
 
+/// What a pixel in the farthest sheet may be longer than a voxel divided by the rays per voxel, before the image is made finer.
+const COARSER: f64 = 0.05;
+
+/// A scene in perspective. The image is the picture, or so many times finer that in the farthest sheet pixels are no longer than a voxel's
+/// shortest side divided by the rays per voxel.
+fn from_eye<'a>(
+    scene: &'a Scene,
+    perspective: &Perspective,
+    volume: &'a Volume,
+    layout: Layout,
+) -> Result<Splatted<'a>, RenderError> {
+    let Camera {
+        eye,
+        axes: CameraAxes { right, up, forward },
+        size,
+        pixel,
+        spacing,
+    } = Camera::of(scene, perspective, volume)?;
+    let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    let sheet = finest / f64::from(scene.sampling.planes_per_voxel);
+    let frame = [right, up.map(|c| -c), forward];
+    let steps = [0, 1, 2].map(|m| frame.map(|axis| axis[m] * spacing[m] / sheet));
+    let first = [0, 1, 2].map(|axis| -(0..3).map(|m| eye[m] * steps[m][axis]).sum::<f64>());
+    let deepest: f64 = (0..3)
+        .map(|m| (steps[m][2] * (volume.dims[m] as f64 - 1.0)).max(0.0))
+        .sum();
+    let coarsest = pixel * (first[2] + deepest) * sheet * f64::from(scene.sampling.rays_per_voxel) / finest;
+    let finer = (coarsest - COARSER).ceil().clamp(1.0, f64::from(PIXELS)) as u32;
+    let distance = (f64::from(finer) / pixel * 65536.0)
+        .round()
+        .clamp(0.0, f64::from(u32::MAX)) as u32;
+    let step = |c: f64| Step::from_bits((c * 4294967296.0).round() as i64);
+    let splatting = Splatting::from_eye(
+        volume.dims.map(|side| u32::try_from(side).unwrap_or(u32::MAX)),
+        first.map(step),
+        steps.map(|s| s.map(step)),
+        (distance, size.map(|side| side.saturating_mul(finer))),
+        layout,
+    )?;
+    let (scale, middle) = (f64::from(finer), (f64::from(finer) - 1.0) / 2.0);
+    Ok(Splatted {
+        picture: Picture {
+            size,
+            warp: Warp {
+                origin: [step(middle); 2],
+                right: [step(scale), Step::ZERO],
+                down: [Step::ZERO, step(scale)],
+            },
+            affine: [[middle; 2], [scale, 0.0], [0.0, scale]],
+        },
+        table: compile(scene, &volume.mapping, sheet),
+        material: match &scene.lighting {
+            Some(lighting) => Some(material(lighting, &scene.view.axes())?),
+            None => None,
+        },
+        // Sheets have their own.
+        spacing: [Intensity::ONE; 3],
+        splatting,
+        scene,
+        volume,
+        simd: Simd::widest(),
+    })
+}
+
 /// The lights of a scene in the frame of its picture.
 fn material(lighting: &Lighting, CameraAxes { right, up, forward }: &CameraAxes) -> Result<Material, CameraError> {
     let along = |axis: &[f64; 3], v: [f64; 3]| (0..3).map(|m| axis[m] * v[m]).sum::<f64>();
@@ -424,7 +500,6 @@ fn material(lighting: &Lighting, CameraAxes { right, up, forward }: &CameraAxes)
 fn check(scene: &Scene) -> Result<(), RenderError> {
     let samples = matches!(scene.classification, Classification::Point | Classification::Auto);
     for (field, known, expected) in [
-        ("view.projection", scene.perspective.is_none(), "\"parallel\""),
         (
             "sampling.interpolation",
             scene.interpolation == Interpolation::Linear,

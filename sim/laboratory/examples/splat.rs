@@ -2,6 +2,9 @@
 //!
 //! `cargo run --release -p slicecast-laboratory --example splat [VOLUME SCENE]...`; times also of these volumes.
 
+#[path = "splat/perspective.rs"]
+mod perspective;
+
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
@@ -37,6 +40,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     errors(&head)?;
     bits(&head)?;
     converged(&head)?;
+    perspective::errors(&head)?;
+    perspective::bits(&head)?;
+    perspective::converged(&head)?;
     println!("\n## Time of a frame, `compact`, one thread, shortest of {FRAMES}, milliseconds\n");
     println!(
         "| volume, scene | rays | splatted | of that blocks and bins | sheets | voxels, millions | records, millions | speed |"

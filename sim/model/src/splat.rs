@@ -10,6 +10,16 @@
 //! ```
 //!
 //! The first sheet is the nearest that the nearest voxel reaches from in front. Gradients are differences of samples; a step is a sheet.
+//!
+//! From an eye, as `docs/contract/splatting-in-perspective.md` has it, all in sheets:
+//!
+//! ```text
+//! x = phi X / Z                       phi: distance of the image, pixels
+//! omega_a(b) = max(1, w_a phi / Z_b)  pixels; Z_b: the middle of the slab that the voxel lies in
+//! sample where sum weight is half of max(Z_k / phi, w_x) max(Z_k / phi, w_y) w_z / |det s| at least
+//! opacity = 1 - (1 - a)^|(x, y, 1)|   of the ray of slopes x, y
+//! G = (dx phi / Z_k, dy phi / Z_k, dz - x G_x - y G_y)
+//! ```
 
 use super::classify::Classifier;
 use super::composite::Pixel;
@@ -48,6 +58,34 @@ pub struct Splat<'a> {
     least: f64,
     /// Lengths of a pixel and of a sheet.
     lengths: [f64; 2],
+    /// Where rays spread from; none where they are parallel.
+    eye: Option<Eye>,
+}
+
+/// An eye before the middle of the image.
+struct Eye {
+    /// Distance of the image, pixels.
+    distance: f64,
+    /// The depth at which the first slab begins, sheets.
+    near: f64,
+    /// Whether voxels may lie in front of it.
+    cut: bool,
+    /// Volume of a voxel, cubes of a sheet's thickness.
+    cell: f64,
+}
+
+impl Eye {
+    /// Widths of kernels along x and y in a slab, pixels.
+    fn pixels(&self, widths: [f64; 3], slab: usize) -> [f64; 2] {
+        let middle = self.near + slab as f64 + 0.5;
+        [widths[0], widths[1]].map(|width| (width * self.distance / middle).max(1.0))
+    }
+
+    /// Slopes of the ray of a pixel.
+    fn slopes(&self, at: usize, size: [usize; 2]) -> [f64; 2] {
+        [(at % size[0], size[0]), (at / size[0], size[1])]
+            .map(|(pixel, side)| (pixel as f64 - (side as f64 - 1.0) / 2.0) / self.distance)
+    }
 }
 
 /// A sheet's samples; NaN where there is none.
@@ -97,6 +135,113 @@ impl<'a> Splat<'a> {
             voxels,
             widths,
             lengths,
+            eye: None,
+        }
+    }
+
+    /// The model of a scene in perspective, whose eye lies so many voxels from the first along x, y, z and sees so many degrees from the
+    /// upper to the lower edge of an image of this size.
+    pub fn from_eye(
+        scene: &'a Scene,
+        volume: &'a Volume,
+        size: [usize; 2],
+        (eye, fov): ([f64; 3], f64),
+        rounding: Rounding,
+    ) -> Self {
+        let axes = scene.view.axes();
+        let shortest = volume.spacing.iter().copied().fold(f64::INFINITY, f64::min);
+        let sheet = shortest / f64::from(scene.sampling.planes_per_voxel);
+        let frame = [axes.right, axes.up.map(|c| -c), axes.forward];
+        // In sheets, along each axis of the image.
+        let place = |at: [f64; 3]| {
+            frame.map(|axis| {
+                (0..3)
+                    .map(|m| (at[m] - eye[m]) * volume.spacing[m] * axis[m] / sheet)
+                    .sum::<f64>()
+            })
+        };
+        let widths = frame.map(|axis| {
+            (0..3)
+                .map(|m| (volume.spacing[m] * axis[m] / sheet).powi(2))
+                .sum::<f64>()
+                .sqrt()
+        });
+        let distance = size[1] as f64 * scene.image.zoom / (2.0 * (fov / 2.0).to_radians().tan());
+        let corners = (0..8).map(|corner| {
+            let at = [0, 1, 2].map(|m| {
+                if corner >> m & 1 == 1 {
+                    volume.dims[m] as f64 - 1.0
+                } else {
+                    0.0
+                }
+            });
+            place(at)[2]
+        });
+        let (nearest, farthest) = corners.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), z| {
+            (low.min(z), high.max(z))
+        });
+        let widest = widths[0].max(widths[1]);
+        let least = (2.0 * widest).max(2.0).max(widest * distance / 128.0);
+        let near = nearest.max(least);
+        let to = |number: f64, bits: Option<u32>| match bits {
+            Some(bits) => (number * f64::from(bits).exp2() + 0.5).floor() / f64::from(bits).exp2(),
+            None => number,
+        };
+        let mut voxels: Vec<Vec<[f64; 4]>> = vec![Vec::new(); (farthest - near).max(0.0).floor() as usize + 2];
+        for (number, &code) in volume.voxels.iter().enumerate() {
+            let [nx, ny, _] = volume.dims;
+            let [x, y, z] = place([number % nx, number / nx % ny, number / nx / ny].map(|c| c as f64));
+            // The voxel that slabs begin at is in the first.
+            let depth = z - near;
+            if depth < -1e-6 {
+                continue;
+            }
+            let depth = to(depth.max(0.0), rounding.depth);
+            let across = |c: f64, side: usize| to(c * distance / z + (side as f64 - 1.0) / 2.0, rounding.position);
+            let value = rounding.value.map_or(f64::from(code), |bits| {
+                let steps = f64::from(bits).exp2() - 1.0;
+                (f64::from(code) * steps / 4095.0).round() / steps * 4095.0
+            });
+            voxels[depth as usize].push([across(x, size[0]), across(y, size[1]), depth, value]);
+        }
+        let cell = volume.spacing.iter().product::<f64>() / sheet.powi(3);
+        Self {
+            classifier: Classifier::new(&scene.transfer, volume.mapping, sheet),
+            lights: scene.lighting.as_ref().map(|lighting| lights(lighting, &axes)),
+            least: f64::NAN,
+            scene,
+            size,
+            voxels,
+            widths,
+            lengths: [sheet; 2],
+            eye: Some(Eye {
+                distance,
+                near,
+                cut: nearest < least,
+                cell,
+            }),
+        }
+    }
+
+    /// The sum of weights from which on a sample of a sheet exists.
+    fn least(&self, number: usize) -> f64 {
+        let Some(eye) = &self.eye else { return self.least };
+        let apart = self.apart(number);
+        let [wx, wy, wz] = self.widths;
+        apart.max(wx) * apart.max(wy) * wz / eye.cell / 2.0
+    }
+
+    /// Distance of the pixels of a sheet, sheets.
+    fn apart(&self, number: usize) -> f64 {
+        let Some(eye) = &self.eye else { return 1.0 };
+        (eye.near + number as f64 + 1.0 - self.reach()) / eye.distance
+    }
+
+    /// The first sheet that no voxel is missing from.
+    fn first(&self) -> usize {
+        match &self.eye {
+            Some(eye) if eye.cut => (2.0 * self.reach() - 1e-4).ceil() as usize - 1,
+            _ => 0,
         }
     }
 
@@ -113,12 +258,19 @@ impl<'a> Splat<'a> {
     /// The samples of a sheet.
     fn samples(&self, number: usize) -> Samples {
         let [width, height] = self.size;
+        if number < self.first() {
+            return vec![f64::NAN; width * height];
+        }
         let (reach, [wx, wy, wz]) = (self.reach(), self.widths);
         let middle = number as f64 + 1.0 - reach;
         let mut sums = vec![[0.0; 2]; width * height];
         let whole = |depth: f64| depth.clamp(0.0, self.voxels.len() as f64) as usize;
         let bins = whole(middle - reach)..(whole(middle + reach) + 1).min(self.voxels.len());
-        for [x, y, depth, value] in self.voxels[bins].iter().flatten().copied() {
+        let of_bins = bins.clone().zip(&self.voxels[bins]);
+        for (bin, [x, y, depth, value]) in
+            of_bins.flat_map(|(bin, voxels)| voxels.iter().map(move |voxel| (bin, *voxel)))
+        {
+            let [wx, wy] = self.eye.as_ref().map_or([wx, wy], |eye| eye.pixels(self.widths, bin));
             let away = middle - depth;
             let slab = wz * (integral((away + 0.5) / wz) - integral((away - 0.5) / wz));
             if slab <= 0.0 {
@@ -139,20 +291,27 @@ impl<'a> Splat<'a> {
             }
         }
         // Sums that should be half stay half.
-        let least = self.least * (1.0 - 1e-9);
+        let least = self.least(number) * (1.0 - 1e-9);
         let sample = |[weights, values]: [f64; 2]| if weights >= least { values / weights } else { f64::NAN };
         sums.into_iter().map(sample).collect()
     }
 
     /// A pixel with one more sample.
-    fn seen(&self, pixel: Pixel, at: usize, [before, here, behind]: [&Samples; 3]) -> Pixel {
+    fn seen(&self, pixel: Pixel, (number, at): (usize, usize), [before, here, behind]: [&Samples; 3]) -> Pixel {
         let sample = here[at];
         if sample.is_nan() {
             return pixel;
         }
-        let classified = self.classifier.classify(sample);
+        let mut classified = self.classifier.classify(sample);
         if classified.opacity == 0.0 {
             return pixel;
+        }
+        let ray = self.eye.as_ref().map(|eye| {
+            let [x, y] = eye.slopes(at, self.size);
+            ([x, y], (1.0 + x * x + y * y).sqrt())
+        });
+        if let Some((_, length)) = ray {
+            classified.opacity = 1.0 - (1.0 - classified.opacity).powf(length);
         }
         let Some(lights) = &self.lights else {
             return pixel.front_to_back(classified.colour, classified.opacity);
@@ -183,6 +342,13 @@ impl<'a> Splat<'a> {
             ),
             slope(of(true, before, at), of(true, behind, at), sheets),
         ];
+        let Some(([x, y], length)) = ray else {
+            return pixel.front_to_back(lights.shade(normalise(gradient), classified.colour), classified.opacity);
+        };
+        let apart = self.apart(number);
+        let across = [gradient[0] / apart, gradient[1] / apart];
+        let gradient = [across[0], across[1], gradient[2] - x * across[0] - y * across[1]];
+        let lights = lights.seen_from([-x / length, -y / length, -1.0 / length]);
         pixel.front_to_back(lights.shade(normalise(gradient), classified.colour), classified.opacity)
     }
 
@@ -192,11 +358,15 @@ impl<'a> Splat<'a> {
         let none = vec![f64::NAN; width * height];
         let mut pixels = vec![Pixel::TRANSPARENT; width * height];
         let (mut before, mut here) = (none.clone(), none.clone());
+        // The sheet that is seen; the first time there is none.
+        let mut number = 0usize;
         let mut fold = |before: &Samples, here: &Samples, behind: &Samples| {
+            let seen = number.saturating_sub(1);
             pixels
                 .par_iter_mut()
                 .enumerate()
-                .for_each(|(at, pixel)| *pixel = self.seen(*pixel, at, [before, here, behind]));
+                .for_each(|(at, pixel)| *pixel = self.seen(*pixel, (seen, at), [before, here, behind]));
+            number += 1;
         };
         for first in (0..self.sheets()).step_by(AT_A_TIME) {
             let numbers = first..(first + AT_A_TIME).min(self.sheets());
@@ -272,6 +442,58 @@ fn lights(lighting: &Lighting, camera: &CameraAxes) -> Lights {
 mod tests {
     use super::*;
     use crate::testing::{scene_along, volume_of};
+
+    /// From far away what is seen is what parallel rays see, lit or not, and sheets lie as deep.
+    #[test]
+    fn from_afar_rays_are_parallel() {
+        let mut scene = scene_along([0.0, 1.0, 0.0], &[(0.0, 0.0), (4095.0, 0.4)]);
+        let volume = volume_of([9, 8, 7], |x, y, z| (x * 301 + y * 97 + z * 111) as u16 as _);
+        for lighting in [None, Some(Lighting::default())] {
+            scene.lighting = lighting;
+            let parallel = Splat::new(&scene, &volume, [9, 9], Rounding::default()).render();
+            let far = 1e7;
+            let axes = scene.view.axes();
+            let eye = [0, 1, 2].map(|m| (volume.dims[m] as f64 - 1.0) / 2.0 - far * axes.forward[m]);
+            let fov = 2.0 * (4.5f64 / far).atan().to_degrees();
+            let model = Splat::from_eye(&scene, &volume, [9, 9], (eye, fov), Rounding::default());
+            let image = model.render();
+            for (u, v) in (2..7).flat_map(|u| (2..7).map(move |v| (u, v))) {
+                let (a, b) = (parallel.pixel(u, v), image.pixel(u, v));
+                let parts = a.colour.into_iter().zip(b.colour).map(|(a, b)| (a - b).abs());
+                let worst = parts.fold((a.transparency - b.transparency).abs(), f64::max);
+                assert!(worst < 1e-5, "{u} {v}: {worst}");
+            }
+        }
+    }
+
+    /// In a linear field samples are the field's at the places of rays, and gradients its slope, near an eye and at slopes to the side.
+    #[test]
+    fn linear_fields_stay_linear_from_an_eye() {
+        let scene = scene_along([0.0, 0.0, 1.0], &[(0.0, 0.5)]);
+        let volume = volume_of([21, 21, 21], |x, y, z| (90 * x + 50 * y + 30 * z) as u16 as _);
+        let axes = scene.view.axes();
+        let eye = [0, 1, 2].map(|m| 10.0 - 30.0 * axes.forward[m]);
+        let model = Splat::from_eye(&scene, &volume, [41, 41], (eye, 50.0), Rounding::default());
+        let step = |axis: [f64; 3]| 90.0 * axis[0] + 50.0 * axis[1] + 30.0 * axis[2];
+        let seen = model.eye.as_ref().unwrap();
+        let number = 10;
+        let z = seen.near + number as f64 + 1.0 - model.reach();
+        let samples = model.samples(number);
+        let mut count = 0;
+        for (at, sample) in samples.iter().enumerate() {
+            let [x, y] = seen.slopes(at, [41, 41]);
+            // Far enough from the faces.
+            if x.abs() * z > 6.0 || y.abs() * z > 6.0 {
+                continue;
+            }
+            count += 1;
+            let wanted =
+                10.0 * 170.0 + x * z * step(axes.right) - y * z * step(axes.up) + (z - 30.0) * step(axes.forward);
+            // A kernel has one width in a slab, and its voxels are nearer and farther than the sheet.
+            assert!((sample - wanted).abs() < 6.0, "{at}: {} {wanted}", *sample);
+        }
+        assert!(count > 50, "{count}");
+    }
 
     /// Fog of one value from the side: as many samples as there are voxels, and each takes its part.
     #[test]

@@ -6,7 +6,9 @@ use std::time::Instant;
 use clap::builder::RangedU64ValueParser;
 use serde::Serialize;
 use slicecast_bench::scenes::{Fog, SIDES, cube, cube_bytes, everything, fog};
+use slicecast_bench::ways::{FOV, WayRow, measure_ways};
 use slicecast_bench::{Beside, Engine, Row, Subject, Threads, beside, measure};
+use slicecast_engine::error::RenderError;
 use slicecast_engine::simd::Simd;
 use slicecast_scene::{Blend, Borders, PrecisionName, Scene};
 use slicecast_volume::Volume;
@@ -23,7 +25,9 @@ use super::tables;
 /// Synthetic fog, in which nothing can be skipped, and a volume: the built-in head as bone, or the one given under the scene
 /// that is named or chosen for it. All subjects of a section take turns, and the shortest time of each counts; how far the
 /// others scatter is shown beside it. A frame is all sample planes folded into the base plane: no reading, no preparation, no
-/// final warp. Samples are all that lie in the volume, skipped or not. Borders are whole, the only ones that f32 has.
+/// final warp. Samples are all that lie in the volume, skipped or not. Borders are whole, the only ones that f32 has. Whole
+/// pictures of one size, by rays and by splats, parallel and in perspective, are timed beside each other on one thread, at
+/// two planes and rays per voxel at most.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast bench
@@ -62,6 +66,11 @@ fn side(text: &str) -> Result<usize, String> {
         Err(format!("accepted: {} to {}", SIDES.start(), SIDES.end()))
     }
 }
+
+/// Frames of each way to a picture, at most: splats take long.
+const WAYS_FRAMES: usize = 5;
+/// Planes and rays per voxel of them, at most.
+const WAYS_RATE: u32 = 2;
 
 /// Who is measured in a section.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -129,6 +138,9 @@ struct Section {
     rows: Vec<Row>,
     #[serde(skip_serializing_if = "Option::is_none")]
     beside: Option<Beside>,
+    /// Pictures by rays and by splats, parallel and in perspective.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    ways: Vec<WayRow>,
 }
 
 /// All that is written as JSON.
@@ -201,8 +213,44 @@ impl Bench {
             samples,
             rows,
             beside: None,
+            ways: Vec::new(),
         });
         Ok(())
+    }
+
+    /// Measures the scene's picture by rays and by splats, parallel and in perspective, on one thread, at two planes and rays
+    /// per voxel at most. A scene that one of them does not know is told, and not measured.
+    fn ways(&mut self, name: &str, scene: &Scene, volume: &Volume) -> Result<(), Failure> {
+        let mut scene = scene.clone();
+        for rate in [&mut scene.sampling.planes_per_voxel, &mut scene.sampling.rays_per_voxel] {
+            *rate = (*rate).min(WAYS_RATE);
+        }
+        let found = with_bar(name, |progress| {
+            measure_ways(
+                &scene,
+                volume,
+                self.frames.min(WAYS_FRAMES),
+                (&self.threads, false),
+                progress,
+            )
+        });
+        match found {
+            Ok(rows) => {
+                println!(
+                    "pictures of one size, compact, samples, perspective of {FOV} degrees\n\n{}\n",
+                    tables::ways(&rows)
+                );
+                if let Some(section) = self.sections.last_mut() {
+                    section.ways = rows;
+                }
+                Ok(())
+            }
+            Err(error @ (RenderError::Unsplattable { .. } | RenderError::Splat(_) | RenderError::Camera(_))) => {
+                eprintln!("note: {name}: no pictures by splats and in perspective: {error}");
+                Ok(())
+            }
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// Measures what the section's frame costs beside its samples.
@@ -236,6 +284,9 @@ impl Bench {
         self.section(&format!("fog {side}^3, 1 light"), &of(1, false), &volume, field)?;
         self.beside(&of(1, false), &volume)?;
         self.section(&format!("fog {side}^3, unlit"), &of(0, false), &volume, field)?;
+        if role.slow {
+            self.ways(&format!("fog {side}^3, unlit, ways"), &of(0, false), &volume)?;
+        }
         if role.main {
             let name = format!("fog {side}^3, 8 lights");
             self.section(&name, &of(8, false), &volume, Field::Widest)?;
@@ -264,10 +315,12 @@ impl Bench {
         };
         self.section(&format!("{name}, the scene"), scene, volume, Field::Widest)?;
         self.beside(scene, volume)?;
+        self.ways(&format!("{name}, ways"), scene, volume)?;
         if scene.lighting.is_some() {
             self.section(&format!("{name}, the scene unlit"), &unlit, volume, Field::Widest)?;
         }
-        self.section(&format!("{name}, nothing to skip"), &dense, volume, Field::Widest)
+        self.section(&format!("{name}, nothing to skip"), &dense, volume, Field::Widest)?;
+        self.ways(&format!("{name}, nothing to skip, ways"), &dense, volume)
     }
 }
 

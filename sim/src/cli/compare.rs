@@ -271,7 +271,9 @@ impl Args {
         let chosen = self.scene.choose(&self.volume, &loaded)?;
         let scene = &chosen.scene;
         if let Some(perspective) = &scene.perspective {
-            splatted::check_none(self.splat.is_some(), "--fov and --eye")?;
+            if let Some(splat) = self.splat {
+                return self.compare_splatted(scene, &loaded.volume, splat);
+            }
             return self.compare_in_perspective(scene, perspective, &loaded.volume);
         }
         if let Some(splat) = self.splat {

@@ -151,7 +151,15 @@ impl Args {
         };
         self.picture.apply(&mut chosen.scene);
         if let Some(perspective) = chosen.scene.perspective {
-            splatted::check_none(self.splat.is_some(), "--fov and --eye")?;
+            if let (Some(splat), Some(target)) = (self.splat, &target) {
+                // The image is as fine as the picture, or finer where pixels would be farther apart than voxels.
+                let scene = &mut chosen.scene;
+                scene.image.size = Some(self.picture.size().or(scene.image.size).unwrap_or([IN_PERSPECTIVE; 2]));
+                if !self.scene.sampling_stated()[0] {
+                    scene.sampling.rays_per_voxel = 1;
+                }
+                return self.render_splatted(target, scene, &loaded.volume, splat);
+            }
             return self.render_in_perspective(target, chosen.scene, &perspective, &loaded.volume);
         }
         let legend = match &target {

@@ -22,11 +22,11 @@ impl From<SplatArg> for Layout {
     }
 }
 
-/// For a volume of colours, and for views in perspective, which splatting does not know.
+/// For a volume of colours, which splatting does not know.
 pub fn check_none(asked: bool, what: &str) -> Result<(), Failure> {
     if asked {
         return Err(Failure::input(format!(
-            "--splat: voxels of one value are splatted in parallel views, expected no {what}"
+            "--splat: voxels of one value are splatted, expected no {what}"
         )));
     }
     Ok(())

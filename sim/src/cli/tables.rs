@@ -2,6 +2,7 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use slicecast_bench::Row;
+use slicecast_bench::ways::WayRow;
 use slicecast_compare::image::ImageFigures;
 use slicecast_compare::stages::StageReport;
 use slicecast_compare::statistics::Figures;
@@ -163,6 +164,29 @@ pub fn textures(lines: &[Line]) -> Table {
                 .chain(figures.into_iter().flatten())
                 .chain([within]),
         );
+    }
+    table
+}
+
+/// Times of pictures, by the way that they are made.
+pub fn ways(rows: &[WayRow]) -> Table {
+    let mut table = header(&[
+        "picture",
+        "threads",
+        "ms a frame",
+        "± %",
+        "samples, records, M",
+        "time to parallel rays",
+    ]);
+    for row in rows {
+        table.add_row([
+            row.way.to_owned(),
+            row.threads.to_string(),
+            format!("{:.2}", row.milliseconds),
+            percent(row.spread),
+            format!("{:.2}", row.count as f64 / 1e6),
+            format!("{:.2}", row.against_rays),
+        ]);
     }
     table
 }

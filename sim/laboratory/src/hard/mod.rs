@@ -20,6 +20,7 @@ pub(crate) mod scenes;
 pub mod segments;
 pub mod sphere;
 pub mod splat;
+pub mod splat_eye;
 pub mod surfaces;
 pub mod transfer;
 pub mod views;
@@ -122,7 +123,7 @@ impl Case {
 /// [`RenderError`](slicecast_engine::error::RenderError) if the machine cannot run one.
 pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, slicecast_engine::error::RenderError> {
     type Group = fn(Size) -> Result<Vec<Case>, slicecast_engine::error::RenderError>;
-    let groups: [Group; 18] = [
+    let groups: [Group; 19] = [
         |size| Ok(compositing::cases(size)),
         |size| Ok(location::cases(size)),
         extremes::cases,
@@ -132,6 +133,7 @@ pub fn run(size: Size, progress: &dyn Fn(usize, usize)) -> Result<Vec<Case>, sli
         views::cases,
         perspective::cases,
         splat::cases,
+        splat_eye::cases,
         fast::cases,
         sampling::cases,
         segments::cases,
