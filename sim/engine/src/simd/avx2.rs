@@ -3,6 +3,7 @@
 #![expect(unsafe_code, reason = "vector instructions; every use says why it is sound")]
 
 use std::arch::x86_64::*;
+use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use slicecast::lanes::{Kernel, Lanes, Wide};
@@ -246,79 +247,58 @@ impl Lanes for Avx2 {
             None => Self::load_as(row, at, u32::from),
         }
     }
-    // Numbers are read and written as they are (`is_half`, `is_word`).
     #[inline(always)]
     fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
-        if is_half::<T>() {
-            match chunk::<_, 8>(row, at) {
-                Some(halves) => return Self(avx2!(_mm256_cvtepu16_epi32(_mm_loadu_si128(halves.as_ptr().cast())))),
-                None => {
-                    if let Some(last) = row.last_chunk::<8>() {
-                        let rest = rest(row, at);
-                        return Self(avx2!({
-                            let down = _mm_loadu_si128(SLIDING[32 - 2 * (rest & 7)..][..16].as_ptr().cast());
-                            let halves = _mm_shuffle_epi8(_mm_loadu_si128(last.as_ptr().cast()), down);
-                            _mm256_and_si256(ones(rest), _mm256_cvtepu16_epi32(halves))
-                        }));
-                    }
-                }
-            }
-        } else if is_word::<T>() {
-            return Self(match chunk::<_, 8>(row, at) {
-                Some(words) => avx2!(_mm256_loadu_si256(words.as_ptr().cast())),
-                None => {
+        match chunk::<_, 8>(row, at) {
+            Some(lanes) => Self::of_array(&lanes.map(|t| bits(t) as i32)),
+            None => {
+                let rest = rest(row, at);
+                let lanes = if let (true, Some(last)) = (is_half::<T>(), row.last_chunk::<8>()) {
+                    let elements = avx2!({
+                        let down = _mm_loadu_si128(SLIDING[32 - 2 * (rest & 7)..][..16].as_ptr().cast());
+                        _mm_shuffle_epi8(_mm_loadu_si128(last.as_ptr().cast()), down)
+                    });
+                    // SAFETY: numbers of 16 bits (`is_half`).
+                    unsafe { transmute_copy::<_, [T; 8]>(&elements) }.map(|t| bits(t) as i32)
+                } else if is_word::<T>() {
                     let first = row.as_ptr().wrapping_add(at).cast();
-                    avx2!(_mm256_maskload_epi32(first, ones(rest(row, at))))
-                }
-            });
+                    let elements = avx2!(_mm256_maskload_epi32(first, ones(rest)));
+                    // SAFETY: numbers of 32 bits (`is_word`).
+                    unsafe { transmute_copy::<_, [T; 8]>(&elements) }.map(|t| bits(t) as i32)
+                } else {
+                    let mut lanes = [0; 8];
+                    for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
+                        *lane = bits(*t) as i32;
+                    }
+                    lanes
+                };
+                Self(avx2!(_mm256_and_si256(ones(rest), Self::of_array(&lanes).0)))
+            }
         }
-        let mut lanes = [0; 8];
-        for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
-            *lane = bits(*t) as i32;
-        }
-        Self::of_array(&lanes)
     }
     #[inline(always)]
     fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
-        if is_half::<T>() {
-            let halves = avx2!({
-                let lower = _mm256_set1_epi64x(0x0d0c_0908_0504_0100);
-                _mm256_castsi256_si128(_mm256_permute4x64_epi64::<0b1000>(_mm256_shuffle_epi8(self.0, lower)))
-            });
-            if let Some(place) = chunk_mut::<_, 8>(row, at) {
-                return avx2!(_mm_storeu_si128(place.as_mut_ptr().cast(), halves));
-            }
-            let rest = rest(row, at);
-            if let Some(last) = row.last_chunk_mut::<8>() {
-                return avx2!({
-                    let up = _mm_loadu_si128(SLIDING[2 * (rest & 7)..][..16].as_ptr().cast());
-                    let kept = _mm_loadu_si128(last.as_ptr().cast());
-                    let halves = _mm_blendv_epi8(_mm_shuffle_epi8(halves, up), kept, up);
-                    _mm_storeu_si128(last.as_mut_ptr().cast(), halves);
-                });
-            }
-        } else if is_word::<T>() {
-            match chunk_mut::<_, 8>(row, at) {
-                Some(place) => avx2!(_mm256_storeu_si256(place.as_mut_ptr().cast(), self.0)),
-                None => {
-                    let first = row.as_mut_ptr().wrapping_add(at).cast();
-                    avx2!(_mm256_maskstore_epi32(first, ones(rest(row, at)), self.0));
-                }
-            }
+        let elements = self.to_array().map(|bits| element(bits as u32));
+        if let Some(place) = chunk_mut::<_, 8>(row, at) {
+            *place = elements;
             return;
         }
-        let lanes = self.to_array();
-        match chunk_mut::<_, 8>(row, at) {
-            // The compiler knows the length.
-            Some(place) => {
-                for (t, lane) in place.iter_mut().zip(lanes) {
-                    *t = element(lane as u32);
-                }
-            }
-            None => {
-                for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
-                    *t = element(lane as u32);
-                }
+        let rest = rest(row, at);
+        if let (true, Some(last)) = (is_half::<T>(), row.last_chunk_mut::<8>()) {
+            avx2!({
+                let up = _mm_loadu_si128(SLIDING[2 * (rest & 7)..][..16].as_ptr().cast());
+                let elements = _mm_shuffle_epi8(_mm_loadu_si128(elements.as_ptr().cast()), up);
+                let kept = _mm_loadu_si128(last.as_ptr().cast());
+                _mm_storeu_si128(last.as_mut_ptr().cast(), _mm_blendv_epi8(elements, kept, up));
+            });
+        } else if is_word::<T>() {
+            avx2!({
+                let elements = _mm256_loadu_si256(elements.as_ptr().cast());
+                _mm256_maskstore_epi32(row.as_mut_ptr().wrapping_add(at).cast(), ones(rest), elements);
+            });
+        } else {
+            for (t, element) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(elements) {
+                *t = element;
             }
         }
     }

@@ -3,6 +3,7 @@
 #![expect(unsafe_code, reason = "vector instructions; every use says why it is sound")]
 
 use std::arch::x86_64::*;
+use std::mem::transmute_copy;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 use slicecast::lanes::{Kernel, Lanes, Wide};
@@ -200,33 +201,30 @@ impl Lanes for Avx512 {
             }
         }
     }
-    // Numbers are read and written as they are (`is_half`, `is_word`).
     #[inline(always)]
     fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
-        if is_half::<T>() {
-            let halves = match chunk::<_, 16>(row, at) {
-                Some(halves) => avx512!(_mm256_loadu_si256(halves.as_ptr().cast())),
-                None => {
-                    let (first, mask) = (row.as_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
-                    avx512!(_mm256_maskz_loadu_epi16(mask, first.cast()))
-                }
-            };
-            return Self(avx512!(_mm512_cvtepu16_epi32(halves)));
+        match chunk::<_, 16>(row, at) {
+            Some(lanes) => Self::of_array(&lanes.map(|t| bits(t) as i32)),
+            None => {
+                let (first, mask) = (row.as_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
+                let lanes = if is_half::<T>() {
+                    let elements = avx512!(_mm256_maskz_loadu_epi16(mask, first.cast()));
+                    // SAFETY: numbers of 16 bits (`is_half`).
+                    unsafe { transmute_copy::<_, [T; 16]>(&elements) }.map(|t| bits(t) as i32)
+                } else if is_word::<T>() {
+                    let elements = avx512!(_mm512_maskz_loadu_epi32(mask, first.cast()));
+                    // SAFETY: numbers of 32 bits (`is_word`).
+                    unsafe { transmute_copy::<_, [T; 16]>(&elements) }.map(|t| bits(t) as i32)
+                } else {
+                    let mut lanes = [0; 16];
+                    for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
+                        *lane = bits(*t) as i32;
+                    }
+                    lanes
+                };
+                Self(avx512!(_mm512_maskz_mov_epi32(mask, Self::of_array(&lanes).0)))
+            }
         }
-        if is_word::<T>() {
-            return Self(match chunk::<_, 16>(row, at) {
-                Some(words) => avx512!(_mm512_loadu_si512(words.as_ptr().cast())),
-                None => {
-                    let (first, mask) = (row.as_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
-                    avx512!(_mm512_maskz_loadu_epi32(mask, first.cast()))
-                }
-            });
-        }
-        let mut lanes = [0; 16];
-        for (lane, t) in lanes.iter_mut().zip(row.get(at..).unwrap_or(&[])) {
-            *lane = bits(*t) as i32;
-        }
-        Self::of_array(&lanes)
     }
     #[inline(always)]
     fn store_as<T: Copy + 'static>(self, row: &mut [T], at: usize, element: impl Fn(u32) -> T) {
@@ -241,27 +239,21 @@ impl Lanes for Avx512 {
             }
             return;
         }
-        if is_word::<T>() {
-            match chunk_mut::<_, 16>(row, at) {
-                Some(place) => avx512!(_mm512_storeu_si512(place.as_mut_ptr().cast(), self.0)),
-                None => {
-                    let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
-                    avx512!(_mm512_mask_storeu_epi32(first.cast(), mask, self.0));
-                }
-            }
-            return;
-        }
         let lanes = self.to_array();
         match chunk_mut::<_, 16>(row, at) {
-            // The compiler knows the length.
-            Some(place) => {
-                for (t, lane) in place.iter_mut().zip(lanes) {
-                    *t = element(lane as u32);
-                }
-            }
+            Some(place) => *place = lanes.map(|bits| element(bits as u32)),
             None => {
-                for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
-                    *t = element(lane as u32);
+                let (first, mask) = (row.as_mut_ptr().wrapping_add(at), ones(rest(row, at)) as u16);
+                if is_word::<T>() {
+                    let elements = lanes.map(|bits| element(bits as u32));
+                    avx512!({
+                        let elements = _mm512_loadu_si512(elements.as_ptr().cast());
+                        _mm512_mask_storeu_epi32(first.cast(), mask, elements);
+                    });
+                } else {
+                    for (t, lane) in row.get_mut(at..).unwrap_or(&mut []).iter_mut().zip(lanes) {
+                        *t = element(lane as u32);
+                    }
                 }
             }
         }
