@@ -14,7 +14,7 @@ use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
 use slicecast_volume::{Mapping, Volume};
 
-fn head() -> Volume {
+pub(super) fn head() -> Volume {
     load(None, Window::Auto).expect("the built-in volume").volume
 }
 
@@ -38,7 +38,7 @@ const LIMITS: [(PrecisionName, f64, f64); 2] =
 const SHORT: [(&str, &str, u32, u32); 1] = [("compact", "ct-fog", 1, 1)];
 
 /// What the default record rounds.
-fn rounding() -> Rounding {
+pub(super) fn rounding() -> Rounding {
     Rounding {
         position: Some(Layout::FINE.position_bits()),
         depth: Some(Layout::FINE.depth_bits()),
@@ -120,7 +120,7 @@ fn bits_do_not_depend_on_the_work() {
     }
 }
 
-fn point(value: f64, opacity: f64) -> Point {
+pub(super) fn point(value: f64, opacity: f64) -> Point {
     Point {
         value,
         colour: [1.0; 3],

@@ -12,17 +12,12 @@ use slicecast_engine::splat::{BAND_ROWS, Splatted};
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tiles::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, volume};
-use slicecast_model::splat::Rounding;
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::perspective::{Eye, Perspective};
-use slicecast_scene::{Classification, Point, PrecisionName, Sampling, Scene};
-use slicecast_volume::mapping::Window;
-use slicecast_volume::open::load;
+use slicecast_scene::{Classification, PrecisionName, Sampling, Scene};
 use slicecast_volume::{Mapping, Volume};
 
-fn head() -> Volume {
-    load(None, Window::Auto).expect("the built-in volume").volume
-}
+use super::splat::{head, point, rounding};
 
 /// A built-in scene seen from the outside, or from an eye.
 fn scene(name: &str, precision: PrecisionName, fov: f64, eye: Option<[f64; 3]>) -> Scene {
@@ -58,15 +53,6 @@ const SHORT: [(&str, &str, f64); 4] = [
     ("wide", "headsq", 90.0),
     ("wide", "ct-bone", 90.0),
 ];
-
-/// What the default record rounds.
-fn rounding() -> Rounding {
-    Rounding {
-        position: Some(Layout::FINE.position_bits()),
-        depth: Some(Layout::FINE.depth_bits()),
-        value: Some(Layout::FINE.value_bits()),
-    }
-}
 
 #[test]
 fn pictures_are_close_to_the_model() {
@@ -132,14 +118,6 @@ fn bits_do_not_depend_on_the_work() {
                 }
             }
         }
-    }
-}
-
-fn point(value: f64, opacity: f64) -> Point {
-    Point {
-        value,
-        colour: [1.0; 3],
-        opacity,
     }
 }
 

@@ -327,7 +327,12 @@ impl<'a> Splat<'a> {
                 (false, true) => 2.0 * (sample - before),
                 (true, true) => 0.0,
             };
-            difference / length
+            // Means of equal values differ by what f64 rounds, which is no direction.
+            if difference.abs() < 1e-9 {
+                0.0
+            } else {
+                difference / length
+            }
         };
         let gradient = [
             slope(

@@ -13,7 +13,7 @@ use slicecast_scene::{PrecisionName, Scene, View};
 use slicecast_volume::Volume;
 
 /// What the default record rounds.
-fn rounding() -> Rounding {
+pub(super) fn rounding() -> Rounding {
     let layout = Layout::FINE;
     Rounding {
         position: Some(layout.position_bits()),

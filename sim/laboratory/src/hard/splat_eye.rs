@@ -2,27 +2,17 @@
 //! volumes of one voxel and one slice, empty sheets; and homogeneous fog, whose picture is known.
 
 use super::scenes::{lit, scene, volume};
+use super::splat::rounding;
 use super::{Case, Size};
 use slicecast::splat::Layout;
 use slicecast_compare::image::base_figures;
 use slicecast_compare::splat::model;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::splat::Splatted;
-use slicecast_model::splat::Rounding;
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::perspective::{Eye, Perspective};
 use slicecast_scene::{PrecisionName, Scene, View};
 use slicecast_volume::Volume;
-
-/// What the default record rounds.
-fn rounding() -> Rounding {
-    let layout = Layout::FINE;
-    Rounding {
-        position: Some(layout.position_bits()),
-        depth: Some(layout.depth_bits()),
-        value: Some(layout.value_bits()),
-    }
-}
 
 /// A field of view, an eye, and the view's azimuth and elevation.
 type Eyes = Vec<(f64, [f64; 3], f64, f64)>;
@@ -64,13 +54,8 @@ fn seen(scene: &Scene, precision: PrecisionName, (fov, at, azimuth, elevation): 
     scene
 }
 
-/// Cases of all precisions: the largest error and the mean one, which has a limit where nothing is seen at the volume's border.
-fn compared(
-    name: &str,
-    scene: &Scene,
-    (volume, bordered): (&Volume, bool),
-    eyes: &Eyes,
-) -> Result<[Case; 2], RenderError> {
+/// Cases of all precisions: the largest error and the mean one.
+fn compared(name: &str, scene: &Scene, volume: &Volume, eyes: &Eyes) -> Result<[Case; 2], RenderError> {
     let of = |quantity| Case::new("splat from an eye", name, quantity, 0.0, "the same records in f64");
     let mut cases = [
         of("largest error of images, steps of 1/255"),
@@ -97,12 +82,9 @@ fn compared(
             PrecisionName::Paper => 1.0,
             _ => 0.1,
         };
-        average.outcome(precision.name(), seen(mean), (!bordered).then_some(allowed));
+        average.outcome(precision.name(), seen(mean), Some(allowed));
     }
-    let note = "no limit: where weights add up to half, a sample exists on one side of a rounding";
-    let [largest, average] = &mut cases;
-    largest.note = Some(note.into());
-    average.note = bordered.then(|| note.into());
+    cases[0].note = Some("no limit: where weights add up to half, a sample exists on one side of a rounding".into());
     Ok(cases)
 }
 
@@ -128,8 +110,7 @@ fn against_the_model(size: Size) -> Result<Vec<Case>, RenderError> {
             scene.lighting = lit(0.3, 5);
         }
         let how = if light { "lit" } else { "unlit" };
-        // Nothing but borders is seen of the corners, and of a slice.
-        for (what, volume) in [("a blob", (&blob, false)), ("corners, empty between", (&corners, true))] {
+        for (what, volume) in [("a blob", &blob), ("corners, empty between", &corners)] {
             let name = format!("{what}, seven eyes, {how}");
             cases.extend(compared(&name, &scene, volume, &eyes(side))?);
         }
@@ -138,7 +119,7 @@ fn against_the_model(size: Size) -> Result<Vec<Case>, RenderError> {
     scene.lighting = lit(0.3, 5);
     let slice = volume([9, 1, 9], [1.0; 3], |_| 3000.0);
     let before = vec![(60.0, [4.0, -9.0, 4.0], 0.0, 0.0), (30.0, [3.0, -30.0, 5.0], 0.0, 3.0)];
-    cases.extend(compared("a slice, two eyes, lit", &scene, (&slice, true), &before)?);
+    cases.extend(compared("a slice, two eyes, lit", &scene, &slice, &before)?);
     Ok(cases)
 }
 
