@@ -179,10 +179,20 @@ impl Difference<'_> {
         })
     }
 
+    /// Columns `at ..`, of which there are as many as lanes.
+    #[inline(always)]
+    pub(crate) fn inner<V: Lanes>(&self, at: usize) -> V {
+        self.scaled(V::load_inner_voxels(self.minuend, at) - V::load_inner_voxels(self.subtrahend, at))
+    }
+
     /// Columns `at ..`.
     #[inline(always)]
-    pub(crate) fn scaled<V: Lanes>(&self, at: usize) -> V {
-        let lanes = self.lanes::<V>(at);
+    pub(crate) fn outer<V: Lanes>(&self, at: usize) -> V {
+        self.scaled(self.lanes(at))
+    }
+
+    #[inline(always)]
+    fn scaled<V: Lanes>(&self, lanes: V) -> V {
         // At a face of the volume; everywhere else the scale is 1.
         if self.scale == 1 {
             lanes

@@ -106,6 +106,12 @@ pub trait Lanes:
     fn store(self, row: &mut [i32], at: usize);
     /// Voxels `at ..` of a row; 0 behind its end.
     fn load_voxels(row: &[u16], at: usize) -> Self;
+    /// The same where the row has as many; where it has fewer, anything. Without code for the ends of rows, of which each load has
+    /// its own.
+    #[inline(always)]
+    fn load_inner_voxels(row: &[u16], at: usize) -> Self {
+        Self::load_voxels(row, at)
+    }
     /// Elements `at ..` of a row of some other type; 0 behind its end.
     fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self;
     /// Writes to elements `at ..` of such a row, as far as it goes.

@@ -12,16 +12,17 @@
 
 mod reserved;
 mod ring;
+mod streamed;
 
 use core::ops::Range;
 
 pub use self::reserved::Reserved;
 use self::ring::Ring;
+pub use self::streamed::Streamed;
 use crate::clip::Clipper;
 use crate::composite::{Pixel, Recurrence as _};
-use crate::lanes::{Lanes as _, Native};
 use crate::plan::Plan;
-use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, Shape, clear};
+use crate::plane::{At, ChannelOf, Pipeline, Rows, ScratchError, Shape};
 use crate::precision::Precision as _;
 use crate::slice::{RowRange, SliceError, Voxel};
 use crate::tap::Tap;
@@ -79,7 +80,7 @@ impl Needs {
 }
 
 /// A slice as a pipeline's stream is given it.
-pub type Given<'g, L> = <<L as Pipeline>::Voxel as Voxel>::Given<'g>;
+pub type Given<'g, L> = <<L as Streamed>::Voxel as Voxel>::Given<'g>;
 
 /// Memory lent to a stream: at least as much of each as [`Needs`] says. It need not be initialised to anything.
 #[derive(Debug)]
@@ -182,14 +183,14 @@ impl From<SliceError> for StreamError {
 
 /// A frame in the making.
 #[derive(Debug)]
-pub struct Stream<'m, L: Pipeline> {
+pub struct Stream<'m, L: Streamed> {
     ring: Ring<'m, L::Voxel>,
     pipeline: L,
     scratch: &'m mut [i32],
     image: &'m mut [L::Element],
 }
 
-impl<'m, L: Pipeline> Stream<'m, L> {
+impl<'m, L: Streamed> Stream<'m, L> {
     /// Begins a frame: checks the memory and clears the image.
     ///
     /// # Errors
@@ -218,7 +219,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             image,
         } = memory;
         let others = [scratch.len(), image.len()];
-        let ring = Ring::new(L::SHAPE, plan, (slices, ranges), others, band)?;
+        let ring = Ring::new(pipeline.shape(), plan, (slices, ranges), others, band)?;
         let stream = Self {
             ring,
             pipeline,
@@ -227,7 +228,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         };
         let len = stream.image_len();
         let image = stream.image.get_mut(..len).unwrap_or(&mut []);
-        clear(&stream.pipeline, &plan, image);
+        stream.pipeline.clear(&plan, image);
         Ok(stream)
     }
 
@@ -246,7 +247,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// The number, along k in the whole volume, of the slice that is wanted next; `None` when the frame is complete.
     pub fn wanted(&self) -> Option<u32> {
         let [_, _, first] = self.ring.plan.first();
-        Some(first + self.ring.wanted(L::SHAPE)?)
+        Some(first + self.ring.wanted(self.pipeline.shape())?)
     }
 
     /// Takes a slice (rows one after the other) and folds all planes that it completes. Of a cropped plan: what it holds of the
@@ -269,17 +270,18 @@ impl<'m, L: Pipeline> Stream<'m, L> {
 
     #[inline(always)]
     fn take(&mut self, slice: Given<'_, L>, mut tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
-        self.ring.take(L::SHAPE, slice)?;
+        let shape = self.pipeline.shape();
+        self.ring.take(shape, slice)?;
         let plan = &self.ring.plan;
         let Range { start: first, end } = self.ring.band;
-        let phase_len = L::SHAPE.rows_len(plan, end - first).max(1);
-        while let Some(index) = self.ring.ready(L::SHAPE) {
-            if let Some(window) = self.ring.window(L::SHAPE, index) {
+        let phase_len = shape.rows_len(plan, end - first).max(1);
+        while let Some(index) = self.ring.ready(shape) {
+            if let Some(window) = self.ring.window(shape, index) {
                 let plan = &self.ring.plan;
                 for (number, data) in (0..plan.phases()).zip(self.image.chunks_exact_mut(phase_len)) {
                     let at = At {
                         plan,
-                        plane: L::SHAPE.plane(plan, plan.phase(number), index),
+                        plane: shape.plane(plan, plan.phase(number), index),
                         window,
                         seen: None,
                         clips: self.ring.clips,
@@ -290,12 +292,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
                         Some(tap) => Some(*tap),
                         None => None,
                     };
-                    // A small machine has no other that folds.
-                    if Native::SMALL {
-                        self.pipeline.fold::<Native>(&at, rows, self.scratch, None, tap)?;
-                    } else {
-                        self.pipeline.fold_native(&at, rows, self.scratch, None, tap)?;
-                    }
+                    self.pipeline.fold_plane(&at, rows, self.scratch, tap)?;
                 }
             }
             self.ring.folded += 1;
@@ -306,7 +303,7 @@ impl<'m, L: Pipeline> Stream<'m, L> {
     /// Elements of the image.
     fn image_len(&self) -> usize {
         let Range { start, end } = self.ring.band;
-        Needs::of_band::<L>(&self.ring.plan, end - start).image
+        Needs::of_shape(self.pipeline.shape(), &self.ring.plan, end - start).image
     }
 
     /// The base-plane image (or the band of it) as it stands: phase after phase, row after row, `CHANNELS` runs of
@@ -315,6 +312,13 @@ impl<'m, L: Pipeline> Stream<'m, L> {
         self.image.get(..self.image_len()).unwrap_or(&[])
     }
 
+    /// The plan.
+    pub const fn plan(&self) -> &Plan {
+        &self.ring.plan
+    }
+}
+
+impl<L: Pipeline> Stream<'_, L> {
     /// A pixel of the whole base-plane image (all phases), clear outside it and outside the band.
     pub fn pixel(&self, u: i64, v: i64) -> Pixel<ChannelOf<L::Precision>> {
         band_pixel(
@@ -324,11 +328,6 @@ impl<'m, L: Pipeline> Stream<'m, L> {
             self.ring.band.clone(),
             [u, v],
         )
-    }
-
-    /// The plan.
-    pub const fn plan(&self) -> &Plan {
-        &self.ring.plan
     }
 }
 

@@ -157,8 +157,8 @@ pub(super) struct Probe<'w, P, V> {
     precision: P,
 }
 
-/// How the voxels around a place are read: `INNER`, all of them exist; `WHOLE`, the plane lies in a slice besides, so that
-/// nothing is interpolated along z and voxels stay whole numbers until they meet along y.
+/// How the voxels around a place are read: `INNER`, all of them exist, of every lane; `WHOLE`, the plane lies in a slice besides, so
+/// that nothing is interpolated along z and voxels stay whole numbers until they meet along y.
 impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
     #[inline(always)]
     fn new(precision: P, extent: &Extent, window: &'w Window<'w>) -> Self {
@@ -199,10 +199,10 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
 
     #[inline(always)]
     fn sample_of<const WHOLE: bool>(&self, [row, next]: [i32; 2], from: i32) -> V {
-        let a = self.z::<WHOLE, true>(row, from);
-        let b = self.z::<WHOLE, true>(row, from + 1);
-        let c = self.z::<WHOLE, true>(next, from);
-        let d = self.z::<WHOLE, true>(next, from + 1);
+        let a = self.z_of_sample::<WHOLE>(row, from);
+        let b = self.z_of_sample::<WHOLE>(row, from + 1);
+        let c = self.z_of_sample::<WHOLE>(next, from);
+        let d = self.z_of_sample::<WHOLE>(next, from + 1);
         self.x(self.y::<WHOLE>(a, c), self.y::<WHOLE>(b, d))
     }
 
@@ -243,12 +243,12 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
         let this = derivatives(self.window, row.min(last).max(0) as usize);
         let next = derivatives(self.window, (row + 1).min(last).max(0) as usize);
         let here = self.y::<WHOLE>(
-            self.derivative::<WHOLE>(&this, column),
-            self.derivative::<WHOLE>(&next, column),
+            self.derivative::<WHOLE, INNER>(&this, column),
+            self.derivative::<WHOLE, INNER>(&next, column),
         );
         let there = self.y::<WHOLE>(
-            self.derivative::<WHOLE>(&this, column + 1),
-            self.derivative::<WHOLE>(&next, column + 1),
+            self.derivative::<WHOLE, INNER>(&this, column + 1),
+            self.derivative::<WHOLE, INNER>(&next, column + 1),
         );
         [right - left, below - above, self.x(here, there)]
     }
@@ -269,25 +269,36 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
         }
     }
 
-    /// Interpolation along z of the voxels of a row from a column on; one voxel beyond each face the volume is continued
-    /// linearly.
+    /// Interpolation along z of the voxels of a row from a column on.
+    #[inline(always)]
+    fn z_of_sample<const WHOLE: bool>(&self, row: i32, from: i32) -> V {
+        let (row, column) = (row as usize, from as usize);
+        let near = V::load_voxels(self.near.row(row), column);
+        if WHOLE {
+            return near;
+        }
+        near.between16(V::load_voxels(self.far.row(row), column), self.wz)
+    }
+
+    /// The same around a sample; one voxel beyond each face the volume is continued linearly.
     #[inline(always)]
     fn z<const WHOLE: bool, const INNER: bool>(&self, row: i32, from: i32) -> V {
         if INNER {
             let (row, column) = (row as usize, from as usize);
-            let near = V::load_voxels(self.near.row(row), column);
+            let near = V::load_inner_voxels(self.near.row(row), column);
             if WHOLE {
                 return near;
             }
-            return near.between16(V::load_voxels(self.far.row(row), column), self.wz);
+            return near.between16(V::load_inner_voxels(self.far.row(row), column), self.wz);
         }
         let last = self.height - 1;
         let edge = row.min(last).max(0);
-        let voxels = self.z_with_ends(edge as usize, from);
+        // Out of line: there are twelve of these, and few places lie at a face.
+        let voxels = V::enter((ZWithEnds, self, edge as usize, from));
         if edge == row {
             return voxels;
         }
-        // Twice the edge less the row inside it, which is out of line: there are twelve of these, and few rows lie beyond a face.
+        // Twice the edge less the row inside it.
         let inner = if row < 0 { 1.min(last) } else { (last - 1).max(0) };
         voxels + voxels - V::enter((ZWithEnds, self, inner as usize, from))
     }
@@ -322,11 +333,16 @@ impl<'w, P: Precision, V: Lanes> Probe<'w, P, V> {
 
     /// Interpolation along z of derivatives along z.
     #[inline(always)]
-    fn derivative<const WHOLE: bool>(&self, (near, far): &(Difference<'_>, Difference<'_>), from: usize) -> V {
-        if WHOLE {
-            near.scaled(from)
-        } else {
-            near.scaled::<V>(from).between16(far.scaled(from), self.wz)
+    fn derivative<const WHOLE: bool, const INNER: bool>(
+        &self,
+        (near, far): &(Difference<'_>, Difference<'_>),
+        from: usize,
+    ) -> V {
+        match (INNER, WHOLE) {
+            (true, true) => near.inner(from),
+            (true, false) => near.inner::<V>(from).between16(far.inner(from), self.wz),
+            (false, true) => near.outer(from),
+            (false, false) => near.outer::<V>(from).between16(far.outer(from), self.wz),
         }
     }
 }

@@ -99,33 +99,98 @@ impl<P: Precision, S, F> Rgba<P, S, F> {
     }
 }
 
-/// The source of a channel's samples. The filter decides which it is, so that a pipeline has no code of the other.
-enum Run<'s, 'w, P, V, F> {
-    Linear(Sheared<'s, 'w, P, V, SamplesAlone>),
-    Smooth(Smooth<'s, 'w, P, V>, PhantomData<F>),
+/// What is asked of a filter while rows are made.
+trait Filtering: Copy {
+    fn is_smooth(self) -> bool;
 }
 
-impl<'s, 'w, P: Precision, V: Lanes, F: Filter> Run<'s, 'w, P, V, F> {
+/// One whose type is known, so that a pipeline has no code of the other.
+#[derive(Clone, Copy)]
+struct Known<F>(PhantomData<F>);
+
+impl<F: Filter> Filtering for Known<F> {
     #[inline(always)]
-    fn new(precision: P, extent: &'s Extent, window: &'s Window<'w>, plan: &Plan, rows: RunRows<'s, i32>) -> Self {
+    fn is_smooth(self) -> bool {
+        F::SMOOTH
+    }
+}
+
+/// One whose type is not.
+#[derive(Clone, Copy)]
+struct AnyFilter {
+    smooth: bool,
+}
+
+impl Filtering for AnyFilter {
+    #[inline(always)]
+    fn is_smooth(self) -> bool {
+        self.smooth
+    }
+}
+
+/// Row kernels of a shader of colours times extinction.
+trait WeightedRows {
+    /// Whether normals are read.
+    fn lit(&self) -> bool;
+    /// Normalises gradients and shades.
+    fn shade(&self, g: [&mut [i32]; 3], r: &mut [i32], extinction: &[i32], colours: [&mut [i32]; 3]);
+}
+
+/// Those of a shader in a precision, compiled for lanes.
+struct Shading<'s, S, P, V>(&'s S, PhantomData<(P, V)>);
+
+impl<S: Shader<P>, P: Precision, V: Lanes> WeightedRows for Shading<'_, S, P, V> {
+    #[inline(always)]
+    fn lit(&self) -> bool {
+        S::LIT
+    }
+
+    #[inline(always)]
+    fn shade(&self, g: [&mut [i32]; 3], r: &mut [i32], extinction: &[i32], colours: [&mut [i32]; 3]) {
+        V::enter((Shade, self, g, r, extinction, colours));
+    }
+}
+
+/// The slots of a plane: as those of classified samples, a small machine compiles them with its pipeline, and elsewhere what goes
+/// through a plane is compiled once for a precision and its lanes.
+struct Slots<'s, P: Precision, S: ?Sized, T> {
+    precision: P,
+    medium: &'s Medium,
+    shader: &'s S,
+    floor: ChannelOf<P>,
+    filter: T,
+    scratch: scratch::Rows,
+}
+
+/// The source of a channel's samples.
+enum Run<'s, 'w, P, V, T> {
+    Linear(Sheared<'s, 'w, P, V, SamplesAlone>, T),
+    Smooth(Smooth<'s, 'w, P, V>, T),
+}
+
+impl<'s, 'w, P: Precision, V: Lanes, T: Filtering> Run<'s, 'w, P, V, T> {
+    #[inline(always)]
+    fn new(
+        (precision, filter): (P, T),
+        extent: &'s Extent,
+        window: &'s Window<'w>,
+        plan: &Plan,
+        rows: RunRows<'s, i32>,
+    ) -> Self {
         match rows {
-            RunRows::Linear(rows) => Self::Linear(Sheared::new(
-                precision,
-                extent,
-                window,
-                plan.spacing(),
-                rows,
-                KeptRows::default(),
-            )),
-            RunRows::Smooth(rows) => Self::Smooth(Smooth::new(precision, extent, window, rows), PhantomData),
+            RunRows::Linear(rows) => {
+                let source = Sheared::new(precision, extent, window, plan.spacing(), rows, KeptRows::default());
+                Self::Linear(source, filter)
+            }
+            RunRows::Smooth(rows) => Self::Smooth(Smooth::new(precision, extent, window, rows), filter),
         }
     }
 
     #[inline(always)]
     fn make(&mut self, row: i32) {
         match self {
-            Self::Linear(source) if !F::SMOOTH => source.make(row),
-            Self::Smooth(source, _) if F::SMOOTH => source.make(row),
+            Self::Linear(source, filter) if !filter.is_smooth() => source.make(row),
+            Self::Smooth(source, filter) if filter.is_smooth() => source.make(row),
             _ => {}
         }
     }
@@ -134,8 +199,8 @@ impl<'s, 'w, P: Precision, V: Lanes, F: Filter> Run<'s, 'w, P, V, F> {
     #[inline(always)]
     fn samples(&self, row: i32) -> &[i32] {
         match self {
-            Self::Linear(source) if !F::SMOOTH => source.slab(row).back,
-            Self::Smooth(source, _) if F::SMOOTH => source.samples(),
+            Self::Linear(source, filter) if !filter.is_smooth() => source.slab(row).back,
+            Self::Smooth(source, filter) if filter.is_smooth() => source.samples(),
             _ => &[],
         }
     }
@@ -144,22 +209,34 @@ impl<'s, 'w, P: Precision, V: Lanes, F: Filter> Run<'s, 'w, P, V, F> {
     #[inline(always)]
     fn samples_mut(&mut self, row: i32) -> &mut [i32] {
         match self {
-            Self::Linear(source) if !F::SMOOTH => source.samples_mut(row),
-            Self::Smooth(source, _) if F::SMOOTH => source.samples_mut(),
+            Self::Linear(source, filter) if !filter.is_smooth() => source.samples_mut(row),
+            Self::Smooth(source, filter) if filter.is_smooth() => source.samples_mut(),
             _ => &mut [],
         }
     }
 }
 
 /// The rows of a plane's parts: four channels, and the source of gradients.
-struct Sources<'s, 'w, P, V, F> {
-    channels: [Run<'s, 'w, P, V, F>; 4],
+struct Sources<'s, 'w, P, V, T> {
+    channels: [Run<'s, 'w, P, V, T>; 4],
     slopes: Sheared<'s, 'w, Eighths<P>, V, SamplesAndGradients>,
     g: [&'s mut [i32]; 3],
     r: &'s mut [i32],
 }
 
-impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
+/// Planes of slots whose types are not known.
+#[inline(never)]
+fn fold_plane_of<V: Lanes, P: Precision<Pixel: Weighted>>(
+    slots: &Slots<'_, P, dyn WeightedRows + '_, AnyFilter>,
+    at: &At<'_, Rgba15>,
+    rows: Rows<'_, ChannelOf<P>>,
+    scratch: &mut [i32],
+    tap: Option<&mut dyn Tap>,
+) -> Result<(), ScratchError> {
+    slots.fold_plane::<V>(at, rows, scratch, tap)
+}
+
+impl<P: Precision<Pixel: Weighted>, S: WeightedRows + ?Sized, T: Filtering> Slots<'_, P, S, T> {
     #[inline(always)]
     fn fold_plane<V: Lanes>(
         &self,
@@ -168,9 +245,8 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
         scratch: &mut [i32],
         mut tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
-        const { assert!(!S::MODULATES, "modulation is of classified samples") };
         let [width, _, _] = at.plan.dims();
-        let (scratch, _) = scratch::with_spare(scratch, Self::SCRATCH, width, false)?;
+        let (scratch, _) = scratch::with_spare(scratch, self.scratch, width, false)?;
         if let Some(tap) = &mut tap {
             tap.plane(&at.plane);
         }
@@ -202,7 +278,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
             if tap.is_none() {
                 rest.narrow(at.plan, &mut runs, false, (rows.first, count));
             }
-            let memory = ColourScratch::cut(&mut *scratch, Self::SCRATCH, width, V::COUNT > 1)?;
+            let memory = ColourScratch::cut(&mut *scratch, self.scratch, width, V::COUNT > 1)?;
             let tap: Option<&mut dyn Tap> = match &mut tap {
                 Some(tap) => Some(*tap),
                 None => None,
@@ -243,12 +319,13 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
         );
         let [wt, wr, wg, wb] = [&depths.window, &red.window, &green.window, &blue.window];
         let [t, r, g, b] = memory.runs;
-        let mut sources = Sources::<P, V, F> {
+        let filtered = (precision, self.filter);
+        let mut sources = Sources::<P, V, T> {
             channels: [
-                Run::new(precision, extent, wt, plan, t),
-                Run::new(precision, extent, wr, plan, r),
-                Run::new(precision, extent, wg, plan, g),
-                Run::new(precision, extent, wb, plan, b),
+                Run::new(filtered, extent, wt, plan, t),
+                Run::new(filtered, extent, wr, plan, r),
+                Run::new(filtered, extent, wg, plan, g),
+                Run::new(filtered, extent, wb, plan, b),
             ],
             slopes: Sheared::new(
                 Eighths(precision),
@@ -265,7 +342,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
         let all = 0..extent.columns.len();
         for row in extent.met(rows.first, count) {
             let voxel_row = extent.voxel_row(row);
-            let range = if F::SMOOTH {
+            let range = if self.filter.is_smooth() {
                 smooth::around(wt, extent, voxel_row)
             } else {
                 around(wt, extent.voxel_rows(voxel_row))
@@ -290,7 +367,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
                 tap.row(Stage::Interpolation, beam, &[&t, &r, &g, &b]);
                 image.look(row, all.clone(), &mut |rows| tap.row(Stage::Before, beam, rows));
             }
-            if S::LIT {
+            if self.shader.lit() {
                 sources.slopes.make(voxel_row);
                 let mut from = 0;
                 while let Some(span) = image.visible(row, sources.extinction(voxel_row), from) {
@@ -309,7 +386,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
                 clipped.turn_weighted(row, 0, t, colours);
             }
             if let Some(tap) = &mut tap
-                && (S::LIT || cues)
+                && (self.shader.lit() || cues)
             {
                 let [r, g, b] = three(colours.each_ref(), |channel| channel.samples(voxel_row));
                 tap.row(Stage::Shading, beam, &[&r, &g, &b]);
@@ -337,7 +414,7 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
     #[inline(always)]
     fn shade_span<V: Lanes>(
         &self,
-        sources: &mut Sources<'_, '_, P, V, F>,
+        sources: &mut Sources<'_, '_, P, V, T>,
         (row, span): (i32, Range<usize>),
         beam: Beam<'_>,
         mut tap: Option<&mut dyn Tap>,
@@ -360,14 +437,14 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Rgba<P, S, F> {
             part_mut(channel.samples_mut(row), span.clone())
         });
         let g = [&mut *gx, &mut *gy, &mut *gz];
-        V::enter((Shade, &self.shader, PhantomData::<(P, V)>, g, &mut *r, t, colours));
+        self.shader.shade(g, &mut *r, t, colours);
         if let Some(tap) = &mut tap {
             tap.row(Stage::Normal, beam, &[&&*gx, &&*gy, &&*gz, &&*r]);
         }
     }
 }
 
-impl<P: Precision, V: Lanes, F: Filter> Sources<'_, '_, P, V, F> {
+impl<P: Precision, V: Lanes, T: Filtering> Sources<'_, '_, P, V, T> {
     /// The extinctions of the row that was made last.
     #[inline(always)]
     fn extinction(&self, row: i32) -> &[i32] {
@@ -382,8 +459,7 @@ struct Shade;
 impl<P: Precision, S: Shader<P>, V: Lanes> Kernel
     for (
         Shade,
-        &S,
-        PhantomData<(P, V)>,
+        &Shading<'_, S, P, V>,
         [&mut [i32]; 3],
         &mut [i32],
         &[i32],
@@ -394,7 +470,7 @@ impl<P: Precision, S: Shader<P>, V: Lanes> Kernel
 
     #[inline(always)]
     fn run(self) {
-        let (_, shader, _, [x, y, z], r, extinction, colours) = self;
+        let (_, Shading(shader, _), [x, y, z], r, extinction, colours) = self;
         normalise_row::<V>([&mut *x, &mut *y, &mut *z], r);
         shader.shade_weighted_row::<V>([x, y, z], r, extinction, colours);
     }
@@ -432,11 +508,29 @@ impl<P: Precision<Pixel: Weighted>, S: Shader<P>, F: Filter> Pipeline for Rgba<P
         tap: Option<&mut dyn Tap>,
     ) -> Result<(), ScratchError> {
         staged::<Self::Precision>();
+        const { assert!(!S::MODULATES, "modulation is of classified samples") };
         // The products of a small machine's own lane are made for 14 bits.
         if V::SMALL {
-            self.fold_plane::<i32>(at, rows, scratch, tap)
+            let slots = Slots {
+                precision: self.precision,
+                medium: &self.medium,
+                shader: &Shading::<_, _, i32>(&self.shader, PhantomData),
+                floor: self.floor,
+                filter: Known::<F>(PhantomData),
+                scratch: Self::SCRATCH,
+            };
+            slots.fold_plane::<i32>(at, rows, scratch, tap)
         } else {
-            self.fold_plane::<V>(at, rows, scratch, tap)
+            let shader: &dyn WeightedRows = &Shading::<_, _, V>(&self.shader, PhantomData);
+            let slots = Slots {
+                precision: self.precision,
+                medium: &self.medium,
+                shader,
+                floor: self.floor,
+                filter: AnyFilter { smooth: F::SMOOTH },
+                scratch: Self::SCRATCH,
+            };
+            fold_plane_of::<V, _>(&slots, at, rows, scratch, tap)
         }
     }
 

@@ -4,14 +4,12 @@
 //! image. A call is a plane of a tile, a row of a picture's copy or a slice of a stream: some hundred nanoseconds of work at least.
 
 use slicecast::classify::Support;
-use slicecast::clip::Clipper;
 use slicecast::composite::{Channel as _, Pixel, Recurrence as _};
 use slicecast::lanes::Lanes;
 use slicecast::plan::Plan;
 use slicecast::plane::{At, ChannelOf, Kept, Pictured, Pipeline, Rows, ScratchError, Shape, clear};
 use slicecast::precision::Precision as _;
 use slicecast::slice::Voxel;
-use slicecast::stream::{Memory, Stream, StreamError};
 use slicecast::tap::Tap;
 
 use crate::image::Rgb;
@@ -43,17 +41,6 @@ pub trait Folds: Send + Sync {
     fn fold(&self, simd: Simd, fold: Fold<'_, '_, Self::Voxel, Self::Element>) -> Result<(), ScratchError>;
     /// [`Pipeline::finished`] with these vectors.
     fn finished(&self, simd: Simd, plan: &Plan, data: &[Self::Element]) -> bool;
-
-    /// A stream of it, perhaps behind clip planes.
-    ///
-    /// # Errors
-    /// As [`Stream::new`].
-    fn stream<'m>(
-        &'m self,
-        plan: Plan,
-        memory: Memory<'m, Self::Element>,
-        clips: Option<Clipper<'m>>,
-    ) -> Result<Box<dyn Streams<Self::Voxel> + 'm>, StreamError>;
 }
 
 /// One whose pixels make pictures.
@@ -74,30 +61,6 @@ pub struct Fold<'f, 'k, X, E> {
     pub kept: Option<&'f mut Kept<'k>>,
     /// What looks on.
     pub tap: Option<&'f mut dyn Tap>,
-}
-
-/// A stream of a pipeline without its type.
-pub trait Streams<X: Voxel> {
-    /// [`Stream::wanted`].
-    fn wanted(&self) -> Option<u32>;
-    /// [`Stream::push`], perhaps under a tap.
-    ///
-    /// # Errors
-    /// As [`Stream::push`].
-    fn push(&mut self, slice: X::Given<'_>, tap: Option<&mut dyn Tap>) -> Result<(), StreamError>;
-}
-
-impl<L: Pipeline> Streams<L::Voxel> for Stream<'_, L> {
-    fn wanted(&self) -> Option<u32> {
-        Stream::wanted(self)
-    }
-
-    fn push(&mut self, slice: <L::Voxel as Voxel>::Given<'_>, tap: Option<&mut dyn Tap>) -> Result<(), StreamError> {
-        match tap {
-            Some(tap) => self.push_tapped(slice, tap),
-            None => Stream::push(self, slice),
-        }
-    }
 }
 
 impl<L: Pipeline + Send> Folds for L {
@@ -136,19 +99,6 @@ impl<L: Pipeline + Send> Folds for L {
 
     fn finished(&self, simd: Simd, plan: &Plan, data: &[Self::Element]) -> bool {
         with_lanes(simd, Finished(self, plan, data))
-    }
-
-    fn stream<'m>(
-        &'m self,
-        plan: Plan,
-        memory: Memory<'m, Self::Element>,
-        clips: Option<Clipper<'m>>,
-    ) -> Result<Box<dyn Streams<Self::Voxel> + 'm>, StreamError> {
-        let mut stream = Stream::new(plan, self, memory)?;
-        if let Some(clips) = clips {
-            stream.clip(clips)?;
-        }
-        Ok(Box::new(stream))
     }
 }
 

@@ -1,13 +1,49 @@
 //! Frames through the stream layer, slice by slice, as firmware makes them.
 
-use slicecast::clip::Clips;
+use slicecast::plan::Plan;
+use slicecast::plane::{At, Rows, ScratchError, Shape};
 use slicecast::slice::{RowRange, Slice, Voxel as _};
-use slicecast::stream::{Memory, Needs, StreamError};
+use slicecast::stream::{Memory, Needs, Stream, StreamError, Streamed};
 use slicecast::tap::Tap;
 
-use crate::folds::Folds;
+use crate::folds::{Fold, Folds};
 use crate::oriented::packed;
+use crate::simd::Simd;
 use crate::tiles::Geometry;
+
+/// A pipeline that is an object: streams of all of them are one.
+struct Object<'f, F: ?Sized>(&'f F);
+
+impl<F: Folds + ?Sized> Streamed for Object<'_, F> {
+    type Voxel = F::Voxel;
+    type Element = F::Element;
+
+    fn shape(&self) -> Shape {
+        self.0.shape()
+    }
+
+    fn clear(&self, plan: &Plan, data: &mut [F::Element]) {
+        self.0.clear(plan, data);
+    }
+
+    fn fold_plane(
+        &self,
+        at: &At<'_, F::Voxel>,
+        rows: Rows<'_, F::Element>,
+        scratch: &mut [i32],
+        tap: Option<&mut dyn Tap>,
+    ) -> Result<(), ScratchError> {
+        let tap = tap.map(|tap| tap as &mut dyn Tap);
+        let fold = Fold {
+            at,
+            rows,
+            scratch,
+            kept: None,
+            tap,
+        };
+        self.0.fold(Simd::Scalar, fold)
+    }
+}
 
 /// Renders through the stream layer, perhaps under a tap.
 ///
@@ -31,17 +67,20 @@ pub fn fold_stream<F: Folds + ?Sized>(
         scratch: &mut scratch,
         image,
     };
-    let mut stream = pipeline.stream(*plan, memory, clips.map(Clips::clipper))?;
+    let mut stream = Stream::new(*plan, Object(pipeline), memory)?;
+    if let Some(clips) = clips {
+        stream.clip(clips.clipper())?;
+    }
     let mut pushed = 0;
     while let Some(wanted) = stream.wanted() {
         // What is held of the volume begins with this slice.
         let [_, _, first] = plan.first();
         let slice = slices.get((wanted - first) as usize).ok_or(StreamError::Complete)?;
-        let tap: Option<&mut dyn Tap> = match &mut tap {
-            Some(tap) => Some(*tap),
-            None => None,
-        };
-        stream.push(F::Voxel::given(&packed(slice)), tap)?;
+        let (slice, tap) = (packed(slice), tap.as_mut());
+        match tap {
+            Some(tap) => stream.push_tapped(F::Voxel::given(&slice), *tap)?,
+            None => stream.push(F::Voxel::given(&slice))?,
+        }
         pushed += 1;
         progress(pushed, slices.len());
     }

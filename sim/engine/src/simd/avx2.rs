@@ -9,7 +9,7 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 use slicecast::lanes::{Kernel, Lanes, Wide};
 use slicecast::table::Coding;
 
-use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
+use super::partial::{chunk, chunk_mut, chunk_or_zeros, is_half, is_word, neighbours, rest};
 use super::root::{ROOT_LIMIT, ROOT_SCALE};
 
 /// Eight 32-bit lanes. The type can be named only by [`super::with_lanes`], which holds the token of AVX2.
@@ -246,6 +246,10 @@ impl Lanes for Avx2 {
             Some(lanes) => Self::of_voxels(lanes),
             None => Self::load_as(row, at, u32::from),
         }
+    }
+    #[inline(always)]
+    fn load_inner_voxels(row: &[u16], at: usize) -> Self {
+        Self::of_voxels(chunk_or_zeros::<_, 8>(row, at))
     }
     #[inline(always)]
     fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {

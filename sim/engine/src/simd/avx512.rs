@@ -9,7 +9,7 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 use slicecast::lanes::{Kernel, Lanes, Wide};
 use slicecast::table::Coding;
 
-use super::partial::{chunk, chunk_mut, is_half, is_word, neighbours, rest};
+use super::partial::{chunk, chunk_mut, chunk_or_zeros, is_half, is_word, neighbours, rest};
 use super::root::ROOT_SCALE;
 
 /// Sixteen 32-bit lanes. The type can be named only by [`super::with_lanes`], which holds the token of AVX-512.
@@ -200,6 +200,10 @@ impl Lanes for Avx512 {
                 Self(avx512!(_mm512_cvtepu16_epi32(voxels)))
             }
         }
+    }
+    #[inline(always)]
+    fn load_inner_voxels(row: &[u16], at: usize) -> Self {
+        Self::of_voxels(chunk_or_zeros::<_, 16>(row, at))
     }
     #[inline(always)]
     fn load_as<T: Copy + 'static>(row: &[T], at: usize, bits: impl Fn(T) -> u32) -> Self {
