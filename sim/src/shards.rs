@@ -14,11 +14,11 @@ use slicecast::warp::Warp;
 use slicecast_engine::camera::{PICTURE_SIDE_MAX, Picture};
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::{BaseImage, Frame};
+use slicecast_engine::key;
 use slicecast_engine::picture::of_base;
 use slicecast_engine::shard::Shard;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::tiles::TILE_ROWS;
-use slicecast_laboratory::sweep;
 use slicecast_scene::PrecisionName;
 
 /// The version of the files.
@@ -107,7 +107,7 @@ struct Framed {
 /// What identifies a frame: the volume, the scene and the program's version.
 fn key(prepared: &Prepared<'_>) -> String {
     let scene = format!("{:?}", prepared.scene);
-    format!("{}-{:08x}", sweep::key(prepared), crc32fast::hash(scene.as_bytes()))
+    format!("{}-{:08x}", key::key(prepared), crc32fast::hash(scene.as_bytes()))
 }
 
 /// A shard of a prepared frame as a file.

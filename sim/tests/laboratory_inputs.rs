@@ -1,6 +1,8 @@
 //! What the laboratory's commands say to files and options that are not what they need: one line, the right exit code,
 //! nothing written; and `docs/malformed-inputs.md` says the same.
 
+#![cfg(feature = "laboratory")]
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -255,6 +255,7 @@ fn a_table_of_integrals_is_that_of_every_view() {
 }
 
 /// Where standard error is no terminal, the parts of a report are told; and one can be left out.
+#[cfg(feature = "laboratory")]
 #[test]
 fn a_report_tells_its_parts_and_leaves_out_what_it_is_told_to() {
     let place = Place::new();
@@ -299,6 +300,13 @@ fn speeds_have_a_spread_and_rows_are_told_once() {
         assert_eq!(seen.len(), 4, "fast, compact, wide and f32");
     }
     assert!(out.contains("± %") && out.contains("to f32"), "{out}");
+}
+
+#[cfg(feature = "laboratory")]
+#[test]
+fn speeds_of_a_sweep_have_a_spread() {
+    let place = Place::new();
+    place.block("a.nrrd");
     let sweep = "sweep a.nrrd --scene ct-fog --only compact,paper,position-8 --rounds 4 --json s.json";
     let [out, _] = place.succeeds(sweep);
     let head = out.lines().next().unwrap();

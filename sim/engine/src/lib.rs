@@ -14,6 +14,7 @@ pub mod folds;
 pub mod frame;
 pub mod image;
 pub mod integrals;
+pub mod key;
 pub mod levels;
 pub mod modulation;
 pub mod occupancy;

@@ -14,6 +14,7 @@ use slicecast_compare::stages::StageErrors;
 use slicecast_compare::{ModelPositions, model};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
+use slicecast_engine::key::key;
 use slicecast_engine::oriented::Turned;
 use slicecast_engine::threads::on_threads;
 use slicecast_model::Model;
@@ -43,25 +44,6 @@ pub enum SweepError {
         /// The configuration.
         name: String,
     },
-}
-
-/// What identifies the inputs of a row: the volume, the scene with its first view, and the program's version.
-pub fn key(prepared: &Prepared<'_>) -> String {
-    let mut voxels = crc32fast::Hasher::new();
-    for voxel in &prepared.volume.voxels {
-        voxels.update(&voxel.to_le_bytes());
-    }
-    let volume = &prepared.volume;
-    let shape = format!("{:?} {:?} {:?}", volume.dims, volume.spacing, volume.mapping);
-    // The precision, table and look-up of the scene are the configuration's affair.
-    let scene = slicecast_scene::Scene {
-        precision: slicecast_scene::PrecisionName::Compact,
-        table: None,
-        lookup: None,
-        ..prepared.scene.clone()
-    };
-    let words = format!("{} {shape} {scene:?}", env!("CARGO_PKG_VERSION"));
-    format!("{:08x}-{:08x}", voxels.finalize(), crc32fast::hash(words.as_bytes()))
 }
 
 /// A scene seen from all sides: from its own, then in equal steps of a whole turn about the vertical axis.

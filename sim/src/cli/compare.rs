@@ -17,7 +17,6 @@ use slicecast_engine::frame::Prepared;
 use slicecast_engine::perspective::InPerspective;
 use slicecast_engine::splat::Splatted;
 use slicecast_engine::threads::on_threads;
-use slicecast_laboratory::texture::{self, Texture8};
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::perspective::Perspective;
 use slicecast_scene::{AlphaCodeName, Interpolation, LookupName, Scene};
@@ -27,12 +26,13 @@ use slicecast_volume::Volume;
 use super::Failure;
 use super::colours::{ColourArgs, LevelArgs};
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use super::laboratory::{Texture8Arg, compare_textures, texture8};
 use super::output::{Folder, check_free, write_file};
 use super::progress::with_bar;
 use super::sampled::SampledArgs;
 use super::splatted::{self, SplatArg};
 use super::tables;
-use super::textured::{self, Texture8Arg};
+use super::textured;
 use crate::visibility;
 
 /// Compare every stage, and the picture, with the f64 model.
@@ -66,7 +66,7 @@ pub struct Args {
     converged: bool,
     /// Compare pipelines of texture hardware of 8 bits instead, beside the scene's precision: with f64 of the same samples, and with the
     /// converged integral. They have no specular light, and count a sample at a border as a whole step or not at all.
-    #[arg(long, value_enum, value_name = "PIPELINE", value_delimiter = ',', conflicts_with_all = ["npy", "exact_positions", "converged"])]
+    #[arg(long, value_parser = texture8(), value_name = "PIPELINE", value_delimiter = ',', conflicts_with_all = ["npy", "exact_positions", "converged"])]
     texture8: Vec<Texture8Arg>,
     /// Compare the scene with its voxels splatted into sheets instead, with f64 of the same sheets at exact places. Each voxel is kept in
     /// a record of 64 bits: fine, or as Squeeze has it (paper).
@@ -243,16 +243,10 @@ impl Args {
 
     /// Compares pipelines of 8 bits.
     fn compare_textures(&self, prepared: &Prepared<'_>) -> Result<(), Failure> {
-        let pipelines: Vec<Texture8> = self.texture8.iter().copied().map(Texture8::from).collect();
-        let lines = with_bar("comparing", |progress| {
-            on_threads(self.threads.count(), || {
-                texture::compare(prepared, &pipelines, progress)
-            })
-        })??;
-        println!("{}", tables::textures(&lines));
+        let [table, json] = compare_textures(prepared, &self.texture8, &self.threads)?;
+        println!("{table}");
         if let Some(path) = &self.json {
-            let json = serde_json::to_vec_pretty(&lines).map_err(Failure::machine)?;
-            write_file(path, self.force, &json)?;
+            write_file(path, self.force, json.as_bytes())?;
         }
         Ok(())
     }

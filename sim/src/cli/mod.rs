@@ -1,7 +1,6 @@
 //! The command line: one file a subcommand.
 
 mod bench;
-mod borders;
 mod chosen;
 mod colours;
 mod compare;
@@ -9,9 +8,10 @@ mod default;
 mod explain;
 mod export;
 mod extinction;
-mod hard;
 mod inputs;
 mod inspect;
+#[cfg(feature = "laboratory")]
+mod laboratory;
 mod look;
 mod materials;
 mod memory;
@@ -22,25 +22,24 @@ mod picture;
 mod plan;
 mod progress;
 mod pyramid;
-mod reflectance;
 mod render;
-mod report;
 mod sampled;
-mod segments;
 mod splatted;
-mod sweep;
-mod sweep_table;
 mod table;
 mod tables;
-mod texture;
 mod textured;
 mod turntable;
 mod vectors;
+#[cfg(any(test, not(feature = "laboratory")))]
+#[cfg_attr(feature = "laboratory", expect(dead_code, reason = "here for its tests"))]
+mod without_laboratory;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 use slicecast_engine::error::RenderError;
 use slicecast_volume::open::LoadError;
+#[cfg(not(feature = "laboratory"))]
+use without_laboratory as laboratory;
 
 /// Why the program stops, and with which code.
 #[derive(Debug)]
@@ -109,26 +108,20 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::Args>),
-    Compare(compare::Args),
+    Compare(Box<compare::Args>),
     Plan(plan::Args),
     Inspect(inspect::Args),
     Table(table::Args),
     Export(Box<export::Args>),
     Turntable(Box<turntable::Args>),
     Merge(merge::Args),
-    Sweep(sweep::Args),
-    SweepMerge(sweep::MergeArgs),
-    Hard(hard::Args),
-    Segments(segments::Args),
-    Borders(borders::Args),
     Pyramid(Box<pyramid::Args>),
     Extinction(extinction::Args),
-    Texture(Box<texture::Args>),
-    Reflectance(Box<reflectance::Args>),
     Explain(explain::Args),
-    Report(report::Args),
     Bench(Box<bench::Args>),
     Vectors(Box<vectors::Args>),
+    #[command(flatten)]
+    Laboratory(laboratory::Command),
 }
 
 impl Cli {
@@ -158,19 +151,12 @@ impl Cli {
             Some(Command::Export(args)) => args.run(),
             Some(Command::Turntable(args)) => args.run(),
             Some(Command::Merge(args)) => args.run(),
-            Some(Command::Sweep(args)) => args.run(),
-            Some(Command::SweepMerge(args)) => args.run(),
-            Some(Command::Hard(args)) => args.run(),
-            Some(Command::Segments(args)) => args.run(),
-            Some(Command::Borders(args)) => args.run(),
             Some(Command::Pyramid(args)) => args.run(),
             Some(Command::Extinction(args)) => args.run(),
-            Some(Command::Texture(args)) => args.run(),
-            Some(Command::Reflectance(args)) => args.run(),
             Some(Command::Explain(args)) => args.run(),
-            Some(Command::Report(args)) => args.run(),
             Some(Command::Bench(args)) => args.run(),
             Some(Command::Vectors(args)) => args.run(),
+            Some(Command::Laboratory(command)) => command.run(),
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Progress of long work, on standard error: a bar on a terminal, now and then a line elsewhere.
 
-use std::io::{self, IsTerminal};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -26,14 +25,6 @@ pub fn with_bar<R>(title: &str, work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)
     });
     bar.finish_and_clear();
     result
-}
-
-/// As [`with_bar`], for a part of a longer job: where there is no bar, its title is told when it begins.
-pub fn with_titled_bar<R>(title: &str, work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> R) -> R {
-    if !io::stderr().is_terminal() {
-        eprintln!("{title}");
-    }
-    with_bar(title, work)
 }
 
 /// When the next line is due.

@@ -33,13 +33,14 @@ use super::Failure;
 use super::chosen::Chosen;
 use super::colours::{ColourArgs, LevelArgs};
 use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use super::laboratory::{Texture8Arg, texture_picture, texture8};
 use super::memory::{self, Budget};
 use super::output::{check_free, write_file};
 use super::picture::{self, PictureArgs, Target};
 use super::progress::with_bar;
 use super::sampled::SampledArgs;
 use super::splatted::{self, SplatArg};
-use super::textured::{self, Texture8Arg};
+use super::textured;
 use crate::raster::{Raster, png, rgb_png};
 use crate::slab::thicken;
 use crate::{legend, shards, visibility};
@@ -85,7 +86,7 @@ pub struct Args {
     stream: bool,
     /// Draw what texture hardware of 8 bits computes of the scene, for comparison: classified after the filter (post; normalised: its normals
     /// are brought to their length again), before it (pre), or before it with colours times opacity (weighted); products after Blinn, or by one shift. `slicecast texture` says how far it is.
-    #[arg(long, value_enum, value_name = "PIPELINE", conflicts_with_all = ["stream", "depth_map", "shard", "memory", "budget"])]
+    #[arg(long, value_parser = texture8(), value_name = "PIPELINE", conflicts_with_all = ["stream", "depth_map", "shard", "memory", "budget"])]
     texture8: Option<Texture8Arg>,
     /// Splat the voxels into sheets that are parallel to the picture, in place of following rays: in samples, front to back, of the whole
     /// volume. Each voxel is kept in a record of 64 bits: fine, or as Squeeze has it (paper).
@@ -264,10 +265,8 @@ impl Args {
                 "--texture8: is drawn in 8 bits in front of a background, expected no --depth 16 and no --background none",
             ));
         }
-        let picture = on_threads(self.threads.count(), || {
-            slicecast_laboratory::texture::figures::picture(prepared, pipeline.into())
-        })?;
-        self.write(target, &picture?.into())
+        let picture = texture_picture(prepared, pipeline, &self.threads)?;
+        self.write(target, &picture.into())
     }
 
     /// Renders a volume of colour and extinction.

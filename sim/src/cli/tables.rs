@@ -7,7 +7,6 @@ use slicecast_compare::image::ImageFigures;
 use slicecast_compare::stages::StageReport;
 use slicecast_compare::statistics::Figures;
 use slicecast_compare::{Comparison, Split};
-use slicecast_laboratory::texture::Line;
 
 /// An empty table under a header, its first column to the left, the others to the right.
 pub fn header(columns: &[&str]) -> Table {
@@ -140,32 +139,6 @@ pub fn split_lines(split: &Split) -> Vec<(String, ImageFigures)> {
             line("both: pipeline, converged integral", split.both),
         ])
         .collect()
-}
-
-/// Pictures against f64 of their samples, and against the converged integral.
-pub fn textures(lines: &[Line]) -> Table {
-    let mut table = header(&[
-        "base plane, steps of 1/255",
-        "to f64: equal %",
-        "max",
-        "mean",
-        "to integral: equal %",
-        "max",
-        "mean",
-        "within 8 steps %",
-    ]);
-    for line in lines {
-        let figures = [line.samples, line.converged]
-            .map(|f| [format!("{:.2}", f.equal_percent), short(f.max_lsb8), short(f.mean_lsb8)]);
-        let within = format!("{:.2}", line.within);
-        table.add_row(
-            [line.who.clone()]
-                .into_iter()
-                .chain(figures.into_iter().flatten())
-                .chain([within]),
-        );
-    }
-    table
 }
 
 /// Times of pictures, by the way that they are made.

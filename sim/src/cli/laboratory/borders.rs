@@ -9,11 +9,12 @@ use slicecast_laboratory::borders::figures::{self, Errors, Profile};
 use slicecast_laboratory::borders::plot;
 use slicecast_laboratory::borders::seams::{self, Seam};
 
-use super::Failure;
-use super::output::{Folder, check_free, write_file};
-use super::progress::with_bar;
-use super::tables::header;
-use crate::lettering::{captioned, in_a_row};
+use super::sheets::in_a_row;
+use crate::cli::Failure;
+use crate::cli::output::{Folder, check_free, write_file};
+use crate::cli::progress::with_bar;
+use crate::cli::tables::header;
+use crate::lettering::captioned;
 use crate::raster::rgb_png;
 
 /// Compare borders: rays of whole steps with rays of their exact length in the volume (LaMar's figures and table).

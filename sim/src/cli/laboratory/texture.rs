@@ -9,12 +9,14 @@ use slicecast_engine::threads::on_threads;
 use slicecast_laboratory::texture::figures::{Compared, OfBits, OfCode, Row, figure_1, sheet, tables, teaser};
 use slicecast_volume::Volume;
 
-use super::Failure;
-use super::inputs::{ThreadArgs, VolumeArgs};
-use super::output::{Folder, check_free, write_file};
-use super::progress::with_bar;
-use super::tables::{header, short, textures};
-use crate::lettering::{captioned, in_a_column, in_a_row};
+use super::pipelines;
+use super::sheets::{in_a_column, in_a_row};
+use crate::cli::Failure;
+use crate::cli::inputs::{ThreadArgs, VolumeArgs};
+use crate::cli::output::{Folder, check_free, write_file};
+use crate::cli::progress::with_bar;
+use crate::cli::tables::{header, short};
+use crate::lettering::captioned;
 use crate::raster::rgb_png;
 
 /// Compare texture hardware of 8 bits with this pipeline, on scenes of a CT: opaque surfaces, soft tissue, fog.
@@ -70,7 +72,7 @@ impl Args {
             on_threads(self.threads.count(), || tables(volume, progress))
         })??;
         for Compared { scene, lines } in &compared {
-            println!("{scene}\n\n{}\n", textures(lines));
+            println!("{scene}\n\n{}\n", pipelines::table(lines));
         }
         self.write_json(&compared)
     }

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use slicecast_engine::threads::on_threads;
 use slicecast_laboratory::reflectance::{Line, lines};
 
-use super::Failure;
-use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
-use super::output::{check_free, write_file};
-use super::progress::with_bar;
-use super::tables::{header, short};
+use crate::cli::Failure;
+use crate::cli::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use crate::cli::output::{check_free, write_file};
+use crate::cli::progress::with_bar;
+use crate::cli::tables::{header, short};
 
 /// Compare reflectance maps with Phong's light: error and speed by nodes along an edge of the cube.
 ///

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use comfy_table::{CellAlignment, Table};
 use slicecast_laboratory::hard::{Case, Outcome, Size, run};
 
-use super::Failure;
-use super::output::{check_free, write_file};
-use super::progress::with_bar;
-use super::tables::{page_header, paragraph, short};
+use crate::cli::Failure;
+use crate::cli::output::{check_free, write_file};
+use crate::cli::progress::with_bar;
+use crate::cli::tables::{page_header, paragraph, short};
 
 /// Run the hard cases: what theory expects, what each precision gives, and whether it keeps to its limit.
 #[derive(clap::Args)]

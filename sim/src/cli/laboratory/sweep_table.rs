@@ -8,8 +8,8 @@ use slicecast_laboratory::parameters::Name;
 use slicecast_laboratory::pareto::{Place, places};
 use slicecast_laboratory::rows::Row;
 
-use super::Failure;
-use super::tables::{header, percent, short};
+use crate::cli::Failure;
+use crate::cli::tables::{header, percent, short};
 
 /// What the columns mean.
 const LEGEND: &str = "\

@@ -8,11 +8,12 @@ use slicecast_laboratory::segments::figures::{Error, Figures, run};
 use slicecast_laboratory::segments::pictures::{self, Figure};
 use slicecast_laboratory::segments::plot;
 
-use super::Failure;
-use super::output::{Folder, check_free, write_file};
-use super::progress::with_bar;
-use super::tables::header;
-use crate::lettering::{captioned, in_a_row};
+use super::sheets::in_a_row;
+use crate::cli::Failure;
+use crate::cli::output::{Folder, check_free, write_file};
+use crate::cli::progress::with_bar;
+use crate::cli::tables::header;
+use crate::lettering::captioned;
 use crate::raster::rgb_png;
 
 /// Pixels along an edge of a picture of a figure.

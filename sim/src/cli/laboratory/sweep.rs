@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
+use slicecast_engine::key::key;
 use slicecast_engine::shard::Shard;
 use slicecast_engine::threads::on_threads;
 use slicecast_laboratory::catalogue::{self, Configuration};
@@ -12,12 +13,12 @@ use slicecast_laboratory::rows::{self, Row, RowsError, Writer};
 use slicecast_laboratory::shards::{merge, shard};
 use slicecast_laboratory::sweep::{self, Options, SweepError};
 
-use super::Failure;
-use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
-use super::output::{check_free, write_file};
-use super::picture;
-use super::progress::with_bar;
 use super::sweep_table;
+use crate::cli::Failure;
+use crate::cli::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use crate::cli::output::{check_free, write_file};
+use crate::cli::picture;
+use crate::cli::progress::with_bar;
 
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
@@ -191,7 +192,7 @@ impl Args {
             return Ok((None, Vec::new()));
         };
         let (writer, mut rows) = Writer::open(path)?;
-        let key = sweep::key(first);
+        let key = key(first);
         rows.retain(|row| row.key == key);
         let how = |views, lanes: &str, threads| format!("{views} views and timed with {lanes} on {threads} threads");
         let own = how(self.views as usize, first.simd.name(), usize::from(self.timing_threads));

@@ -1,9 +1,11 @@
 //! `slicecast report`.
 
+use std::io::{self, IsTerminal as _};
 use std::path::PathBuf;
 
 use slicecast_compare::{ModelPositions, compare, split};
 use slicecast_engine::frame::Prepared;
+use slicecast_engine::key::key;
 use slicecast_engine::threads::on_threads;
 use slicecast_laboratory::hard::{self, Size};
 use slicecast_laboratory::report::{Contents, page::page};
@@ -11,11 +13,11 @@ use slicecast_laboratory::rows::Row;
 use slicecast_laboratory::{catalogue, choose, shards, sweep};
 use slicecast_scene::{Blend, Interpolation, PrecisionName, Scene};
 
-use super::Failure;
-use super::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
-use super::output::{check_free, write_file};
-use super::progress::with_titled_bar;
 use super::sweep::{merge_all, read_all};
+use crate::cli::Failure;
+use crate::cli::inputs::{SceneArgs, ThreadArgs, VolumeArgs};
+use crate::cli::output::{check_free, write_file};
+use crate::cli::progress::with_bar;
 
 /// Write a report: one HTML page with pictures, errors, speed against error and the hard cases; it needs no network.
 #[derive(clap::Args)]
@@ -133,7 +135,7 @@ impl Args {
             return Ok(Vec::new());
         }
         if !self.rows.is_empty() {
-            let key = sweep::key(prepared);
+            let key = key(prepared);
             let mut files = read_all(&self.rows)?;
             // A file may hold rows of other inputs as well; one that holds no others was not meant.
             for (path, rows) in &mut files {
@@ -174,4 +176,12 @@ impl Args {
         })??;
         Ok(shards::merge(rows)?)
     }
+}
+
+/// As [`with_bar`], for a part of a longer job: where there is no bar, its title is told when it begins.
+fn with_titled_bar<R>(title: &str, work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> R) -> R {
+    if !io::stderr().is_terminal() {
+        eprintln!("{title}");
+    }
+    with_bar(title, work)
 }
