@@ -26,7 +26,7 @@ use slicecast_engine::frame::Prepared;
 use slicecast_engine::simd::{OverLanes, Simd, with_lanes};
 use slicecast_engine::table::{Table, own_colours};
 use slicecast_engine::threads::on_threads;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_host_tests::frame::{Frame, table_of};
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_scene::{AlphaCodeName, LookupName, PrecisionName};

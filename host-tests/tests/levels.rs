@@ -3,15 +3,16 @@
 use std::ops::Range;
 
 use slicecast_compare::{ModelPositions, model};
+use slicecast_engine::error::LevelsError;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::Frame;
+use slicecast_engine::levels::Leveled;
 use slicecast_engine::levels::budget::{Limits, Losses};
 use slicecast_engine::levels::tree::Tree;
-use slicecast_engine::levels::{Leveled, LevelsError};
 use slicecast_engine::simd::Simd;
 use slicecast_engine::source::Source;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_model::{BoxOfLevel, Levels, Segments};
 use slicecast_pyramid::scalar::halved;

@@ -8,7 +8,7 @@ use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::parts::Cut;
 use slicecast_engine::shard::Shard;
 use slicecast_engine::simd::Simd;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, Random, volume};
 use slicecast_scene::clip::Clip;
 use slicecast_scene::crop::{Crop, CropUnit};

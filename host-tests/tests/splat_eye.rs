@@ -10,7 +10,7 @@ use slicecast_engine::perspective::InPerspective;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::splat::{BAND_ROWS, Splatted};
 use slicecast_engine::threads::on_threads;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::perspective::{Eye, Perspective};

@@ -18,7 +18,7 @@ use slicecast_engine::key;
 use slicecast_engine::picture::of_base;
 use slicecast_engine::shard::Shard;
 use slicecast_engine::simd::Simd;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_scene::PrecisionName;
 
 /// The version of the files.

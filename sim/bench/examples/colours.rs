@@ -16,7 +16,7 @@ use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::Frame;
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::simd::Simd;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_pyramid::read::of_scalars;
 use slicecast_scene::{Interpolation, PrecisionName, Scene};
 use slicecast_volume::values::Orientation;

@@ -14,7 +14,7 @@ use slicecast_bench::scenes::{Fog, cube, fog};
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::simd::Simd;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_model::grid::Grid;
 use slicecast_model::{Geometry, gradient, interpolate, spline};
 use slicecast_scene::{Interpolation, PrecisionName, Sampling, Scene};

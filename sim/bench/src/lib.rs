@@ -24,7 +24,7 @@ use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::pipelines::compile;
 use slicecast_engine::rays;
 use slicecast_engine::simd::Simd;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_scene::{PrecisionName, Scene};
 use slicecast_volume::Volume;
 
@@ -301,7 +301,7 @@ fn folded_and_warped(prepared: &Prepared<'_>, volume: &Oriented<'_>) -> Result<(
     rendering.fold(volume, TILE_ROWS, prepared.simd, &|_, _| ());
     let fold = start.elapsed();
     let start = Instant::now();
-    black_box(rendering.picture(prepared));
+    black_box(rendering.picture(&prepared.shown()));
     let warp = start.elapsed();
     let (looks, support, back_to_front) = (rendering.looks(), rendering.support(), rendering.back_to_front());
     let start = Instant::now();

@@ -127,7 +127,7 @@ fn lights(count: usize) -> Lighting {
 mod tests {
     use super::*;
     use slicecast_engine::frame::{Layer, Prepared};
-    use slicecast_engine::tiles::TILE_ROWS;
+    use slicecast_engine::tile::TILE_ROWS;
 
     #[test]
     fn fog_hides_nothing_and_ends_no_ray() {

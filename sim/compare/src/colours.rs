@@ -4,8 +4,8 @@ use slicecast_engine::colours::Coloured;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Layer;
 use slicecast_engine::image::{Frame, Rgb};
-use slicecast_engine::rendering::Progress;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::progress::Progress;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_model::{Absorbing, Affine, Geometry, Interpolated, Lattice, ModelImage, Positions};
 use slicecast_scene::{Interpolation, Sampling};
 

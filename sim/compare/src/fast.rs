@@ -7,7 +7,7 @@ use slicecast::tap::{Beam, Bits, Tap};
 
 use crate::lockstep::Lockstep;
 use slicecast_engine::camera::Setup;
-use slicecast_engine::tiles::Tile;
+use slicecast_engine::tile::Tile;
 use slicecast_model::Model;
 use slicecast_scene::Blend;
 

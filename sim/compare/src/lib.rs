@@ -26,7 +26,8 @@ use slicecast_engine::frame::Prepared;
 use slicecast_engine::image::Frame;
 use slicecast_engine::oriented::Turned;
 use slicecast_engine::rendering::{Framing, tapped};
-use slicecast_engine::tiles::{TILE_ROWS, Tile};
+use slicecast_engine::tile::TILE_ROWS;
+use slicecast_engine::tile::Tile;
 use slicecast_engine::{with_pixel, with_precision};
 use slicecast_model::{Affine, Lattice, Model, ModelImage, Pixel, Positions, Segments};
 use slicecast_scene::{Blend, PrecisionName};
@@ -224,7 +225,7 @@ fn compared(
 ) -> Comparison {
     let frame = Frame {
         base: rendering.base(),
-        picture: rendering.picture(prepared),
+        picture: rendering.picture(&prepared.shown()),
     };
     let [origin, right, down] = prepared.setup.picture.affine;
     let map = Affine {

@@ -14,7 +14,7 @@ use slicecast::tap::{Beam, Bits, Tap};
 
 use super::stages::{Stage, StageErrors};
 use slicecast_engine::camera::{Material, Setup};
-use slicecast_engine::tiles::Tile;
+use slicecast_engine::tile::Tile;
 use slicecast_model::gradient::normalise;
 use slicecast_model::shade::{Lights, ResolvedLight};
 use slicecast_model::{Classified, Left, Model, Part, Pixel, Weights, between};

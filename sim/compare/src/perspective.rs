@@ -5,7 +5,7 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Layer;
 use slicecast_engine::image::Frame;
 use slicecast_engine::perspective::{Facet, InPerspective};
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_model::perspective::{FromEye, Screen};
 use slicecast_model::{ModelImage, Pixel};
 use slicecast_scene::Scene;

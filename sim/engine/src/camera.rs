@@ -1,76 +1,22 @@
 //! From the scene's real numbers to the pipeline's: view, plan, warp, light vectors. Each is rounded once, here.
 
-use std::ops::RangeInclusive;
-
 use slicecast::borders;
-use slicecast::clip::{Clip, ClipError, Clips, Cue};
+use slicecast::clip::{Clip, Clips, Cue};
 use slicecast::crop::Crop;
 use slicecast::format::{Coefficient, Direction, Distance, Intensity, Position, Step, Vector};
-use slicecast::perspective::{EyeError, Spread};
-use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
+use slicecast::perspective::Spread;
+use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::precision::{Compact, Precision};
 use slicecast::project::{SHIFT_MAX, Sum};
 pub use slicecast::screen::PICTURE_SIDE_MAX;
-use slicecast::shade::map::MapError;
 use slicecast::shade::{self, Phong, PhongError};
-use slicecast::view::{View, ViewError};
+use slicecast::view::View;
 use slicecast::warp::Warp;
 
-use crate::tiles::Geometry;
-use slicecast_scene::check::shown;
+use crate::error::{CameraError, SPACING, SPACING_RATIO_MAX};
+use crate::geometry::Geometry;
 use slicecast_scene::{Borders, CameraAxes, Frame, Highlight, Interpolation, Light, Lighting, Scene};
 use slicecast_volume::Volume;
-
-/// A scene that the pipeline cannot take.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum CameraError {
-    /// The viewing direction.
-    #[error("the view: {0}")]
-    View(#[from] ViewError),
-    /// Sizes and sampling rates.
-    #[error("the sampling: {0}")]
-    Plan(#[from] PlanError),
-    /// Distances between voxels.
-    #[error(
-        "a voxel spacing of {}; accepted: {} to {} along each axis, none more than {SPACING_RATIO_MAX} times another",
-        .spacing.map(shown).join(" x "), shown(*SPACING.start()), shown(*SPACING.end())
-    )]
-    Spacing {
-        /// The spacing given, in its own unit.
-        spacing: [f64; 3],
-    },
-    /// A view in perspective, where rays are parallel.
-    #[error(
-        "this command draws parallel views, and the scene is in perspective ([view] projection); expected a scene without --fov and --eye"
-    )]
-    InPerspective,
-    /// The eye of a view in perspective.
-    #[error("the view in perspective: {0}")]
-    Eye(#[from] EyeError),
-    /// Clip planes.
-    #[error("the clip planes: {0}")]
-    Clip(#[from] ClipError),
-    /// Lights and material.
-    #[error("the lighting: {0}")]
-    Lighting(#[from] PhongError),
-    /// A reflectance map.
-    #[error("the lighting: {0}")]
-    Reflectance(#[from] MapError),
-    /// A picture of more pixels than this program makes.
-    #[error("a picture of {width} x {height} pixels; accepted: 1 to {PICTURE_SIDE_MAX} along each side")]
-    Picture {
-        /// Pixels across.
-        width: u32,
-        /// Pixels down.
-        height: u32,
-    },
-}
-
-/// Distances between voxels: lengths of steps and pixels are computed from them, and must be numbers too.
-pub const SPACING: RangeInclusive<f64> = 1e-100..=1e100;
-
-/// How many times as long as the shortest distance the longest may be: beyond, a spacing factor would be 0.
-pub const SPACING_RATIO_MAX: f64 = 32768.0;
 
 /// Refuses spacings that leave no view.
 pub(crate) fn check_spacing(spacing: [f64; 3]) -> Result<(), CameraError> {

@@ -11,17 +11,20 @@ use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::shade::Shader;
 use slicecast::slice::{RowRange, Slice, SliceError};
 use slicecast_pyramid::volume::RgbaVolume;
-use slicecast_scene::check::shown;
 use slicecast_scene::{Blend, Interpolation, PrecisionName, Scene};
 
-use crate::camera::{CameraError, Setup, Shape, set_up};
+use crate::base::base_image;
+use crate::base::new_image;
+use crate::camera::{Setup, Shape, set_up};
+use crate::error::CameraError;
+use crate::error::ColourError;
 use crate::error::RenderError;
 use crate::folds::Frames;
 use crate::frame::Layer;
-use crate::image::{Frame, base_image, new_image};
+use crate::image::Frame;
 use crate::oriented::Held;
 use crate::picture::Shown;
-use crate::rendering::Progress;
+use crate::progress::Progress;
 use crate::simd::Simd;
 use crate::stream::fold_stream;
 use crate::tiles::fold_tiles;
@@ -33,33 +36,6 @@ impl From<&RgbaVolume> for Shape {
             spacing: volume.spacing,
         }
     }
-}
-
-/// Why a volume of colour and extinction is not rendered as a scene asks.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum ColourError {
-    /// A precision without such pixels.
-    #[error("volumes of colours are not rendered in paper or fast, expected --precision compact or wide")]
-    Paper,
-    /// Another order, or no compositing.
-    #[error("volumes of colours are composited from front to back, expected no other --blend")]
-    Blend,
-    /// A step that is opaque, so that its depth has no number.
-    #[error(
-        "a step of {} through the largest extinction, {} per unit of length, has the optical depth {}, expected at most 15; \
-         a smaller --tau-max or more --planes make it less", brief(*.step), brief(*.tau_max), brief(.step * .tau_max)
-    )]
-    Opaque {
-        /// Length of a step, in the unit of the spacing.
-        step: f64,
-        /// The volume's largest extinction.
-        tau_max: f64,
-    },
-}
-
-/// Four digits of a number.
-fn brief(value: f64) -> String {
-    shown(format!("{value:.3e}").parse().unwrap_or(value))
 }
 
 /// The scale of a volume's extinctions over a step.

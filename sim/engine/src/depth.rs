@@ -5,14 +5,15 @@ use slicecast::plane::{Depth, NO_DEPTH};
 use slicecast::precision::Precision;
 use slicecast::slice::Code12;
 
+use crate::base::new_image;
 use crate::camera::Picture;
 use crate::error::RenderError;
 use crate::folds::Folds;
 use crate::frame::Prepared;
-use crate::image::new_image;
 use crate::oriented::Oriented;
-use crate::rendering::Progress;
-use crate::tiles::{TILE_ROWS, fold_oriented};
+use crate::progress::Progress;
+use crate::tile::TILE_ROWS;
+use crate::tiles::fold_oriented;
 use crate::with_precision;
 
 /// Depths of a frame, planes from the first, 16.16; [`NO_DEPTH`] where no surface is met.

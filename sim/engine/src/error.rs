@@ -1,13 +1,17 @@
 //! Why a frame is not rendered.
 
+mod camera;
+mod colours;
+mod levels;
+
 use slicecast::slice::SliceError;
 use slicecast::splat::SplatError;
 use slicecast::stream::StreamError;
 use slicecast_volume::error::ReadError;
 
-use crate::camera::CameraError;
-use crate::colours::ColourError;
-use crate::levels::LevelsError;
+pub use self::camera::{CameraError, SPACING, SPACING_RATIO_MAX};
+pub use self::colours::ColourError;
+pub use self::levels::LevelsError;
 
 /// Why a frame was not rendered.
 #[derive(Debug, thiserror::Error)]

@@ -11,11 +11,13 @@ use slicecast::shade::{PhongError, Unlit};
 use slicecast::table::ENTRIES;
 use slicecast_scene::{Blend, Scene};
 
-use crate::camera::{CameraError, Material};
-use crate::pipelines::{Parameters, under};
+use crate::camera::Material;
+use crate::error::CameraError;
+use crate::geometry::Geometry;
+use crate::parameters::Parameters;
 use crate::rendering::Framing;
+use crate::rendering::under;
 use crate::table::{AnyTable, Table, with_table};
-use crate::tiles::Geometry;
 
 /// A table in memory of its own.
 pub type Owned = RootTable<Arc<Roots>, Arc<Colours>>;

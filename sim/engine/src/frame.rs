@@ -11,7 +11,9 @@ use crate::fineness::{self, Finest};
 use crate::image::{BaseImage, Frame};
 use crate::modulation;
 use crate::oriented::{Oriented, Turned};
-use crate::pipelines::{Parameters, compile, rendering, rendering_of_segments};
+use crate::parameters::Parameters;
+use crate::picture::Shown;
+use crate::pipelines::{compile, rendering, rendering_of_segments};
 use crate::rendering::Framing;
 use crate::segments::{self, Segments};
 use crate::shard::Shard;
@@ -175,6 +177,11 @@ impl<'a> Prepared<'a> {
         }
     }
 
+    /// How the picture of its image is made.
+    pub fn shown(&self) -> Shown<'_> {
+        Shown::new(&self.setup.picture, self.scene.image.background, self.simd)
+    }
+
     /// The rendering of this scene, without an image.
     ///
     /// # Errors
@@ -245,7 +252,7 @@ impl<'a> Prepared<'a> {
         }
         Ok(Frame {
             base: rendering.base(),
-            picture: rendering.picture(self),
+            picture: rendering.picture(&self.shown()),
         })
     }
 }

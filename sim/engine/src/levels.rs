@@ -10,7 +10,6 @@ pub mod tree;
 use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
-use std::time::Duration;
 
 use slicecast::crop::Crop;
 use slicecast::format::Position;
@@ -20,99 +19,18 @@ use slicecast_pyramid::scalar::halved;
 use slicecast_scene::{Blend, Borders, Classification, Interpolation, Scene, check};
 use slicecast_volume::Volume;
 
+use crate::bundle::Bundle;
 use crate::camera;
 use crate::error::RenderError;
+use crate::error::{CameraError, LevelsError};
 use crate::frame::Prepared;
 use crate::image::Frame;
 use crate::oriented::{Held, Oriented, Turned};
-use crate::rendering::{Framing, Progress};
+use crate::progress::Progress;
+use crate::rendering::Framing;
+use crate::source::SIDE;
 use crate::source::Source;
 use tree::{Leaf, Tree};
-
-/// What is not rendered in several levels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LevelsError {
-    /// Borders that levels do not share.
-    #[error(
-        "several levels have the borders of their voxels' cells, and the scene asks for others; expected --borders cells"
-    )]
-    Borders,
-    /// The largest or least value of a ray.
-    #[error(
-        "a projection keeps one sample a ray, which no mean of voxels is; expected a composited scene (--blend front-to-back)"
-    )]
-    Projection,
-    /// Surfaces, of which some would be missed at a face.
-    #[error(
-        "isosurfaces have gaps where two levels meet, because their values differ there; expected a scene without surfaces"
-    )]
-    Surfaces,
-    /// Clip planes and depth cueing, which a plan of each level would need.
-    #[error(
-        "several levels have neither clip planes nor depth cueing, and the scene has them ([[clip]], [cueing]); expected a scene without"
-    )]
-    Clipped,
-    /// Modulation, whose gradients differ between levels.
-    #[error(
-        "two levels have different gradients where they meet, and the scene weighs them ([modulation]); expected a scene without"
-    )]
-    Modulated,
-    /// Labels.
-    #[error("labels have no mean; expected --interpolation linear, and a volume that is no label map")]
-    Nearest,
-    /// Splines, which reach across the borders of levels.
-    #[error("splines reach across the borders of levels; expected --interpolation linear")]
-    Splines,
-    /// Samples or segments, chosen by how much neighbouring voxels differ.
-    #[error("--classification auto would choose for each level; accepted with several levels: point, integral")]
-    Automatic,
-    /// A box that ends within a voxel of its level.
-    #[error(
-        "a box of level {level} from voxel {from} to {to}; expected faces at whole voxels of its level, or of the volume"
-    )]
-    Face {
-        /// The level.
-        level: u32,
-        /// First voxel of the volume.
-        from: usize,
-        /// The one behind its last.
-        to: usize,
-    },
-    /// A cut that leaves nothing on one side.
-    #[error("a cut at voxel {at} of a box from {from} to {to}; expected one within it")]
-    Cut {
-        /// Where it is.
-        at: usize,
-        /// First voxel of the node.
-        from: usize,
-        /// The one behind its last.
-        to: usize,
-    },
-    /// Not even the coarsest level fits in memory.
-    #[error(
-        "within {memory} bytes of memory: the image and all of the volume at level {LEVEL_MAX} take {least}; expected at least as much, or fewer --rays"
-    )]
-    Budget {
-        /// Bytes given.
-        memory: u64,
-        /// Bytes needed.
-        least: u64,
-    },
-    /// Not even the coarsest level is fast enough.
-    #[error(
-        "within {} ms: a frame of all of the volume at level {LEVEL_MAX} takes {} ms here; expected at least as long, fewer --rays or a smaller --size",
-        .time.as_millis(), .least.as_millis()
-    )]
-    Time {
-        /// The time given.
-        time: Duration,
-        /// What was measured.
-        least: Duration,
-    },
-    /// A level that there is not.
-    #[error("{0}")]
-    Level(#[from] LevelError),
-}
 
 impl LevelsError {
     /// Refuses scenes that are not rendered in several levels.
@@ -141,7 +59,7 @@ impl LevelsError {
 }
 
 /// Rows of level 0 that are read at a time for a coarser level: as many as of a brick.
-const ROWS: usize = budget::SIDE;
+const ROWS: usize = SIDE;
 
 /// Voxels of a level, `dims` from `first` on. The volume has `all` of level 0.
 fn voxels_of_level(
@@ -208,47 +126,6 @@ impl Level {
             plan: prepared.setup.plan,
             rendering: prepared.rendering()?,
         })
-    }
-}
-
-/// Rays of the base plane that one plan folds, as pixels of its own.
-#[derive(Clone, Copy, Debug)]
-pub struct Bundle {
-    /// The plan.
-    pub plan: Plan,
-    /// Which rays of the finest level's plan they are.
-    pub rays: Rays,
-    /// How far apart they are there.
-    stride: usize,
-}
-
-impl Bundle {
-    /// Where the runs of its rows begin in the image of the finest plan.
-    fn runs(&self, finest: &Plan, channels: usize) -> impl Iterator<Item = usize> + use<> {
-        let [width, height] = finest.base().map(|side| side as usize);
-        let Rays { phase, first, count } = self.rays;
-        let phase = (phase.v * finest.sampling().rays_per_voxel + phase.u) as usize;
-        let (top, left, stride) = (phase * height + first[1] as usize, first[0] as usize, self.stride);
-        let rows = (0..count[1] as usize).map(move |row| top + row * stride);
-        rows.flat_map(move |row| (0..channels).map(move |channel| (row * channels + channel) * width + left))
-    }
-
-    /// Its pixels of an image.
-    pub(crate) fn gathered<E: Copy>(&self, finest: &Plan, channels: usize, image: &[E]) -> Vec<E> {
-        let across = self.rays.count[0] as usize;
-        self.runs(finest, channels)
-            .flat_map(|start| image[start..].iter().step_by(self.stride).take(across).copied())
-            .collect()
-    }
-
-    /// Puts its pixels back.
-    pub(crate) fn scatter<E: Copy>(&self, finest: &Plan, channels: usize, image: &mut [E], own: &[E]) {
-        let runs = own.chunks_exact(self.rays.count[0] as usize);
-        for (start, run) in self.runs(finest, channels).zip(runs) {
-            for (to, from) in image[start..].iter_mut().step_by(self.stride).zip(run) {
-                *to = *from;
-            }
-        }
     }
 }
 
@@ -423,7 +300,7 @@ impl<'a> Leveled<'a> {
         let cropped = |plan: Plan, crop: Crop| match plan.with_crop(crop) {
             Ok(plan) => Ok(Some(plan)),
             Err(PlanError::Beside { .. }) => Ok(None),
-            Err(error) => Err(camera::CameraError::from(error)),
+            Err(error) => Err(CameraError::from(error)),
         };
         let Some(seen) = cropped(*finest, faces(leaf, 0))? else {
             return Ok(None);
@@ -458,7 +335,7 @@ impl<'a> Leveled<'a> {
         progress(bricks.len(), bricks.len());
         Ok(Frame {
             base: rendering.base(),
-            picture: rendering.picture(self.finest),
+            picture: rendering.picture(&self.finest.shown()),
         })
     }
 }

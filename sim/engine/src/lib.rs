@@ -2,6 +2,8 @@
 
 #![deny(unsafe_code)]
 
+mod base;
+pub mod bundle;
 pub mod camera;
 pub mod colours;
 pub mod cutout;
@@ -12,6 +14,7 @@ pub mod fast;
 pub mod fineness;
 pub mod folds;
 pub mod frame;
+pub mod geometry;
 pub mod image;
 pub mod integrals;
 pub mod key;
@@ -19,10 +22,13 @@ pub mod levels;
 pub mod modulation;
 pub mod occupancy;
 pub mod oriented;
+pub mod parameters;
+pub mod part;
 pub mod parts;
 pub mod perspective;
 pub mod picture;
 pub mod pipelines;
+pub mod progress;
 pub mod rays;
 pub mod reflectance;
 pub mod rendering;
@@ -34,4 +40,5 @@ pub mod splat;
 mod stream;
 pub mod table;
 pub mod threads;
+pub mod tile;
 pub mod tiles;

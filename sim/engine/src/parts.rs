@@ -13,9 +13,8 @@
 use std::fmt;
 use std::ops::Range;
 
-use slicecast::format::Position;
-use slicecast::locate::{cell, plane};
-use slicecast::plan::{Phase, Plan};
+use slicecast::locate::plane;
+use slicecast::plan::Phase;
 use slicecast::slice::{RowRange, Slice};
 use slicecast::view::Axis;
 use slicecast_volume::on_disk::OnDisk;
@@ -24,7 +23,9 @@ use crate::error::RenderError;
 use crate::frame::Prepared;
 use crate::image::{BaseImage, Frame};
 use crate::oriented::{Held, Oriented, Turned};
-use crate::rendering::{Framing, Progress};
+use crate::part::{BESIDE, Brick, Part};
+use crate::progress::Progress;
+use crate::rendering::Framing;
 use crate::shard::Shard;
 
 /// Slices that a plane may look at: two on each side.
@@ -33,69 +34,11 @@ const WINDOW: usize = 4;
 /// The fewest slices that a part has: a plane's, and one more so that parts come forward.
 const LEAST: usize = WINDOW + 1;
 
-/// Voxels that a brick has beside its cells, on each side.
-const BESIDE: usize = 3;
-
 /// The fewest rows of a brick's cells where slices are cut.
 const LEAST_ROWS: usize = 8;
 
 /// What the program takes beside the frame and the slices: its code, tables and threads.
 pub(crate) const PROGRAM: u64 = 48 << 20;
-
-/// Planes that are folded from a part of the slices.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
-    /// Numbers of the planes.
-    pub planes: Range<u32>,
-    /// Numbers of the slices, nearest to the eye first, that these planes look at.
-    pub slices: Range<usize>,
-    /// What of the slices there is, if they are not whole.
-    pub brick: Option<Brick>,
-}
-
-/// Some columns and rows of slices.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Brick {
-    /// The voxels that there are, along i and j.
-    pub voxels: [Range<usize>; 2],
-    /// The cells whose samples are folded, counted from the first of these voxels; without an end where the volume ends.
-    cells: [Range<i64>; 2],
-}
-
-impl Brick {
-    /// The brick of some cells of slices of this size.
-    fn of(cells: [Range<usize>; 2], size: [usize; 2]) -> Self {
-        let voxels = [0, 1].map(|axis| {
-            let Range { start, end } = cells[axis].clone();
-            start.saturating_sub(BESIDE)..(end + 1 + BESIDE).min(size[axis])
-        });
-        let ends = [0, 1].map(|axis| {
-            let (Range { start, end }, first) = (cells[axis].clone(), voxels[axis].start as i64);
-            let start = if start == 0 { i64::MIN / 2 } else { start as i64 - first };
-            let end = if end >= size[axis] {
-                i64::MAX / 2
-            } else {
-                end as i64 - first
-            };
-            start..end
-        });
-        Self { voxels, cells: ends }
-    }
-
-    /// The plan of its voxels.
-    pub(crate) fn plan(&self, plan: &Plan) -> Plan {
-        let [i, j] = &self.voxels;
-        plan.of_voxels([i.start as u32, j.start as u32], [i.len() as u32, j.len() as u32])
-    }
-
-    /// Those of some pixels along an axis whose samples lie in its cells, given where that of pixel 0 lies among its voxels.
-    pub(crate) fn pixels(&self, axis: usize, at: Position, pixels: Range<u32>) -> Range<u32> {
-        let (Range { start, end }, first) = (self.cells[axis].clone(), i64::from(cell(at).index));
-        let held = |pixel: i64| pixel.clamp(pixels.start.into(), pixels.end.into()) as u32;
-        let start = held(start - first);
-        start..held(end - first).max(start)
-    }
-}
 
 /// How a volume is cut: the most that a part has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,51 +83,6 @@ impl Cut {
         };
         cells.map(brick).collect()
     }
-}
-
-/// The planes of a volume in parts of at most `most` slices, in the order of folding; `near` is the slice that a plane's window
-/// begins with, and rises with the planes.
-pub(crate) fn parts(
-    planes: Range<u32>,
-    depth: u32,
-    near: impl Fn(u32) -> i32,
-    back_to_front: bool,
-    most: usize,
-) -> Vec<Part> {
-    let depth = depth as usize;
-    let looked_at = |plane: u32| {
-        let near = near(plane);
-        let first = usize::try_from(near - 1).unwrap_or(0).min(depth.saturating_sub(1));
-        let end = usize::try_from(near + 3)
-            .unwrap_or(0)
-            .clamp(first + 1, depth.max(first + 1));
-        first..end
-    };
-    let mut parts: Vec<Part> = Vec::new();
-    for step in 0..planes.len() as u32 {
-        let plane = if back_to_front {
-            planes.end - 1 - step
-        } else {
-            planes.start + step
-        };
-        let slices = looked_at(plane);
-        let joined = parts.last().map(|part| {
-            let all = &part.slices;
-            let slices = all.start.min(slices.start)..all.end.max(slices.end);
-            (part.planes.start.min(plane)..part.planes.end.max(plane + 1), slices)
-        });
-        match (joined, parts.last_mut()) {
-            (Some((planes, slices)), Some(part)) if slices.len() <= most => {
-                (part.planes, part.slices) = (planes, slices)
-            }
-            _ => parts.push(Part {
-                planes: plane..plane + 1,
-                slices,
-                brick: None,
-            }),
-        }
-    }
-    parts
 }
 
 /// What of a volume was read for a frame.
@@ -247,7 +145,7 @@ impl Prepared<'_> {
         let (rendering, reading) = self.fold_in_parts(volume, cut, Shard::ALL, progress)?;
         let frame = Frame {
             base: rendering.base(),
-            picture: rendering.picture(self),
+            picture: rendering.picture(&self.shown()),
         };
         Ok((frame, reading))
     }
@@ -454,6 +352,7 @@ impl Cut {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::part::parts;
 
     /// Every plane once, in order, with the slices around it and no more than asked for.
     #[test]

@@ -16,14 +16,15 @@ use slicecast::project::Sum;
 use slicecast::view::View;
 use slicecast::warp::{Point, Warp, mix_pixels};
 
-use crate::camera::{CameraError, Material, PICTURE_SIDE_MAX, Picture, Setup, check_spacing, diagonal, planned};
+use crate::camera::{Material, PICTURE_SIDE_MAX, Picture, Setup, check_spacing, diagonal, planned};
+use crate::error::CameraError;
 use crate::error::RenderError;
 use crate::frame::{Layer, Prepared};
 use crate::image::{BaseImage, Frame};
 use crate::oriented::Turned;
 use crate::picture::of_base;
 use crate::pipelines::compile;
-use crate::rendering::Progress;
+use crate::progress::Progress;
 use crate::simd::Simd;
 use crate::with_precision;
 use slicecast_scene::check::RAYS_PER_VOXEL;

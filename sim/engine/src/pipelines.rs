@@ -4,23 +4,24 @@ use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
 use slicecast::modulate::{Modulated, Modulation};
 use slicecast::perspective::Spread;
-use slicecast::plane::{Composite, Perspective, Pictured, Project, Splines};
+use slicecast::plane::{Composite, Perspective, Project, Splines};
 use slicecast::precision::Precision;
 #[doc(hidden)]
 pub use slicecast::precision::{Compact, Fast, Paper, Wide};
 use slicecast::project::{Maximum, Minimum, Sum};
 use slicecast::shade::{Shader, Unlit};
-use slicecast::slice::Code12;
 
-use crate::camera::{CameraError, Material, Setup};
+use crate::camera::Material;
+use crate::error::CameraError;
 use crate::expanded::Expanded;
 use crate::fast;
-use crate::folds::Frames;
+use crate::geometry::Geometry;
+use crate::parameters::Parameters;
 use crate::reflectance;
-use crate::rendering::{Framing, Under};
+use crate::rendering::Framing;
+use crate::rendering::under;
 use crate::segments::Segments;
 use crate::table::{Correction, Table, has_fine_colours};
-use crate::tiles::Geometry;
 #[doc(hidden)]
 pub use slicecast_scene::PrecisionName;
 use slicecast_scene::{AlphaCodeName, Blend, Interpolation, Scene};
@@ -79,31 +80,6 @@ pub fn compile(scene: &Scene, mapping: &Mapping, step_length: f64) -> Table {
     });
     let lookup = scene.lookup.unwrap_or(scene.precision.lookup());
     Table::compile(&scene.transfer, mapping, correction, code, lookup)
-}
-
-/// What a pipeline needs to know of a scene on a volume besides geometry and classifier.
-#[derive(Clone, Copy, Debug)]
-pub struct Parameters<'a> {
-    /// Lights; `None` is unlit.
-    pub material: Option<&'a Material>,
-    /// Factors by the magnitude of the gradient, of samples.
-    pub modulation: Option<&'a Modulation>,
-    /// What an additive projection makes of a sum.
-    pub additive: Sum,
-    /// The rays of a plan in perspective.
-    pub spread: Option<&'a Spread>,
-}
-
-impl<'a> Parameters<'a> {
-    /// Those of a setup and a modulation.
-    pub const fn of(setup: &'a Setup, modulation: Option<&'a Modulation>) -> Self {
-        Self {
-            material: setup.material.as_ref(),
-            modulation,
-            additive: setup.additive,
-            spread: setup.spread.as_ref(),
-        }
-    }
 }
 
 /// The rendering of a scene.
@@ -311,14 +287,6 @@ fn shaded<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>, S: Shader<P> 
             early(Composite::new(precision, table, shader), scene.early_termination),
         )
     }
-}
-
-pub(crate) fn under<L: Pictured<Voxel = Code12> + Send + 'static>(
-    geometry: Geometry<'_>,
-    pipeline: L,
-) -> Box<dyn Framing> {
-    let pipeline: Box<dyn Frames<Voxel = Code12, Element = L::Element>> = Box::new(pipeline);
-    Box::new(Under::new(geometry, pipeline))
 }
 
 /// Ends rays early if a scene asks for it.

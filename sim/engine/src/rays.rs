@@ -33,7 +33,7 @@ use slicecast::shade::map::Mapped;
 
 use self::grid::Grid;
 use self::locate::{Located, Ray, Segment};
-use crate::camera::CameraError;
+use crate::error::CameraError;
 use crate::frame::Prepared;
 use crate::image::BaseImage;
 use crate::reflectance;

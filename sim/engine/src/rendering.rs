@@ -14,25 +14,26 @@ use slicecast::slice::{Code12, Slice};
 use slicecast::stream::{Needs, StreamError};
 use slicecast::tap::Tap;
 
+use crate::base::base_image;
+use crate::base::new_image;
+use crate::bundle::Bundle;
 use crate::error::RenderError;
 use crate::folds::{Folds, Frames};
-use crate::frame::Prepared;
-use crate::image::{BaseImage, Rgb, base_image, new_image};
-use crate::levels::Bundle;
+use crate::geometry::Geometry;
+use crate::image::{BaseImage, Rgb};
 use crate::occupancy::Looks;
 use crate::oriented::Oriented;
-use crate::parts::{Part, parts};
+use crate::part::Part;
+use crate::part::parts;
 use crate::picture::Shown;
+use crate::progress::{LendTap, Progress};
 use crate::shard::Shard;
 use crate::simd::Simd;
 use crate::stream::fold_stream;
-use crate::tiles::{Geometry, TILE_ROWS, Tile, Tiling, fold_oriented, fold_tile, fold_tiles, fold_tiles_tapped};
-
-/// What is told how many steps of how many are done.
-pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
-
-/// Lends a tap of the tile's own to a fold.
-pub type LendTap<'a> = &'a (dyn Fn(Tile, &mut dyn FnMut(&mut dyn Tap)) + Sync);
+use crate::tile::TILE_ROWS;
+use crate::tile::Tile;
+use crate::tiles::{Tiling, fold_oriented, fold_tile, fold_tiles, fold_tiles_tapped};
+use slicecast::plane::Pictured;
 
 /// A pipeline with its image.
 pub trait Rendering: Any + Send + Sync {
@@ -87,7 +88,7 @@ pub trait Rendering: Any + Send + Sync {
 /// A rendering whose image can be warped to a picture.
 pub trait Framing: Rendering {
     /// The viewer's picture.
-    fn picture(&self, prepared: &Prepared<'_>) -> Rgb;
+    fn picture(&self, shown: &Shown<'_>) -> Rgb;
 }
 
 /// A pipeline and its image.
@@ -258,11 +259,18 @@ impl<F: Folds<Voxel = Code12> + ?Sized + 'static> Rendering for Under<F> {
 }
 
 impl<F: Frames<Voxel = Code12> + ?Sized + 'static> Framing for Under<F> {
-    fn picture(&self, prepared: &Prepared<'_>) -> Rgb {
-        let (setup, behind) = (&prepared.setup, prepared.scene.image.background);
-        let shown = Shown::new(&setup.picture, behind, prepared.simd);
-        self.pipeline.picture(&shown, &setup.plan, &self.image)
+    fn picture(&self, shown: &Shown<'_>) -> Rgb {
+        self.pipeline.picture(shown, &self.plan, &self.image)
     }
+}
+
+/// A pipeline as a rendering.
+pub(crate) fn under<L: Pictured<Voxel = Code12> + Send + 'static>(
+    geometry: Geometry<'_>,
+    pipeline: L,
+) -> Box<dyn Framing> {
+    let pipeline: Box<dyn Frames<Voxel = Code12, Element = L::Element>> = Box::new(pipeline);
+    Box::new(Under::new(geometry, pipeline))
 }
 
 /// Folds all planes by the scalar definitions, each tile under a tap of its own. The taps in the order of the tiles, phase by

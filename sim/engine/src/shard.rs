@@ -3,7 +3,8 @@
 
 use slicecast::plan::Plan;
 
-use crate::tiles::{TILE_ROWS, Tile};
+use crate::tile::TILE_ROWS;
+use crate::tile::Tile;
 
 /// One shard of several: every `count`-th tile, because those in the middle of the base plane have more to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,9 @@ use slicecast_volume::Volume;
 use slicecast_volume::on_disk::OnDisk;
 
 use crate::error::RenderError;
-use crate::levels::budget::SIDE;
+
+/// Voxels of a brick along each axis: whole voxels of every level.
+pub const SIDE: usize = 32;
 
 /// Where the voxels of a volume come from.
 pub trait Source: Sync {

@@ -27,7 +27,8 @@ use slicecast_scene::{
 };
 use slicecast_volume::Volume;
 
-use crate::camera::{CameraError, Material, PICTURE_SIDE_MAX, Picture, check_spacing, extent, fitting_pixel, size_at};
+use crate::camera::{Material, PICTURE_SIDE_MAX, Picture, check_spacing, extent, fitting_pixel, size_at};
+use crate::error::CameraError;
 use crate::error::RenderError;
 use crate::expanded::Expanded;
 use crate::frame::Prepared;
@@ -35,7 +36,7 @@ use crate::image::{BaseImage, Frame};
 use crate::perspective::Camera;
 use crate::picture::of_base;
 use crate::pipelines::{compile, early};
-use crate::rendering::Progress;
+use crate::progress::Progress;
 use crate::simd::{OverLanes, Simd, with_lanes};
 use crate::table::Table;
 use crate::with_precision;

@@ -7,9 +7,9 @@ use slicecast::stream::{Memory, Needs, Stream, StreamError, Streamed};
 use slicecast::tap::Tap;
 
 use crate::folds::{Fold, Folds};
+use crate::geometry::Geometry;
 use crate::oriented::packed;
 use crate::simd::Simd;
-use crate::tiles::Geometry;
 
 /// A pipeline that is an object: streams of all of them are one.
 struct Object<'f, F: ?Sized>(&'f F);

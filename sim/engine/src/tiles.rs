@@ -13,24 +13,16 @@ use slicecast::slice::{Code12, Slice, Voxel, Window};
 use slicecast::tap::Tap;
 
 use crate::folds::{Fold, Folds};
+use crate::geometry::Geometry;
 use crate::occupancy::{Looks, Sight};
 use crate::oriented::Oriented;
-use crate::parts::{Brick, Part};
-use crate::rendering::{LendTap, Progress};
+use crate::part::Brick;
+use crate::part::Part;
+use crate::progress::LendTap;
+use crate::progress::Progress;
 use crate::shard::Shard;
 use crate::simd::{OverLanes, Simd, prefetch, with_lanes};
-
-/// Rows of the base plane that one thread takes through all slices at a time.
-pub const TILE_ROWS: usize = 32;
-
-/// The geometry of a frame, and what clip planes leave of it.
-#[derive(Clone, Copy, Debug)]
-pub struct Geometry<'a> {
-    /// The plan.
-    pub plan: &'a Plan,
-    /// Clip planes, made for the plan's view and volume.
-    pub clips: Option<&'a Clips>,
-}
+use crate::tile::Tile;
 
 /// The tiles that are folded.
 #[derive(Clone, Copy, Debug)]
@@ -51,17 +43,6 @@ impl From<usize> for Tiling<'_> {
             part: None,
         }
     }
-}
-
-/// Some rows of one phase.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tile {
-    /// Number of the phase.
-    pub phase: u32,
-    /// First row.
-    pub first: u32,
-    /// Number of rows.
-    pub rows: u32,
 }
 
 /// Folds all planes into an image, tile by tile on rayon's current threads: rows as a whole, or, where the volume's blocks

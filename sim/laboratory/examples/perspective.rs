@@ -16,7 +16,7 @@ use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::Turned;
 use slicecast_engine::perspective::{InPerspective, samples as samples_in_perspective};
 use slicecast_engine::simd::Simd;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_model::perspective::FromEye;
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::file::built_in;

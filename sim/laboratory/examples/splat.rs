@@ -15,7 +15,7 @@ use slicecast_compare::splat::{compare, model};
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::splat::{BAND_ROWS, Splatted};
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_model::splat::Rounding;
 use slicecast_model::{Affine, Model};
 use slicecast_scene::file::built_in;

@@ -8,7 +8,7 @@ use crate::{legend, presets, visibility};
 use serde::Serialize;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_volume::Volume;
 use slicecast_volume::open::Loaded;
 use slicecast_volume::statistics::Statistics;

@@ -6,11 +6,12 @@ use slicecast::project::Sum;
 use slicecast::view::Axis;
 use slicecast_engine::camera::{Material, clips, plan};
 use slicecast_engine::fast;
+use slicecast_engine::geometry::Geometry;
 use slicecast_engine::integrals::Cumulative;
 use slicecast_engine::modulation;
-use slicecast_engine::pipelines::{Parameters, compile, rendering, rendering_of_segments};
+use slicecast_engine::parameters::Parameters;
+use slicecast_engine::pipelines::{compile, rendering, rendering_of_segments};
 use slicecast_engine::segments;
-use slicecast_engine::tiles::Geometry;
 use slicecast_scene::{Classification, PrecisionName};
 use slicecast_volume::Mapping;
 

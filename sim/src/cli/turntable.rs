@@ -7,7 +7,7 @@ use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::shard::Shard;
 use slicecast_engine::threads::on_threads;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_scene::Scene;
 
 use super::Failure;

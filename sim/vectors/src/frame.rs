@@ -193,7 +193,7 @@ pub fn sets(prepared: &Prepared<'_>, part: &Part) -> Result<FrameSets, RenderErr
             let channels = [0, 1, 2, 3].map(|channel| i64::from(base.planes[channel][at]));
             sets.image.push(&[(at / width) as i64, (at % width) as i64], &channels);
         }
-        let picture = rendering.picture(prepared);
+        let picture = rendering.picture(&prepared.shown());
         let width = picture.size[0] as usize;
         for (at, pixel) in picture.bytes.chunks_exact(3).enumerate() {
             let bytes = [0, 1, 2].map(|channel| i64::from(pixel[channel]));

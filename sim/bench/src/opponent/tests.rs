@@ -3,7 +3,7 @@
 use super::*;
 use slicecast_engine::frame::Layer;
 use slicecast_engine::oriented::Turned;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_scene::{Borders, Highlight, Light, PrecisionName, Sampling, Scene, file};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;

@@ -17,7 +17,8 @@ use super::{Opponent, run_len};
 use slicecast_engine::occupancy::Sight;
 use slicecast_engine::simd::floats::{Floats, OverFloats};
 use slicecast_engine::simd::prefetch;
-use slicecast_engine::tiles::{AHEAD, Tile};
+use slicecast_engine::tile::Tile;
+use slicecast_engine::tiles::AHEAD;
 
 /// Folds all planes into a tile.
 pub(super) struct FoldTile<'a, 's> {

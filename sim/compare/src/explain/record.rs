@@ -9,7 +9,7 @@ use slicecast::tap::{Beam, Bits, Tap};
 use crate::lockstep::{Scales, position};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
-use slicecast_engine::tiles::Tile;
+use slicecast_engine::tile::Tile;
 use slicecast_engine::with_precision;
 use slicecast_model::Pixel;
 

@@ -17,16 +17,14 @@ use slicecast_pyramid::scalar::halved;
 use slicecast_scene::TransferFunction;
 use slicecast_volume::{Mapping, Volume};
 
-use super::LevelsError;
 use super::tree::Tree;
+use crate::error::LevelsError;
 use crate::error::RenderError;
 use crate::frame::Prepared;
 use crate::parts::PROGRAM;
-use crate::rendering::Progress;
+use crate::progress::Progress;
+use crate::source::SIDE;
 use crate::source::Source;
-
-/// Voxels of a brick along each axis: whole voxels of every level.
-pub const SIDE: usize = 32;
 
 /// Levels that there are.
 const LEVELS: usize = LEVEL_MAX as usize + 1;

@@ -7,13 +7,14 @@
 
 use std::time::{Duration, Instant};
 
+use super::Leveled;
 use super::budget::{Chosen, Limits, Losses};
 use super::tree::Tree;
-use super::{Leveled, LevelsError};
+use crate::error::LevelsError;
 use crate::error::RenderError;
 use crate::frame::Prepared;
 use crate::image::Frame;
-use crate::rendering::Progress;
+use crate::progress::Progress;
 use crate::source::Source;
 
 /// Frames that are timed at most after the coarsest and the finest.

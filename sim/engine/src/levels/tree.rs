@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use super::LevelsError;
+use crate::error::LevelsError;
 
 /// A node of the tree.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -10,7 +10,8 @@ use slicecast::precision::Fast;
 use slicecast::project::{Projection, Sum};
 
 use super::{Cells, Ray, Rays, Unobserved};
-use crate::camera::{CameraError, Material};
+use crate::camera::Material;
+use crate::error::CameraError;
 use crate::fast::{Owned, table};
 use crate::frame::Prepared;
 use crate::image::BaseImage;

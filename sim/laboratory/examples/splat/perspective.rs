@@ -9,7 +9,7 @@ use slicecast_compare::splat::{compare, model};
 use slicecast_engine::frame::Layer;
 use slicecast_engine::perspective::InPerspective;
 use slicecast_engine::splat::Splatted;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_model::splat::Rounding;
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::perspective::{Eye, Perspective};

@@ -7,7 +7,7 @@ use slicecast_compare::perspective::compare;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Layer;
 use slicecast_engine::perspective::InPerspective;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::perspective::{Eye, Perspective};
 use slicecast_scene::{PrecisionName, Scene, View};

@@ -38,8 +38,8 @@ use slicecast_compare::{ModelPositions, model};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::BaseImage;
-use slicecast_engine::rendering::Progress;
-use slicecast_engine::tiles::TILE_ROWS;
+use slicecast_engine::progress::Progress;
+use slicecast_engine::tile::TILE_ROWS;
 use slicecast_model::ModelImage;
 
 /// Where voxels become colours.
