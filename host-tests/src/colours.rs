@@ -12,7 +12,7 @@ use slicecast_engine::colours::Coloured;
 use slicecast_engine::simd::Simd;
 use slicecast_pyramid::volume::{RgbaVolume, Voxels};
 use slicecast_scene::{Interpolation, PrecisionName, Scene, file};
-use slicecast_volume::values::Orientation;
+use slicecast_volume::decoded::Orientation;
 
 use crate::frame::{ADDITIVE, clips, picture};
 use crate::random::{Filling, Random, volume};

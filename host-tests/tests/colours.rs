@@ -19,7 +19,7 @@ use slicecast_pyramid::filter::Filter;
 use slicecast_pyramid::pyramid::{By, next};
 use slicecast_pyramid::volume::{RgbaVolume, Voxels};
 use slicecast_scene::{PrecisionName, Sampling, Scene, file};
-use slicecast_volume::values::Orientation;
+use slicecast_volume::decoded::Orientation;
 
 /// The precisions that have such pixels.
 const PRECISIONS: [PrecisionName; 2] = [PrecisionName::Compact, PrecisionName::Wide];

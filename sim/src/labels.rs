@@ -214,9 +214,10 @@ fn from_oklab(lab: [f64; 3]) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slicecast_volume::decoded::Decoded;
     use slicecast_volume::mapping::Window;
     use slicecast_volume::open::prepare;
-    use slicecast_volume::values::{Decoded, Values};
+    use slicecast_volume::values::Values;
 
     fn loaded(dims: [usize; 3], values: Vec<u16>) -> Loaded {
         let decoded = Decoded::new("t".into(), dims, [1.0; 3], Values::U16(values)).unwrap();

@@ -19,9 +19,9 @@ use slicecast_scene::file::{self, SceneError};
 use slicecast_scene::{Blend, check};
 use slicecast_scene::{Image, Interpolation, Lighting, Point, PrecisionName, Sampling, Scene, TransferFunction, View};
 use slicecast_volume::Volume;
+use slicecast_volume::meaning::Modality;
 use slicecast_volume::open::Loaded;
 use slicecast_volume::statistics::Statistics;
-use slicecast_volume::values::Modality;
 
 /// The names of the presets, those for CT first.
 pub const NAMES: [&str; 8] = [
@@ -256,9 +256,10 @@ fn fog(volume: &Volume, statistics: &Statistics) -> TransferFunction {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slicecast_volume::decoded::Decoded;
     use slicecast_volume::mapping::Window;
     use slicecast_volume::open;
-    use slicecast_volume::values::{Decoded, Values};
+    use slicecast_volume::values::Values;
 
     fn loaded(values: Values, modality: Option<Modality>) -> Loaded {
         let decoded = Decoded::new("t".into(), [values.len(), 1, 1], [1.0; 3], values).unwrap();

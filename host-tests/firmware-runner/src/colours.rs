@@ -12,7 +12,7 @@ use slicecast_firmware_shared::scene::{COLOUR_SCALE, colour_entry, colour_medium
 use slicecast_firmware_shared::sum::Sum;
 use slicecast_pyramid::volume::{RgbaVolume, Voxels};
 use slicecast_scene::{PrecisionName, Scene};
-use slicecast_volume::values::Orientation;
+use slicecast_volume::decoded::Orientation;
 
 use crate::images::{Pair, execute, parse};
 use crate::line;

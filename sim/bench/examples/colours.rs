@@ -19,7 +19,7 @@ use slicecast_engine::simd::Simd;
 use slicecast_engine::tile::TILE_ROWS;
 use slicecast_pyramid::read::of_scalars;
 use slicecast_scene::{Interpolation, PrecisionName, Scene};
-use slicecast_volume::values::Orientation;
+use slicecast_volume::decoded::Orientation;
 
 /// Frames of each.
 const FRAMES: usize = 20;

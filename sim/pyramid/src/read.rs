@@ -7,7 +7,8 @@
 use std::ops::RangeInclusive;
 
 use slicecast_volume::colours::Colours;
-use slicecast_volume::values::{Orientation, Values};
+use slicecast_volume::decoded::Orientation;
+use slicecast_volume::values::Values;
 use thiserror::Error;
 
 use crate::volume::{RgbaVolume, Voxels};

@@ -1,6 +1,6 @@
 //! A volume of colour and extinction.
 
-use slicecast_volume::values::Orientation;
+use slicecast_volume::decoded::Orientation;
 
 use crate::reduce::Sums;
 use crate::voxel::{Codes, Entry, MAX_CODE, decode};

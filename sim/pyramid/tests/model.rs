@@ -7,7 +7,7 @@ use slicecast_pyramid::filter::Filter;
 use slicecast_pyramid::pyramid::{By, next};
 use slicecast_pyramid::volume::{RgbaVolume, Voxels};
 use slicecast_pyramid::voxel::{Codes, MAX_CODE};
-use slicecast_volume::values::Orientation;
+use slicecast_volume::decoded::Orientation;
 
 fn volume(dims: [usize; 3], codes: Vec<Codes>) -> RgbaVolume {
     RgbaVolume {

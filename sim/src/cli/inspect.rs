@@ -10,9 +10,10 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::tile::TILE_ROWS;
 use slicecast_volume::Volume;
+use slicecast_volume::decoded::Decoded;
+use slicecast_volume::meaning::Modality;
 use slicecast_volume::open::Loaded;
 use slicecast_volume::statistics::Statistics;
-use slicecast_volume::values::{Decoded, Modality};
 
 use super::Failure;
 use super::chosen::Chosen;

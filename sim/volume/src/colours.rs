@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 
 use super::axes::Directions;
+use super::decoded::Orientation;
 use super::error::{Problem, ShapeError};
-use super::values::{Orientation, Values, check_spacing, voxel_count};
+use super::values::{Values, check_spacing, voxel_count};
 
 /// A volume of colours. Shape and spacing are checked; what the values mean, and whether they are in range, is not.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,31 +5,9 @@ use std::fmt;
 use super::axes::{Directions, Turn};
 use super::choice::NanRule;
 use super::error::{Problem, ShapeError};
-use super::mapping::census::Meaning;
+use super::meaning::Meaning;
+use super::meaning::Modality;
 use super::values::{Values, check_spacing, voxel_count};
-
-/// The machine that made the values, as far as the file says so.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Modality {
-    /// Computed tomography: values are Hounsfield units.
-    Ct,
-    /// Magnetic resonance: values in no unit.
-    Mr,
-    /// Something else.
-    Other,
-}
-
-impl Modality {
-    /// The modality of a DICOM code or the like; `None` of an empty text.
-    pub fn from_code(code: &str) -> Option<Self> {
-        match code.trim().to_ascii_uppercase().as_str() {
-            "" => None,
-            "CT" => Some(Self::Ct),
-            "MR" | "MRI" => Some(Self::Mr),
-            _ => Some(Self::Other),
-        }
-    }
-}
 
 /// What is known about how the volume lies in the patient.
 #[derive(Clone, Debug, PartialEq)]
@@ -220,7 +198,7 @@ impl Decoded {
         &self.name
     }
 
-    /// Voxels along x, y and z, each 1 to [`MAX_AXIS`](super::values::MAX_AXIS).
+    /// Voxels along x, y and z, each 1 to [`MAX_AXIS`](super::limits::MAX_AXIS).
     pub const fn dims(&self) -> [usize; 3] {
         self.dims
     }

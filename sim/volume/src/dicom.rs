@@ -16,6 +16,7 @@ mod fields;
 mod file;
 mod folder;
 mod frames;
+mod names;
 mod phases;
 mod pixels;
 mod series;
@@ -30,8 +31,8 @@ pub use self::folder::{read_folder, read_tree};
 use self::series::Wanted;
 use self::slice::{Object, Slice};
 use super::choice::Choice;
+use super::decoded::Decoded;
 use super::error::{Problem, ReadError};
-use super::values::Decoded;
 
 /// The format's name in messages.
 const NAME: &str = "DICOM";

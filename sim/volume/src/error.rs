@@ -1,13 +1,18 @@
 //! What can be wrong with a volume file.
 
+mod axes;
+
 use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::axes::AxesError;
+pub use self::axes::AxesError;
+use super::limits::MAX_AXIS;
+use super::limits::MAX_SPACING;
+use super::limits::MAX_VOXELS;
+use super::limits::MIN_SPACING;
 use super::text::number;
-use super::values::{MAX_AXIS, MAX_SPACING, MAX_VOXELS, MIN_SPACING};
 
 /// A volume that could not be read: which file, and why.
 #[derive(Debug, Error)]

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::companion;
 use super::error::{Problem, ReadError};
-use super::open::open_regular;
+use super::file::open_regular;
 use super::payload::{Layout, read_values};
 use super::values::{Values, voxel_count};
 

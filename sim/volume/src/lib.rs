@@ -7,15 +7,19 @@
 
 pub mod axes;
 pub mod choice;
+mod chunked;
 pub mod colours;
 mod companion;
-mod decoded;
+pub mod decoded;
 pub mod dicom;
 pub mod error;
+mod file;
 mod files;
 mod gzip;
 mod length;
+pub mod limits;
 pub mod mapping;
+pub mod meaning;
 pub mod metaimage;
 pub mod nifti;
 pub mod nrrd;

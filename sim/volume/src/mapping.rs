@@ -25,20 +25,22 @@
 pub(crate) mod census;
 pub(crate) mod choice;
 mod coding;
-pub(crate) mod labels;
+pub(crate) mod in_memory;
+pub mod labels;
 mod outliers;
 mod report;
 
 use thiserror::Error;
 
-use self::census::InMemory;
 use self::choice::{Code, choose};
 pub(crate) use self::coding::Tally;
+use self::in_memory::InMemory;
 pub use self::labels::{Label, Labels};
 pub use self::report::MappingReport;
 use super::Volume;
+use super::decoded::Decoded;
 use super::text::number;
-use super::values::{Decoded, Values};
+use super::values::Values;
 
 /// The largest code.
 const MAX_CODE: f64 = 4095.0;

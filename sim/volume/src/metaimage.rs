@@ -16,14 +16,16 @@ use self::header::{Header, NAME};
 use super::axes::Directions;
 use super::choice::Choice;
 use super::companion;
+use super::decoded::Decoded;
 use super::error::{Problem, ReadError};
+use super::file::open_regular;
 use super::files::Data;
 use super::length::millimetres;
-use super::open::open_regular;
+use super::meaning::Modality;
 use super::payload::{ByteSkip, Encoding, Layout, Tail};
 use super::placed::{Place, Placed};
 use super::text::shorten;
-use super::values::{Decoded, Endian, Modality, ValueType};
+use super::values::{Endian, ValueType};
 
 /// Axes that a header may have.
 const MAX_AXES: usize = 16;

@@ -20,11 +20,11 @@ use super::axes::Directions;
 use super::choice::Choice;
 use super::colours::Colours;
 use super::companion;
+use super::decoded::Decoded;
 use super::error::{Problem, ReadError};
-use super::open::open_regular;
+use super::file::open_regular;
 use super::payload::{ByteSkip, Encoding, Layout, Tail};
 use super::placed::{Place, Placed};
-use super::values::Decoded;
 
 /// Reads a NIfTI file, packed by gzip or not, or a header and the `.img` file beside it, whichever of the two is named.
 ///

@@ -21,13 +21,15 @@ use super::axes::Directions;
 use super::choice::Choice;
 use super::colours::Colours;
 use super::companion;
+use super::decoded::Decoded;
 use super::error::{Problem, ReadError};
+use super::file::open_regular;
 use super::files::Data;
-use super::open::open_regular;
+use super::meaning::Modality;
 use super::payload::{ByteSkip, Encoding, Layout, Tail};
 use super::placed::{Place, Placed};
 use super::text::shorten;
-use super::values::{Decoded, Endian, Modality, ValueType, check_spacing};
+use super::values::{Endian, ValueType, check_spacing};
 
 /// What a header says about its volume, interpreted.
 #[derive(Debug)]

@@ -24,15 +24,16 @@ use self::strips::Strips;
 pub use self::strips::Wanted;
 use super::axes::Turn;
 use super::choice::NanRule;
+use super::decoded::Orientation;
 use super::decoded::check_rescale;
 use super::error::{Problem, ReadError};
-use super::mapping::census::Meaning;
 use super::mapping::choice::{Chosen, Code, choose};
 use super::mapping::{Tally, Window, codes};
+use super::meaning::Meaning;
 use super::open::{Found, LoadError, Loaded, Options, find};
 use super::placed::Placed;
 use super::statistics::Statistics;
-use super::values::{Orientation, Values, check_spacing};
+use super::values::{Values, check_spacing};
 use super::{Mapping, Volume};
 
 /// Codes of values of 8 or 16 bits, by their bits.

@@ -1,16 +1,19 @@
 //! Which reader a file or folder is for: by its first bytes, then by its name.
 
-use std::fs::{self, File};
-use std::io::{BufRead, BufReader};
+use std::fs::{self};
+use std::io::BufRead;
 use std::path::Path;
 
 use super::choice::Choice;
 use super::colours::Colours;
+use super::decoded::Decoded;
+use super::decoded::Orientation;
 use super::error::{Problem, ReadError};
+use super::file::open_regular;
 use super::mapping::{Labels, Mapped, MappingError, MappingReport, Window, map};
+use super::meaning::Modality;
 use super::placed::Placed;
 use super::statistics::Statistics;
-use super::values::{Decoded, Modality, Orientation};
 use super::{Volume, dicom, metaimage, nifti, nrrd, raw, tiff, zarr};
 
 /// The CT head that comes with the program, 64 x 64 x 93 voxels (see `sim/volume/data/LICENSE-headsq.txt`).
@@ -311,32 +314,6 @@ pub fn prepare(decoded: &Decoded, window: Window) -> Result<Loaded, LoadError> {
             error,
         }),
     }
-}
-
-/// Opens a file that is not empty and neither a folder nor a device; its length in bytes comes with it.
-///
-/// The kind is looked at before opening, since opening a pipe would wait for its writer.
-pub(super) fn open_regular(path: &Path) -> Result<(BufReader<File>, u64), ReadError> {
-    let fail = |problem| ReadError::new(path, problem);
-    let kind = fs::metadata(path).map_err(Problem::io("find the file")).map_err(fail)?;
-    if kind.is_dir() {
-        return Err(fail(Problem::NotAFile { found: "a folder" }));
-    }
-    if !kind.is_file() {
-        return Err(fail(Problem::NotAFile {
-            found: "a device, pipe or socket",
-        }));
-    }
-    let file = File::open(path).map_err(Problem::io("open the file")).map_err(fail)?;
-    let len = file
-        .metadata()
-        .map_err(Problem::io("measure the file"))
-        .map_err(fail)?
-        .len();
-    if len == 0 {
-        return Err(fail(Problem::Empty));
-    }
-    Ok((BufReader::with_capacity(1 << 16, file), len))
 }
 
 #[cfg(test)]

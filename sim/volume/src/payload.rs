@@ -11,8 +11,9 @@ use flate2::bufread::ZlibDecoder;
 
 use super::error::Problem;
 use super::gzip::Members;
+use super::limits::MAX_BYTES;
 use super::text::shorten_bytes;
-use super::values::{Endian, MAX_BYTES, ValueType, Values, voxel_count};
+use super::values::{Endian, ValueType, Values, voxel_count};
 
 /// Bytes read at a time; a multiple of every value's length.
 const CHUNK_LEN: usize = 1 << 16;

@@ -6,16 +6,19 @@
 use std::collections::HashMap;
 use std::io::{BufRead, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::axes::Directions;
 use super::choice::NanRule;
+use super::chunked::Chunked;
 use super::colours::Colours;
+use super::decoded::Decoded;
 use super::error::{Problem, ReadError};
+use super::file::open_regular;
 use super::files::DataFiles;
-use super::open::open_regular;
+use super::meaning::Modality;
 use super::payload::{Encoding, Layout, read_values};
-use super::values::{Decoded, Modality, Values};
-use super::zarr::Chunks;
+use super::values::Values;
 
 /// Where the values are.
 #[derive(Clone, Debug)]
@@ -25,7 +28,7 @@ pub(super) enum Place {
     /// In the files that a header names.
     Files(PathBuf, DataFiles),
     /// In the chunks of an array.
-    Chunks(Box<Chunks>),
+    Chunks(Arc<dyn Chunked>),
 }
 
 impl Place {

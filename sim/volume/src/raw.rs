@@ -9,11 +9,12 @@ use std::path::Path;
 use self::describe::Description;
 use super::axes::Directions;
 use super::choice::{Choice, NanRule};
+use super::decoded::Decoded;
 use super::error::{Problem, ReadError};
-use super::open::open_regular;
+use super::file::open_regular;
 use super::payload::{ByteSkip, Encoding, Layout, Tail};
 use super::placed::{Place, Placed};
-use super::values::{Decoded, Endian, ValueType, check_spacing};
+use super::values::{Endian, ValueType, check_spacing};
 
 /// The format's name in messages.
 const NAME: &str = "raw";

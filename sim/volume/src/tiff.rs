@@ -5,12 +5,14 @@
 //! tell channels, slices and time points, of which one channel and one time point become the volume (`planes`), and the
 //! distance between slices (`description`). Without them every page is a slice.
 
+mod damage;
 mod description;
 mod ome;
 mod patched;
 mod pixels;
 mod planes;
 mod stack;
+mod told;
 
 use std::fs;
 use std::io::Cursor;
@@ -21,9 +23,10 @@ use self::pixels::{Wanted, is_coloured};
 use self::stack::Stack;
 use super::choice::Choice;
 use super::colours::Colours;
+use super::decoded::Decoded;
 use super::error::{Problem, ReadError};
-use super::open::open_regular;
-use super::values::{Decoded, MAX_AXIS};
+use super::file::open_regular;
+use super::limits::MAX_AXIS;
 
 /// The format's name in messages.
 const NAME: &str = "TIFF";

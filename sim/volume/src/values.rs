@@ -3,23 +3,8 @@
 //! Every reader ends in [`Decoded::new`], which checks once what the rest of the program relies on: no side is empty or
 //! over [`MAX_AXIS`], the spacing is a length, there is one value a voxel, and every value is finite.
 
-pub use super::decoded::{Decoded, Modality, Orientation};
 use super::error::{Problem, ShapeError};
-
-/// Voxels that a volume may have along one axis.
-pub const MAX_AXIS: usize = 8192;
-
-/// Voxels that a volume may have in all (2^31, which is 4 GiB of 12-bit voxels).
-pub const MAX_VOXELS: u64 = 1 << 31;
-
-/// The shortest distance between voxels; squares and products of shorter ones leave the range of numbers.
-pub const MIN_SPACING: f64 = 1e-30;
-
-/// The longest distance between voxels.
-pub const MAX_SPACING: f64 = 1e30;
-
-/// Bytes that the stored values of a packed or decoded volume may take (4 GiB). Plain data may take what their file has.
-pub const MAX_BYTES: u64 = 1 << 32;
+use super::limits::{MAX_AXIS, MAX_SPACING, MAX_VOXELS, MIN_SPACING};
 
 /// The number types that volume files hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -339,6 +324,7 @@ pub(super) fn check_spacing(spacing: [f64; 3]) -> Result<(), ShapeError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::decoded::Decoded;
 
     #[test]
     fn names_of_types_come_back() {

@@ -17,10 +17,12 @@ mod node;
 mod shard;
 #[cfg(test)]
 pub(super) mod tests;
+mod unpacked;
 
 use std::path::Path;
+use std::sync::Arc;
 
-pub(super) use self::chunks::Chunks;
+use self::chunks::Chunks;
 
 use self::array::Array;
 use super::choice::Choice;
@@ -69,7 +71,7 @@ pub(super) fn place(path: &Path, choice: &Choice) -> Result<Placed, ReadError> {
             dims: chunks.dims(),
             ..layout
         },
-        place: Place::Chunks(Box::new(chunks)),
+        place: Place::Chunks(Arc::new(chunks)),
         spacing: chosen.spacing,
         directions: None,
         rescale: None,

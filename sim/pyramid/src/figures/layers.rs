@@ -5,7 +5,7 @@
 //! denser by extinctions: where voxels are opaque here and there, the mean of 1 - e^-tau is less than 1 - e^(-mean tau).
 
 use serde::Serialize;
-use slicecast_volume::values::Orientation;
+use slicecast_volume::decoded::Orientation;
 
 use crate::filter::Filter;
 use crate::pyramid::{By, next};

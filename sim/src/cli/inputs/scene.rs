@@ -15,9 +15,9 @@ use slicecast_scene::reflectance::Reflectance;
 use slicecast_scene::{
     AlphaCodeName, Blend, Borders, Classification, Face, Interpolation, LookupName, PrecisionName, Scene, Surface,
 };
+use slicecast_volume::decoded::Orientation;
 use slicecast_volume::open::Loaded;
 use slicecast_volume::statistics::Statistics;
-use slicecast_volume::values::Orientation;
 
 use super::{VolumeArgs, number_in, whole_in};
 use crate::cli::Failure;

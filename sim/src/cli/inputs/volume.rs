@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use slicecast_volume::choice::{Choice, NanRule, Series};
 use slicecast_volume::colours::Colours;
+use slicecast_volume::decoded::Decoded;
 use slicecast_volume::mapping::Window;
 use slicecast_volume::on_disk::OnDisk;
 use slicecast_volume::open::{self, Loaded, Options, prepare};
 use slicecast_volume::raw::RawShape;
 use slicecast_volume::raw::describe::{self, Description};
-use slicecast_volume::values::{Decoded, Endian, ValueType};
+use slicecast_volume::values::{Endian, ValueType};
 
 use super::{dims, numbers, spacing};
 use crate::cli::Failure;

@@ -5,24 +5,21 @@ use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
 use super::file::MAX_FILE_LEN;
+use super::names::{file_name, list};
 use super::series::{self, Wanted};
 use super::slice::{Object, Refusal};
 use super::stack::Stack;
 use super::{Found, NAME, recognise};
 use crate::choice::Choice;
+use crate::decoded::Decoded;
 use crate::error::{Problem, ReadError};
-use crate::open::open_regular;
-use crate::text::shorten;
-use crate::values::Decoded;
+use crate::file::open_regular;
 
 /// Files and folders that are looked at.
 const MAX_FILES: usize = 65536;
 
 /// How deep folders are walked down; media nest patient, study and series.
 const MAX_DEPTH: usize = 8;
-
-/// Names of files that a note or message lists.
-const LISTED: usize = 3;
 
 /// Reads a series from a folder. If its DICOM files hold no slice (a DICOMDIR, reports), those in the folders below are
 /// looked at.
@@ -193,21 +190,6 @@ impl Refusal {
             may_be_slice: true,
         }
     }
-}
-
-/// The first few words, and how many more there are.
-pub(super) fn list(words: impl ExactSizeIterator<Item = String>) -> String {
-    let more = words.len().saturating_sub(LISTED);
-    let mut shown: Vec<String> = words.take(LISTED).collect();
-    if more > 0 {
-        shown.push(format!("and {more} more"));
-    }
-    shown.join(", ")
-}
-
-/// A file's name as it appears in messages.
-pub(super) fn file_name(path: &Path) -> String {
-    shorten(&path.file_name().unwrap_or_default().to_string_lossy())
 }
 
 /// A file's bytes; `None` if it is no DICOM file (empty files included).

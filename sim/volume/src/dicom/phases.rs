@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::folder::{file_name, list};
+use super::names::{file_name, list};
 use super::slice::{PHASE_FIELDS, Slice};
 use super::stack::normal_of;
 use super::{Found, NAME};

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::folder::{file_name, list};
+use super::names::{file_name, list};
 use super::{Found, NAME, phases};
 use crate::choice::{Choice, Series};
 use crate::error::Problem;

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use super::folder::{file_name, list};
+use super::names::{file_name, list};
 use super::slice::{PixelForm, Slice};
 use super::{Found, NAME, pixels};
 use crate::axes::Directions;
+use crate::decoded::Decoded;
 use crate::error::{Problem, ReadError};
-use crate::values::{Decoded, Modality, Values, check_spacing, voxel_count};
+use crate::meaning::Modality;
+use crate::values::{Values, check_spacing, voxel_count};
 
 /// How far a slice may lie off the best even stack, as a part of the distance between slices.
 const EVEN: f64 = 0.05;

@@ -8,7 +8,9 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::choice::Series;
-use crate::values::{Modality, Orientation, Values};
+use crate::decoded::Orientation;
+use crate::meaning::Modality;
+use crate::values::Values;
 
 const EXPLICIT: &str = "1.2.840.10008.1.2.1";
 

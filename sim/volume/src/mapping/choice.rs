@@ -1,13 +1,15 @@
 //! The choice of a mapping.
 
-use super::census::{Census, Meaning};
+use super::census::Census;
 use super::coding::{Coding, Kind, Tally, bits_lost};
 use super::labels::Labels;
 use super::outliers;
 use super::report::MappingReport;
 use super::{MAX_CODE, MAX_VALUE, MappingError, Window};
 use crate::Mapping;
-use crate::values::{Modality, ValueType};
+use crate::meaning::Meaning;
+use crate::meaning::Modality;
+use crate::values::ValueType;
 
 /// How stored values become codes.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,8 +11,10 @@
 
 use std::collections::BTreeMap;
 
-use super::census::{Census, Meaning};
-use crate::values::{Modality, Values};
+use super::census::Census;
+use crate::meaning::Meaning;
+use crate::meaning::Modality;
+use crate::values::Values;
 
 /// Integers that may differ in any volume that is mostly 0.
 const FEW: usize = 64;

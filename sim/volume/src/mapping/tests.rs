@@ -1,7 +1,7 @@
 //! Each rule of the table, rounding, clipping, refusals.
 
 use super::*;
-use crate::values::Modality;
+use crate::meaning::Modality;
 
 fn map_auto(values: Values) -> (Volume, MappingReport) {
     map_in(values, Window::Auto, 0).unwrap()

@@ -7,7 +7,8 @@ use flate2::write::ZlibEncoder;
 use proptest::prelude::*;
 
 use super::*;
-use crate::values::{Orientation, Values};
+use crate::decoded::Orientation;
+use crate::values::Values;
 
 /// As [`super::read_bytes`], without a choice.
 fn read_bytes(bytes: &[u8], name: &str) -> Result<Decoded, ReadError> {

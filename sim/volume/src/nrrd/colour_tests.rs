@@ -5,9 +5,10 @@ use super::read_colours;
 use super::write::Written;
 use crate::choice::Choice;
 use crate::colours::Colours;
+use crate::decoded::Orientation;
 use crate::error::ReadError;
 use crate::open;
-use crate::values::{Orientation, ValueType, Values};
+use crate::values::{ValueType, Values};
 
 /// A file of these header lines (after `type` and `encoding`) and bytes, read.
 fn read(lines: &str, data: &[u8]) -> Result<Option<Colours>, ReadError> {

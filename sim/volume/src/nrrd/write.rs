@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::values::{Orientation, ValueType};
+use crate::decoded::Orientation;
+use crate::values::ValueType;
 
 /// What a header says of a volume of colours.
 #[derive(Clone, Copy, Debug)]

@@ -3,18 +3,21 @@
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use tempfile::NamedTempFile;
 
-use super::strips::ROWS;
 use crate::axes::Turn;
+use crate::chunked::Chunked;
 use crate::companion;
 use crate::error::{Problem, ReadError};
 use crate::payload::{Encoding, Layout, decode, plain_start, unpack_into};
 use crate::placed::{Place, Placed, looked_at, open_at};
 use crate::values::{Values, side_product};
-use crate::zarr::Chunks;
+
+/// Rows of a strip: 64 KiB of 16-bit values in a row of 2048, which a disk reads at once.
+pub(super) const ROWS: usize = 16;
 
 /// Values of a block of plain values, if a slice has more: several strips.
 const BLOCK: usize = 1 << 20;
@@ -40,7 +43,7 @@ pub(super) struct Store {
 enum Kind {
     Plain(Plain),
     /// Chunks that are read as wholes, and how many were.
-    Chunks(Box<Chunks>, AtomicU64),
+    Chunks(Arc<dyn Chunked>, AtomicU64),
 }
 
 /// Values, plain, in files that hold as many each.

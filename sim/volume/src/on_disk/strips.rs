@@ -4,13 +4,10 @@
 //! gradient looks beyond a sample's own cell; so a strip is left out only where nothing between the least and the greatest
 //! code of itself and all strips around it can be seen. Whatever stands in its place is then never seen either.
 
-use super::store::{Blocks, Store};
+use super::store::{Blocks, ROWS, Store};
 use crate::mapping::choice::Code;
 use crate::mapping::{Tally, codes};
 use crate::values::Values;
-
-/// Rows of a strip: 64 KiB of 16-bit values in a row of 2048, which a disk reads at once.
-pub(super) const ROWS: usize = 16;
 
 /// Voxels before and behind that a sample of a slab, or its gradient, looks at.
 const REACH: usize = 3;

@@ -11,10 +11,10 @@ use proptest::test_runner::RngSeed;
 
 use super::*;
 use crate::choice::Choice;
+use crate::meaning::Modality;
 use crate::open::load_with;
 use crate::raw::RawShape;
 use crate::raw::describe::Description;
-use crate::values::Modality;
 use crate::values::{Endian, ValueType};
 
 fn open(path: &Path, window: Window, options: &Options) -> Result<(Loaded, OnDisk), LoadError> {

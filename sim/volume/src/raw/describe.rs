@@ -22,8 +22,9 @@ use serde::Deserialize;
 
 use super::{NAME, RawShape};
 use crate::error::Problem;
+use crate::meaning::Modality;
 use crate::text::shorten;
-use crate::values::{Endian, Modality, ValueType};
+use crate::values::{Endian, ValueType};
 
 /// A raw file's shape and what its values mean.
 #[derive(Clone, Copy, Debug, PartialEq)]

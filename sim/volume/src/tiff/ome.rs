@@ -5,8 +5,8 @@
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::NAME;
-use super::description::{Description, Length};
 use super::planes::{PLANES_MAX, Planes};
+use super::told::{Description, Length};
 use crate::error::Problem;
 use crate::text::shorten;
 

@@ -4,8 +4,8 @@ use tiff::ColorType;
 use tiff::tags::{ExtraSamples, PlanarConfiguration, Tag};
 
 use super::NAME;
+use super::damage::damaged;
 use super::patched::{Decoder, Patched, Source};
-use super::stack::damaged;
 use crate::error::Problem;
 use crate::values::ValueType;
 

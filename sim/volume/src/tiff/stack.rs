@@ -8,14 +8,18 @@ use tiff::decoder::{DecodingResult, Limits};
 use tiff::tags::{ByteOrder, CompressionMethod, PhotometricInterpretation, Tag};
 
 use super::NAME;
-use super::description::Description;
+use super::damage::damaged;
+use super::description;
 use super::patched::{Decoder, Patched, Source};
 use super::pixels::{Pixel, Wanted};
+use super::told::Description;
 use crate::choice::Choice;
 use crate::colours::Colours;
+use crate::decoded::Decoded;
 use crate::error::Problem;
+use crate::limits::MAX_BYTES;
 use crate::payload::{ByteSkip, Encoding, Layout, Tail, read_values};
-use crate::values::{Decoded, Endian, MAX_BYTES, Values, voxel_count};
+use crate::values::{Endian, Values, voxel_count};
 
 /// More than any of the read packings unpacks a byte to.
 const EXPANSION_MAX: u64 = 3000;
@@ -77,7 +81,7 @@ impl Stack {
         let mut decoder = Decoder::new(Patched::new(source)).map_err(damaged)?.with_limits(limits);
         Pixel::of(&mut decoder, self.wanted)?;
         let (width, height) = decoder.dimensions().map_err(damaged)?;
-        let mut description = Description::read(&mut decoder, [width, height])?;
+        let mut description = description::read(&mut decoder, [width, height])?;
         let mut pages = 1;
         while decoder.more_images() {
             decoder.next_image().map_err(damaged)?;
@@ -319,14 +323,4 @@ impl Stack {
             None => Ok(decoded),
         }
     }
-}
-
-/// The library's message as a fault.
-pub(super) fn damaged(error: tiff::TiffError) -> Problem {
-    Problem::format(NAME, shorten_line(&error.to_string()))
-}
-
-/// One line.
-fn shorten_line(text: &str) -> String {
-    text.lines().next().unwrap_or_default().chars().take(200).collect()
 }

@@ -11,8 +11,9 @@ use super::node::Node;
 use super::shard::Index;
 use super::{NAME, fill};
 use crate::error::{Problem, ReadError};
+use crate::limits::MAX_BYTES;
 use crate::text::shorten;
-use crate::values::{Endian, MAX_BYTES, ValueType};
+use crate::values::{Endian, ValueType};
 
 /// Axes that an array may have.
 const AXES_MAX: usize = 16;

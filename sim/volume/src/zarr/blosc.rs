@@ -16,7 +16,7 @@ use std::io;
 
 use flate2::read::ZlibDecoder;
 
-use super::codecs::{damage, drained, ended, unpacked_lz4, unpacked_zstd};
+use super::unpacked::{damage, drained, ended, unpacked_lz4, unpacked_zstd};
 
 const HEADER: usize = 16;
 const SHUFFLED: u8 = 1;

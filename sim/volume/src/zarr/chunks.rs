@@ -11,9 +11,12 @@ use super::NAME;
 use super::array::Array;
 use super::codecs;
 use super::shard::Places;
+use super::unpacked::damage;
+use crate::chunked::Chunked;
 use crate::error::{Problem, ReadError};
+use crate::limits::MAX_BYTES;
 use crate::payload::{Layout, decode};
-use crate::values::{MAX_BYTES, Values, voxel_count};
+use crate::values::{Values, voxel_count};
 
 /// Chunks that a volume may have.
 const CHUNKS_MAX: u64 = 1 << 24;
@@ -70,32 +73,9 @@ impl Chunks {
         Ok(chunks)
     }
 
-    /// The folder of the array.
-    pub fn folder(&self) -> &Path {
-        &self.array.folder
-    }
-
     /// Voxels along x, y and z.
     pub fn dims(&self) -> [u64; 3] {
         self.space.map(|axis| axis.map_or(1, |axis| self.array.shape[axis]))
-    }
-
-    /// Voxels of a chunk along x, y and z, of one within the volume.
-    pub fn side(&self) -> [u64; 3] {
-        let dims = self.dims();
-        let side = |to: usize| self.space[to].map_or(1, |axis| self.array.chunk[axis]).min(dims[to]);
-        [0, 1, 2].map(side)
-    }
-
-    /// Chunks along x, y and z.
-    pub fn counts(&self) -> [u64; 3] {
-        let (dims, side) = (self.dims(), self.side());
-        [0, 1, 2].map(|to| dims[to].div_ceil(side[to]))
-    }
-
-    /// Bytes that reading a chunk takes: packed, unpacked, and twice what is kept of it.
-    pub fn reading_bytes(&self) -> u64 {
-        4 * self.array.chunk_bytes().unwrap_or(u64::MAX / 8)
     }
 
     /// The chunk's number along each axis of the array.
@@ -126,11 +106,119 @@ impl Chunks {
         self.array.path(&index)
     }
 
-    /// The bytes of a box of voxels in a chunk, x fastest: `first` and `dims` count from the chunk's first voxel.
-    ///
-    /// # Errors
-    /// [`ReadError`] names the file, what was wrong and what was expected.
-    pub fn read(&self, chunk: [u64; 3], first: [u64; 3], dims: [u64; 3]) -> Result<Vec<u8>, ReadError> {
+    /// All values of a chunk, as many as the metadata state; `None` of one that is not there.
+    fn unpacked(&self, chunk: [u64; 3]) -> Result<Option<Vec<u8>>, ReadError> {
+        let path = self.path(chunk);
+        let fail = |problem| ReadError::new(&path, problem);
+        let packed = self.packed(&path, chunk).map_err(|error| match error.kind() {
+            io::ErrorKind::InvalidData | io::ErrorKind::UnexpectedEof => fail(Problem::format(NAME, error.to_string())),
+            _ => fail(Problem::io("read the chunk")(error)),
+        })?;
+        let Some(packed) = packed else {
+            return Ok(None);
+        };
+        let expected = self.array.chunk_bytes().and_then(|bytes| usize::try_from(bytes).ok());
+        let unpacked = codecs::unpacked(&self.array.codecs, packed, expected.unwrap_or(usize::MAX));
+        unpacked.map(Some).map_err(|fault| fail(Problem::format(NAME, fault)))
+    }
+
+    /// The bytes of a chunk in its file.
+    fn packed(&self, path: &Path, chunk: [u64; 3]) -> io::Result<Option<Vec<u8>>> {
+        let kind = match fs::metadata(path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            kind => kind?,
+        };
+        if !kind.is_file() {
+            return Err(damage("is no regular file, expected a chunk".into()));
+        }
+        if kind.len() > 2 * MAX_BYTES && self.array.shard.is_none() {
+            return Err(damage(format!("has {} bytes, more than any chunk", kind.len())));
+        }
+        let mut file = File::open(path)?;
+        let mut packed = Vec::new();
+        let Some(index) = &self.array.shard else {
+            file.read_to_end(&mut packed)?;
+            return Ok(Some(packed));
+        };
+        let places = self.kept(path);
+        let places = match places {
+            Some(places) => places,
+            None => {
+                let places = Arc::new(index.read(&mut file, kind.len())?);
+                let mut kept = self.indices.lock().unwrap_or_else(PoisonError::into_inner);
+                kept.truncate(KEPT_MAX - 1);
+                kept.insert(0, (path.to_owned(), places.clone()));
+                places
+            }
+        };
+        let within = self.index(chunk).into_iter().zip(&index.counts);
+        let number = within.fold(0, |number, (i, count)| number * count + i % count);
+        let Some([start, len]) = places.get(number as usize).copied().flatten() else {
+            return Ok(None);
+        };
+        file.seek(SeekFrom::Start(start))?;
+        file.take(len).read_to_end(&mut packed)?;
+        Ok(Some(packed))
+    }
+
+    /// The index of a shard that was read before.
+    fn kept(&self, path: &Path) -> Option<Arc<Places>> {
+        let kept = self.indices.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = kept.iter().find(|(of, _)| of == path);
+        found.map(|(_, places)| places.clone())
+    }
+
+    /// The bytes of a layer of chunks.
+    fn layer(&self, z: u64) -> Result<Vec<u8>, ReadError> {
+        let (dims, side, counts) = (self.dims(), self.side(), self.counts());
+        let value_len = self.array.value_type.byte_len() as usize;
+        let box_of = |chunk: [u64; 3]| {
+            let first = [0, 1, 2].map(|to| chunk[to] * side[to]);
+            (first, [0, 1, 2].map(|to| side[to].min(dims[to] - first[to])))
+        };
+        let (_, [_, _, slices]) = box_of([0, 0, z]);
+        let mut layer = vec![0; (dims[0] * dims[1] * slices) as usize * value_len];
+        let places: Vec<[u64; 3]> = (0..counts[1])
+            .flat_map(|y| (0..counts[0]).map(move |x| [x, y, z]))
+            .collect();
+        for places in places.chunks(4 * rayon::current_num_threads()) {
+            let read = |&chunk: &[u64; 3]| Ok((chunk, self.read(chunk, [0; 3], box_of(chunk).1)?));
+            let read: Result<Vec<_>, ReadError> = places.par_iter().map(read).collect();
+            for (chunk, bytes) in read? {
+                let ([x, y, _], sides) = box_of(chunk);
+                let [nx, ny, _] = sides.map(|side| side as usize);
+                for (number, row) in bytes.chunks_exact(nx * value_len).enumerate() {
+                    let (k, j) = (number / ny, number % ny + y as usize);
+                    let start = ((k * dims[1] as usize + j) * dims[0] as usize + x as usize) * value_len;
+                    layer[start..start + row.len()].copy_from_slice(row);
+                }
+            }
+        }
+        Ok(layer)
+    }
+}
+
+impl Chunked for Chunks {
+    fn folder(&self) -> &Path {
+        &self.array.folder
+    }
+
+    fn side(&self) -> [u64; 3] {
+        let dims = self.dims();
+        let side = |to: usize| self.space[to].map_or(1, |axis| self.array.chunk[axis]).min(dims[to]);
+        [0, 1, 2].map(side)
+    }
+
+    fn counts(&self) -> [u64; 3] {
+        let (dims, side) = (self.dims(), self.side());
+        [0, 1, 2].map(|to| dims[to].div_ceil(side[to]))
+    }
+
+    fn reading_bytes(&self) -> u64 {
+        4 * self.array.chunk_bytes().unwrap_or(u64::MAX / 8)
+    }
+
+    fn read(&self, chunk: [u64; 3], first: [u64; 3], dims: [u64; 3]) -> Result<Vec<u8>, ReadError> {
         let array = &self.array;
         let value_len = array.value_type.byte_len() as usize;
         let count = dims.iter().product::<u64>() as usize;
@@ -169,73 +257,7 @@ impl Chunks {
         Ok(out)
     }
 
-    /// All values of a chunk, as many as the metadata state; `None` of one that is not there.
-    fn unpacked(&self, chunk: [u64; 3]) -> Result<Option<Vec<u8>>, ReadError> {
-        let path = self.path(chunk);
-        let fail = |problem| ReadError::new(&path, problem);
-        let packed = self.packed(&path, chunk).map_err(|error| match error.kind() {
-            io::ErrorKind::InvalidData | io::ErrorKind::UnexpectedEof => fail(Problem::format(NAME, error.to_string())),
-            _ => fail(Problem::io("read the chunk")(error)),
-        })?;
-        let Some(packed) = packed else {
-            return Ok(None);
-        };
-        let expected = self.array.chunk_bytes().and_then(|bytes| usize::try_from(bytes).ok());
-        let unpacked = codecs::unpacked(&self.array.codecs, packed, expected.unwrap_or(usize::MAX));
-        unpacked.map(Some).map_err(|fault| fail(Problem::format(NAME, fault)))
-    }
-
-    /// The bytes of a chunk in its file.
-    fn packed(&self, path: &Path, chunk: [u64; 3]) -> io::Result<Option<Vec<u8>>> {
-        let kind = match fs::metadata(path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            kind => kind?,
-        };
-        if !kind.is_file() {
-            return Err(codecs::damage("is no regular file, expected a chunk".into()));
-        }
-        if kind.len() > 2 * MAX_BYTES && self.array.shard.is_none() {
-            return Err(codecs::damage(format!("has {} bytes, more than any chunk", kind.len())));
-        }
-        let mut file = File::open(path)?;
-        let mut packed = Vec::new();
-        let Some(index) = &self.array.shard else {
-            file.read_to_end(&mut packed)?;
-            return Ok(Some(packed));
-        };
-        let places = self.kept(path);
-        let places = match places {
-            Some(places) => places,
-            None => {
-                let places = Arc::new(index.read(&mut file, kind.len())?);
-                let mut kept = self.indices.lock().unwrap_or_else(PoisonError::into_inner);
-                kept.truncate(KEPT_MAX - 1);
-                kept.insert(0, (path.to_owned(), places.clone()));
-                places
-            }
-        };
-        let within = self.index(chunk).into_iter().zip(&index.counts);
-        let number = within.fold(0, |number, (i, count)| number * count + i % count);
-        let Some([start, len]) = places.get(number as usize).copied().flatten() else {
-            return Ok(None);
-        };
-        file.seek(SeekFrom::Start(start))?;
-        file.take(len).read_to_end(&mut packed)?;
-        Ok(Some(packed))
-    }
-
-    /// The index of a shard that was read before.
-    fn kept(&self, path: &Path) -> Option<Arc<Places>> {
-        let kept = self.indices.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = kept.iter().find(|(of, _)| of == path);
-        found.map(|(_, places)| places.clone())
-    }
-
-    /// All values, x fastest.
-    ///
-    /// # Errors
-    /// As [`Chunks::read`]; or if they would take more memory than packed values may.
-    pub fn values(&self, layout: &Layout) -> Result<Values, ReadError> {
+    fn values(&self, layout: &Layout) -> Result<Values, ReadError> {
         let fail = |problem: Problem| ReadError::new(self.folder(), problem);
         let count = voxel_count(layout.dims).map_err(|error| fail(error.into()))?;
         let bytes = count * layout.value_type.byte_len();
@@ -260,35 +282,6 @@ impl Chunks {
         let (values, end) = decoded.map_err(fail)?;
         end.map_err(Problem::io("read the chunks")).map_err(fail)?;
         Ok(values)
-    }
-
-    /// The bytes of a layer of chunks.
-    fn layer(&self, z: u64) -> Result<Vec<u8>, ReadError> {
-        let (dims, side, counts) = (self.dims(), self.side(), self.counts());
-        let value_len = self.array.value_type.byte_len() as usize;
-        let box_of = |chunk: [u64; 3]| {
-            let first = [0, 1, 2].map(|to| chunk[to] * side[to]);
-            (first, [0, 1, 2].map(|to| side[to].min(dims[to] - first[to])))
-        };
-        let (_, [_, _, slices]) = box_of([0, 0, z]);
-        let mut layer = vec![0; (dims[0] * dims[1] * slices) as usize * value_len];
-        let places: Vec<[u64; 3]> = (0..counts[1])
-            .flat_map(|y| (0..counts[0]).map(move |x| [x, y, z]))
-            .collect();
-        for places in places.chunks(4 * rayon::current_num_threads()) {
-            let read = |&chunk: &[u64; 3]| Ok((chunk, self.read(chunk, [0; 3], box_of(chunk).1)?));
-            let read: Result<Vec<_>, ReadError> = places.par_iter().map(read).collect();
-            for (chunk, bytes) in read? {
-                let ([x, y, _], sides) = box_of(chunk);
-                let [nx, ny, _] = sides.map(|side| side as usize);
-                for (number, row) in bytes.chunks_exact(nx * value_len).enumerate() {
-                    let (k, j) = (number / ny, number % ny + y as usize);
-                    let start = ((k * dims[1] as usize + j) * dims[0] as usize + x as usize) * value_len;
-                    layer[start..start + row.len()].copy_from_slice(row);
-                }
-            }
-        }
-        Ok(layer)
     }
 }
 

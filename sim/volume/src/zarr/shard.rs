@@ -5,7 +5,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 
 use serde_json::Value;
 
-use super::codecs::damage;
+use super::unpacked::damage;
 
 /// Chunks that a shard may have.
 const CHUNKS_MAX: u64 = 1 << 20;

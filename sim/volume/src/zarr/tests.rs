@@ -11,9 +11,10 @@ use proptest::test_runner::RngSeed;
 use tempfile::TempDir;
 
 use crate::choice::{Choice, NanRule};
+use crate::decoded::Decoded;
 use crate::mapping::Window;
 use crate::open::{Options, load, read, read_colours, read_with};
-use crate::values::{Decoded, ValueType, Values};
+use crate::values::{ValueType, Values};
 
 const STORES: &[u8] = include_bytes!("tests/stores.json.gz");
 
