@@ -18,11 +18,11 @@ mod remainder;
 mod rows;
 
 pub use self::cue::{Cue, CuePlane};
-pub(crate) use self::pieces::Boxed;
+pub(crate) use self::pieces::{Boxed, Distances, Left};
 use self::remainder::Ramp;
 pub use self::remainder::Remainder;
+pub(crate) use self::rows::Clipping;
 use self::rows::RowKernels;
-pub(crate) use self::rows::{Clipping, Distances, Left};
 use crate::borders::{Borders, Part, WHOLE};
 use crate::format::{Distance, Intensity, Vector};
 use crate::lanes::{Lanes, Native};

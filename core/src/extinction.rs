@@ -13,12 +13,10 @@
 //! `vt = (q² + 2^16) >> 17`, `vk = (257 O vt + 2^15) >> 16`. Rounding: nearest. Overflow: q² + 2^16 <= 4294901761 < 2^32, and 65535 ·
 //! 32767 + 2^15 < 2^31. vk <= vt, and vk = vt where O is 255, by exhaustion. State: none.
 
-mod factor;
 mod slopes;
 
 use core::iter::zip;
 
-pub use self::factor::{Absorption, CENTRED_PHI, DEPTH_MAX, Medium, MediumError, PHI, Phi, phi};
 pub use self::slopes::Eighths;
 use crate::rows::take;
 use crate::slice::{Region, RowRange, Slice, SliceError, Voxel};

@@ -75,6 +75,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod absorption;
 pub mod borders;
 pub mod classify;
 pub mod clip;
@@ -109,6 +110,7 @@ mod rows;
 pub mod screen;
 pub mod seen;
 pub mod shade;
+pub mod sides;
 pub mod slice;
 pub mod splat;
 pub mod stage;

@@ -22,7 +22,8 @@ use core::ops::Range;
 
 use crate::format::{Intensity, Position, Step, Vector};
 use crate::lanes::{Lanes, Wide as _};
-use crate::plan::PlanError;
+use crate::plan::{Plan, PlanError, Sampling, Spacing};
+use crate::view::View;
 
 /// How far the eye may lie before the first voxel, and behind the last, along each axis, voxels.
 pub const EYE_MAX: i32 = 32767;
@@ -150,6 +151,29 @@ impl core::error::Error for EyeError {}
 impl From<PlanError> for EyeError {
     fn from(error: PlanError) -> Self {
         Self::Plan(error)
+    }
+}
+
+impl Plan {
+    /// A plan of rays that spread from an eye ([`perspective`](crate::perspective)), with [`Borders::Whole`], and these rays, which a pipeline
+    /// in perspective has beside it ([`plane::Perspective`](crate::plane::Perspective)). Of the view only axis and
+    /// sense count. `rays_per_voxel` is of the last slice; all rays are of one phase.
+    ///
+    /// Base plane: the columns and rows of pixels in the last slice whose rays meet the volume in front of the eye.
+    ///
+    /// # Errors
+    /// [`EyeError`], with what is out of range.
+    pub fn perspective(
+        view: View,
+        dims: [u32; 3],
+        spacing: Spacing,
+        sampling: Sampling,
+        eye: Eye,
+    ) -> Result<(Self, Spread), EyeError> {
+        let plan = Self::whole(view.straight(), dims, spacing, sampling)?;
+        let rate = (sampling.rays_per_voxel, sampling.planes_per_voxel);
+        let spread = Spread::of(eye, plan.volume(), plan.spacing(), rate)?;
+        Ok((plan.spreading(spread.base()), spread))
     }
 }
 

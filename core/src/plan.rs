@@ -6,11 +6,11 @@
 mod faces;
 mod rays;
 
+use core::any::Any;
+
 use crate::borders::Borders;
 use crate::crop::Faces;
 use crate::format::{Intensity, Step};
-use crate::perspective::{Eye, EyeError, Spread};
-use crate::plane::parts::{CELLS, Exact, NODES};
 use crate::view::{View, ratio};
 
 pub use rays::{LEVEL_MAX, LevelError, Rays};
@@ -83,6 +83,27 @@ pub struct Plan {
     spreads: bool,
     /// `None`: whole borders.
     exact: Option<&'static Exact>,
+}
+
+/// Exact borders, and the plane layer's code of them, which it knows again: a program whose plans have whole borders does not link
+/// it.
+pub(crate) struct Exact {
+    pub(crate) borders: Borders,
+    pub(crate) code: &'static (dyn Any + Sync),
+}
+
+impl PartialEq for Exact {
+    fn eq(&self, other: &Self) -> bool {
+        self.borders == other.borders
+    }
+}
+
+impl Eq for Exact {}
+
+impl core::fmt::Debug for Exact {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        self.borders.fmt(f)
+    }
 }
 
 /// Why a scene has no plan.
@@ -169,19 +190,6 @@ impl core::fmt::Display for PlanError {
 impl core::error::Error for PlanError {}
 
 impl Plan {
-    /// Plans a frame whose borders are [`Borders::Cells`]: volume sides along x, y, z in voxels, spacing, sampling rates.
-    ///
-    /// Base plane: the fewest columns and rows that hold all rays that meet the box; rays start at whole voxels (plus their
-    /// phase).
-    ///
-    /// A `const` plan sizes arrays: `Needs::of` (`stream`) is `const` too, and `Reserved` holds what it counts.
-    ///
-    /// # Errors
-    /// [`PlanError`], with the value that is out of range.
-    pub const fn new(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
-        Self::of(view, dims, spacing, sampling, Some(&CELLS))
-    }
-
     /// [`Plan::new`] with [`Borders::Whole`]. A program all of whose plans are of this kind does not link what exact borders
     /// need.
     ///
@@ -194,25 +202,11 @@ impl Plan {
         Self::of(view, dims, spacing, sampling, None)
     }
 
-    /// [`Plan::new`] with a choice of borders, or [`Plan::whole`].
+    /// Of exact borders, or of whole ones.
     ///
     /// # Errors
     /// [`PlanError`], with the value that is out of range.
-    pub const fn with_borders(
-        view: View,
-        dims: [u32; 3],
-        spacing: Spacing,
-        sampling: Sampling,
-        borders: Borders,
-    ) -> Result<Self, PlanError> {
-        match borders {
-            Borders::Whole => Self::whole(view, dims, spacing, sampling),
-            Borders::Cells => Self::new(view, dims, spacing, sampling),
-            Borders::Nodes => Self::of(view, dims, spacing, sampling, Some(&NODES)),
-        }
-    }
-
-    const fn of(
+    pub(crate) const fn of(
         view: View,
         dims: [u32; 3],
         spacing: Spacing,
@@ -276,34 +270,17 @@ impl Plan {
         Ok(plan)
     }
 
-    /// A plan of rays that spread from an eye ([`perspective`](crate::perspective)), with [`Borders::Whole`], and these rays, which a pipeline
-    /// in perspective has beside it ([`plane::Perspective`](crate::plane::Perspective)). Of the view only axis and
-    /// sense count. `rays_per_voxel` is of the last slice; all rays are of one phase.
-    ///
-    /// Base plane: the columns and rows of pixels in the last slice whose rays meet the volume in front of the eye.
-    ///
-    /// # Errors
-    /// [`EyeError`], with what is out of range.
-    pub fn perspective(
-        view: View,
-        dims: [u32; 3],
-        spacing: Spacing,
-        sampling: Sampling,
-        eye: Eye,
-    ) -> Result<(Self, Spread), EyeError> {
-        let plan = Self::whole(view.straight(), dims, spacing, sampling)?;
-        let rate = (sampling.rays_per_voxel, sampling.planes_per_voxel);
-        let spread = Spread::of(eye, plan.volume, plan.spacing, rate)?;
-        let plan = Self {
-            base: spread.base(),
+    /// The same of rays that spread, with this base plane; all rays are of one phase.
+    pub(crate) const fn spreading(self, base: [u32; 2]) -> Self {
+        Self {
+            base,
             sampling: Sampling {
                 rays_per_voxel: 1,
-                ..sampling
+                ..self.sampling
             },
             spreads: true,
-            ..plan
-        };
-        Ok((plan, spread))
+            ..self
+        }
     }
 
     /// Whether its rays come from an eye: those of the [`Spread`] that was made with it.

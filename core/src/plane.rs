@@ -26,6 +26,7 @@
 //! | `fold`, `blocks` | the driver, and the two ways through a plane |
 //! | `scratch` | memory of the rows under way |
 
+mod bands;
 mod blocks;
 mod canvas;
 mod clipped;
@@ -37,6 +38,7 @@ mod fold;
 mod kept;
 mod kernels;
 pub(crate) mod parts;
+mod places;
 mod probe;
 mod project;
 mod rgba;
@@ -52,6 +54,7 @@ mod spread;
 
 use core::fmt::Debug;
 
+pub use self::bands::{BandMemory, fold_band};
 pub use self::composite::Composite;
 pub use self::depth::{Depth, NO_DEPTH};
 pub use self::fast::{Fast, FastProject};

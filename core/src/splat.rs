@@ -31,7 +31,7 @@ mod tests_from_eye;
 
 use core::fmt;
 
-pub use self::band::{Bands, Memory, fold_band};
+pub use self::band::Bands;
 pub use self::bins::{BLOCK, Bins, Needed, Voxels, measure_layer};
 pub use self::eye::{DISTANCES, Eye, PLACE_MAX, Rays, tilted};
 pub use self::kernel::{Kernel, product};

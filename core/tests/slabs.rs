@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use slicecast::borders::{Borders, Part, Side, along_k};
+use slicecast::borders::{Borders, Part};
 use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, Channel, Dither, FrontToBack, Order, Recurrence, settle};
 use slicecast::cut::Cut;
@@ -19,6 +19,8 @@ use slicecast::plane::{At, ChannelOf, Composite, Depth, Kept, NO_DEPTH, Pipeline
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::seen::{Grain, Seen};
 use slicecast::shade::{Highlight, Light, Phong, Shader, Unlit};
+use slicecast::sides::Side;
+use slicecast::sides::along_k;
 use slicecast::slice::{Code12, RowRange, Slice, Window};
 use slicecast::stream::{Memory, Needs, Stream};
 use slicecast::surface::{Face, Surface, VALUE_MAX};

@@ -1,9 +1,9 @@
 //! A frame of colour and extinction stated in integers, and its way through the pipeline.
 
+use slicecast::absorption::Medium;
 use slicecast::borders::Borders;
 use slicecast::clip::{Clip, Cue};
 use slicecast::crop::Crop;
-use slicecast::extinction::Medium;
 use slicecast::format::Direction;
 use slicecast::plan::{Plan, PlanError, Sampling, Spacing};
 use slicecast::view::View;

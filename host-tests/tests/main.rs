@@ -3,6 +3,7 @@
 mod beside;
 mod c_segments;
 mod c_stages;
+mod circles;
 mod colours;
 mod contract;
 mod exhaustive;

@@ -1,7 +1,9 @@
 //! Volumes of colour and extinction from C: their pipelines, the scale of a scene, and the codes of entries.
 
+use slicecast::absorption::Medium;
+use slicecast::absorption::MediumError;
 use slicecast::composite::Weighted;
-use slicecast::extinction::{MAX_CODE, Medium, MediumError, decode};
+use slicecast::extinction::{MAX_CODE, decode};
 use slicecast::plan::Plan;
 use slicecast::plane::{Pictured, Rgba};
 use slicecast::precision::{Compact, Precision, Wide};

@@ -3,10 +3,11 @@
 use core::ffi::c_void;
 use core::ptr::{null, null_mut};
 
+use slicecast::absorption::Medium;
 use slicecast::borders::Borders;
 use slicecast::classify::entry;
 use slicecast::composite::{Channel, Weighted};
-use slicecast::extinction::{Given, Medium};
+use slicecast::extinction::Given;
 use slicecast::format::{Coefficient, Direction, Intensity, Vector};
 use slicecast::plan::{Plan, Sampling, Spacing};
 use slicecast::plane::{Pipeline, Rgba};

@@ -1,8 +1,11 @@
 use super::*;
 use crate::crop::Crop;
 use crate::format::Direction;
+use crate::format::Position;
 use crate::locate::cut;
+use crate::plan::Plan;
 use crate::plan::{PlanError, Sampling, Spacing};
+use crate::sides::{Side, about_k, along_k};
 use crate::view::View;
 use proptest::prelude::*;
 

@@ -2,9 +2,19 @@
 
 use core::ops::Range;
 
-use super::rows::{Distances, Left};
 use super::{CLIPS_MAX, ClipPlane, Clips, Remainder};
 use crate::borders::Part;
+
+/// What clip planes leave of some rows of a plane.
+pub(crate) struct Left {
+    /// Columns outside of which nothing is left.
+    pub(crate) columns: Range<usize>,
+    /// Whether all of it is left.
+    pub(crate) whole: bool,
+}
+
+/// The distances of the ends of pixel (0, 0)'s segment from each clip plane, and behind them the depths of depth cueing.
+pub(crate) type Distances = [[i64; 2]; CLIPS_MAX + 1];
 
 /// Segments of some columns, side by side, and the part of them that the volume's box leaves.
 #[derive(Clone, Debug)]

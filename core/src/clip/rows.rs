@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use super::pieces::{Boxed, Pieces, of_rows};
+use super::pieces::{Boxed, Distances, Left, Pieces, of_rows};
 use super::{CLIPS_MAX, Clips, CuePlane, Remainder, cue, halves, times};
 use crate::borders::{fraction_row, fractions_row};
 use crate::lanes::{Kernel, Lanes, Native};
@@ -46,17 +46,6 @@ impl<V: Lanes> Kernel for (Fade, PhantomData<V>, &mut [i32], &[i32]) {
 
 /// Columns whose shares are at hand at a time.
 const BATCH: usize = 64;
-
-/// What clip planes leave of some rows of a plane.
-pub(crate) struct Left {
-    /// Columns outside of which nothing is left.
-    pub(crate) columns: Range<usize>,
-    /// Whether all of it is left.
-    pub(crate) whole: bool,
-}
-
-/// The distances of the ends of pixel (0, 0)'s segment from each clip plane, and behind them the depths of depth cueing.
-pub(crate) type Distances = [[i64; 2]; CLIPS_MAX + 1];
 
 /// What the plane layer asks of clip planes. Behind a reference, so that a program without them does not link it.
 pub(crate) trait Clipping: core::fmt::Debug + Sync {

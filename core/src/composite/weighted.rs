@@ -13,7 +13,10 @@
 use core::iter::zip;
 
 use super::{Channel as _, Dither, Dithered, Pixel, PixelRow, Recurrence, Telescoping31};
-use crate::extinction::{Absorption, CENTRED_PHI, PHI, Phi};
+use crate::absorption::Absorption;
+use crate::absorption::CENTRED_PHI;
+use crate::absorption::PHI;
+use crate::absorption::Phi;
 use crate::lanes::{Lanes, Wide as _, places};
 use crate::rows::{four, part};
 

@@ -10,6 +10,7 @@ use super::clipped::Clipped;
 use super::extent::Extent;
 use super::fold::Batches;
 use super::kernels::ClassifierRows;
+use super::places::Places;
 use super::scratch::BATCH;
 use super::source::SourceAt;
 use crate::classify::Slab;
@@ -17,54 +18,6 @@ use crate::composite::Colours;
 use crate::rows::part_mut;
 use crate::seen::Seen;
 use crate::tap::Beam;
-
-/// Places of vectors in a plane: the row of the image that each lies in, counted from the first, and its first column in the
-/// volume.
-pub(super) struct Places<'s> {
-    rows: &'s mut [i32],
-    columns: &'s mut [i32],
-    /// Voxel row before the samples of the first row.
-    voxel_row: i32,
-    /// Columns of a block.
-    block: usize,
-    /// Column of the volume under `first`, and behind the last sample.
-    inside: Range<usize>,
-    /// First column of the image.
-    first: usize,
-    lanes: usize,
-}
-
-impl Places<'_> {
-    #[inline(always)]
-    pub(super) fn set(&mut self, number: usize, (row, column): (usize, usize)) {
-        if let (Some(r), Some(c)) = (self.rows.get_mut(number), self.columns.get_mut(number)) {
-            (*r, *c) = (row as i32, column as i32);
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn get(&self, number: usize) -> (usize, usize) {
-        match (self.rows.get(number), self.columns.get(number)) {
-            (Some(row), Some(column)) => (*row as usize, *column as usize),
-            _ => (0, 0),
-        }
-    }
-
-    /// Voxel row before the samples of a row.
-    #[inline(always)]
-    pub(super) fn voxel_row(&self, row: usize) -> i32 {
-        self.voxel_row.wrapping_add(row as i32)
-    }
-
-    /// Columns of the image that the vector at a column of the volume covers: those of its block.
-    #[inline(always)]
-    pub(super) fn pixels(&self, column: usize) -> Range<usize> {
-        let block_end = (column & !(self.block - 1)) + self.block;
-        let end = block_end.min(column + self.lanes).min(self.inside.end);
-        let first = self.first + (column - self.inside.start);
-        first..first + end.saturating_sub(column)
-    }
-}
 
 /// The way through the blocks of some rows, vector by vector.
 struct Walk<'a> {

@@ -3,12 +3,12 @@
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use super::blocks::Places;
+use super::places::Places;
+use crate::absorption::Absorption;
 use crate::composite::{
     Channel, Colours, Dither, FrontToBack, Order, PixelRow, Recurrence, Weighted, fold_at, fold_row, fold_visible_row,
     fold_weighted_row,
 };
-use crate::extinction::Absorption;
 use crate::lanes::{Kernel, Lanes, places};
 use crate::modulate::modulated;
 use crate::rows::part;

@@ -9,7 +9,7 @@ use super::extent::Extent;
 use super::fold::WholeRows;
 use super::kept::{Kept, KeptRows};
 use super::kernels::{Kernels, PartRows, ShaderRows};
-use super::parts::{Columns, Parts, Segments};
+use super::parts::{Columns, Parts, Segments, code};
 use super::probe::Probes;
 use super::scratch::{self, BATCH, BATCH_WIDTH, Scratch, ScratchError};
 use super::slabs::{SlabProbes, Slabs};
@@ -228,7 +228,7 @@ fn fold_extent<V, A, P, C, S, X>(
     }
     let (precision, first, count) = (slots.precision, slots.first, slots.count);
     slots.canvas.begin(extent.columns.clone());
-    slots.classifier.begin(extent, plan.exact());
+    slots.classifier.begin(extent, code(plan));
     let clipped = Clipped::of(rest, extent, precision.pixel().colour_bits());
     let spacing = plan.spacing();
     // Two constants, before which no code for blocks is compiled.

@@ -18,7 +18,7 @@ use super::composite::again;
 use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kernels::{ClassifierRows, ShaderRows};
-use super::parts::{Columns, Parts, Samples};
+use super::parts::{Columns, Parts, Samples, code};
 use super::scratch::{self, BatchRows, FastScratch, ScratchError};
 use super::source::Source;
 use super::{At, Kept, Pipeline, Rows};
@@ -100,7 +100,7 @@ where
             plane.index,
             self.floor,
         );
-        let classifier = FastKernels::<_, V>::of(&self.table, extent, plan.exact());
+        let classifier = FastKernels::<_, V>::of(&self.table, extent, code(plan));
         let shader = Lit::<S, V>::of(&self.shader);
         batch.opacities = part_mut(batch.opacities, 0..n);
         let mut short = Short::<V, S>::new((extent, window), plan.spacing(), (z, samples), (derivatives, slope));

@@ -5,8 +5,7 @@
 //! planes. Rows that were left out, or of which nothing is kept, are made from the slices: the same bits.
 
 use super::extent::Extent;
-use super::scratch::{LINE, ScratchError};
-use super::source::NO_ROW;
+use super::scratch::{LINE, NO_ROW, ScratchError};
 use crate::rows::take;
 
 /// Rows of samples of the two planes that were folded last, for some rows of the image.

@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use super::extent::Extent;
-use super::parts::Exact;
+use super::parts::Code;
 use crate::borders::{Part, WHOLE, fraction_row};
 use crate::classify::{Classifier, Slab};
 use crate::composite::Colours;
@@ -31,7 +31,7 @@ pub(super) trait ClassifierRows<W> {
 /// Row kernels of a classifier, of a plane's parts.
 pub(super) trait PartRows<W>: ClassifierRows<W> {
     /// Says of which extent rows are from now on: what of each step or segment counts.
-    fn begin(&mut self, extent: &Extent, exact: Option<&'static Exact>);
+    fn begin(&mut self, extent: &Extent, exact: Option<&'static Code>);
 }
 
 /// Row kernels of a shader.
@@ -79,7 +79,7 @@ pub(super) struct Kernels<'a, T, P, V>(&'a T, P, Fractions, PhantomData<V>);
 struct Fractions {
     row: u32,
     ends: [Option<u32>; 2],
-    exact: Option<&'static Exact>,
+    exact: Option<&'static Code>,
 }
 
 impl<'a, T, P: Precision, V> Kernels<'a, T, P, V> {
@@ -96,7 +96,7 @@ impl<'a, T, P: Precision, V> Kernels<'a, T, P, V> {
 
 impl<C: Classifier<P>, P: Precision, V: Lanes> PartRows<i32> for Kernels<'_, C, P, V> {
     #[inline(always)]
-    fn begin(&mut self, extent: &Extent, exact: Option<&'static Exact>) {
+    fn begin(&mut self, extent: &Extent, exact: Option<&'static Code>) {
         self.2 = Fractions {
             row: extent.part.length(),
             ends: two(extent.ends, |end| end.map(Part::length)),

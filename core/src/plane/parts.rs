@@ -5,16 +5,99 @@
 //! at most one at each end, of segments two. All pixels of a part share cells and the part of the segment, so each is folded like
 //! a plane of its own. A crop box is another box: its faces lie in the plan.
 
+use core::any::Any;
 use core::ops::Range;
 
 use super::extent::Extent;
-use super::slabs::window_behind;
-use crate::borders::{Borders, Part, Side, about_k, along_k, fraction_row};
+use crate::borders::{Borders, Part, fraction_row};
 use crate::format::{Position, Weight};
 use crate::lanes::{Lanes, Small};
 use crate::locate::{Cell, Plane, cell, cut, end_plane, inside};
-use crate::plan::Plan;
+use crate::plan::{Exact, Plan, PlanError, Sampling, Spacing};
+use crate::sides::Side;
+use crate::sides::about_k;
+use crate::sides::along_k;
 use crate::slice::Window;
+use crate::view::View;
+
+/// The window of an end of segments, given that of their front ends: the same, or one slice further. `None` where the volume
+/// has no such slice. In the second of its slices only gradients read the one behind it; others must not look at it, because
+/// a ring has it no longer, or not yet, and the same rows are to be left out everywhere.
+pub(super) fn window_behind<'w>(window: &Window<'w>, further: bool, lit: bool) -> Option<Window<'w>> {
+    if !further {
+        return Some(*window);
+    }
+    Some(Window {
+        before: Some(window.near),
+        near: window.far?,
+        far: window.after.filter(|_| lit),
+        // Its weight is zero.
+        after: None,
+    })
+}
+
+/// What samples of exact borders are to the plane layer; a plan holds a reference ([`Exact`]). Segments need none: only their drivers
+/// call [`exact_segments`].
+pub(super) struct Code {
+    /// The next part of a plane of samples.
+    samples: for<'w> fn(&mut Parts<'_>, &Window<'w>) -> Option<Samples<'w>>,
+    /// Makes opacities those of a fraction, on a small machine.
+    pub(super) reduce: fn(&mut [i32], u32),
+}
+
+static CODE: Code = Code {
+    samples: exact_samples,
+    reduce: fraction_row::<Small>,
+};
+
+static CELLS: Exact = Exact {
+    borders: Borders::Cells,
+    code: &CODE,
+};
+
+static NODES: Exact = Exact {
+    borders: Borders::Nodes,
+    code: &CODE,
+};
+
+/// The code of a plan's exact borders, if it has such.
+pub(super) fn code(plan: &Plan) -> Option<&'static Code> {
+    let any: &dyn Any = plan.exact()?.code;
+    any.downcast_ref()
+}
+
+impl Plan {
+    /// Plans a frame whose borders are [`Borders::Cells`]: volume sides along x, y, z in voxels, spacing, sampling rates.
+    ///
+    /// Base plane: the fewest columns and rows that hold all rays that meet the box; rays start at whole voxels (plus their
+    /// phase).
+    ///
+    /// A `const` plan sizes arrays: `Needs::of` (`stream`) is `const` too, and `Reserved` holds what it counts.
+    ///
+    /// # Errors
+    /// [`PlanError`], with the value that is out of range.
+    pub const fn new(view: View, dims: [u32; 3], spacing: Spacing, sampling: Sampling) -> Result<Self, PlanError> {
+        Self::of(view, dims, spacing, sampling, Some(&CELLS))
+    }
+
+    /// [`Plan::new`] with a choice of borders, or [`Plan::whole`].
+    ///
+    /// # Errors
+    /// [`PlanError`], with the value that is out of range.
+    pub const fn with_borders(
+        view: View,
+        dims: [u32; 3],
+        spacing: Spacing,
+        sampling: Sampling,
+        borders: Borders,
+    ) -> Result<Self, PlanError> {
+        match borders {
+            Borders::Whole => Self::whole(view, dims, spacing, sampling),
+            Borders::Cells => Self::new(view, dims, spacing, sampling),
+            Borders::Nodes => Self::of(view, dims, spacing, sampling, Some(&NODES)),
+        }
+    }
+}
 
 /// Pixels of a plane, along one side.
 struct Axis {
@@ -141,45 +224,6 @@ impl Way {
     }
 }
 
-/// What samples of exact borders are to the plane layer. A plan holds a reference: a program whose plans have whole borders
-/// does not link it. Segments need none: only their drivers call [`exact_segments`].
-pub(crate) struct Exact {
-    pub(crate) borders: Borders,
-    /// The next part of a plane of samples.
-    samples: for<'w> fn(&mut Parts<'_>, &Window<'w>) -> Option<Samples<'w>>,
-    /// Makes opacities those of a fraction, on a small machine.
-    pub(super) reduce: fn(&mut [i32], u32),
-}
-
-impl Exact {
-    const fn of(borders: Borders) -> Self {
-        Self {
-            borders,
-            samples: exact_samples,
-            reduce: fraction_row::<Small>,
-        }
-    }
-}
-
-/// Exact borders of cells.
-pub(crate) static CELLS: Exact = Exact::of(Borders::Cells);
-/// Exact borders of nodes.
-pub(crate) static NODES: Exact = Exact::of(Borders::Nodes);
-
-impl PartialEq for Exact {
-    fn eq(&self, other: &Self) -> bool {
-        self.borders == other.borders
-    }
-}
-
-impl Eq for Exact {}
-
-impl core::fmt::Debug for Exact {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        self.borders.fmt(f)
-    }
-}
-
 /// How the columns at borders are folded, whose samples are cut or held.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Columns {
@@ -246,8 +290,8 @@ impl<'a> Parts<'a> {
 
     #[inline(always)]
     fn next_samples<'w>(&mut self, window: &Window<'w>) -> Option<Samples<'w>> {
-        if let Some(exact) = self.plan.exact() {
-            return (exact.samples)(self, window);
+        if let Some(code) = code(self.plan) {
+            return (code.samples)(self, window);
         }
         let Plane { x, y, z, .. } = *self.plane;
         let pixels = self.whole([[x; 2], [y; 2]])?;

@@ -3,8 +3,8 @@
 
 use core::marker::PhantomData;
 
-use super::blocks::Places;
 use super::extent::Extent;
+use super::places::Places;
 use super::source::{SourceAt, derivatives, spaced};
 use crate::format::Intensity;
 use crate::interpolate::{Difference, cut, kept, lerp_x, lerp_y};

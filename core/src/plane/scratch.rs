@@ -137,6 +137,9 @@ impl core::fmt::Display for ScratchError {
 
 impl core::error::Error for ScratchError {}
 
+/// A row number that no row has.
+pub(super) const NO_ROW: i32 = i32::MIN;
+
 /// Words of a line of the cache.
 pub(super) const LINE: usize = 16;
 

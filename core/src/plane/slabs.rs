@@ -6,8 +6,8 @@
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use super::blocks::Places;
 use super::extent::Extent;
+use super::places::Places;
 use super::probe::Probes;
 use super::source::{Sheared, Source, SourceAt};
 use crate::classify::Slab;
@@ -15,24 +15,7 @@ use crate::lanes::{Kernel, Lanes, places};
 use crate::precision::Precision;
 use crate::rows::{part_mut, three};
 use crate::shade::Asked;
-use crate::slice::Window;
 use crate::surface::turned;
-
-/// The window of an end of segments, given that of their front ends: the same, or one slice further. `None` where the volume
-/// has no such slice. In the second of its slices only gradients read the one behind it; others must not look at it, because
-/// a ring has it no longer, or not yet, and the same rows are to be left out everywhere.
-pub(super) fn window_behind<'w>(window: &Window<'w>, further: bool, lit: bool) -> Option<Window<'w>> {
-    if !further {
-        return Some(*window);
-    }
-    Some(Window {
-        before: Some(window.near),
-        near: window.far?,
-        far: window.after.filter(|_| lit),
-        // Its weight is zero.
-        after: None,
-    })
-}
 
 /// Rows of slabs of sheared rays.
 pub(super) struct Slabs<'s, 'w, P, V, A> {

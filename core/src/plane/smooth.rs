@@ -7,8 +7,8 @@ use core::marker::PhantomData;
 use core::ops::Range;
 
 use super::extent::Extent;
-use super::scratch::{SlopeRows, SmoothRows};
-use super::source::{NO_ROW, Source, spaced};
+use super::scratch::{NO_ROW, SlopeRows, SmoothRows};
+use super::source::{Source, spaced};
 use crate::classify::Slab;
 use crate::format::Intensity;
 use crate::lanes::{Kernel, Lanes};

@@ -7,10 +7,10 @@
 use core::marker::PhantomData;
 use core::ops::Range;
 
-use super::blocks::Places;
 use super::extent::Extent;
 use super::kept::KeptRows;
-use super::scratch::SourceRows;
+use super::places::Places;
+use super::scratch::{NO_ROW, SourceRows};
 use crate::classify::Slab;
 use crate::format::{Intensity, Weight};
 use crate::gradient::{coarsen_row, difference_row, space_row};
@@ -48,9 +48,6 @@ pub(super) trait SourceAt<W> {
         out: [&mut [W]; 3],
     );
 }
-
-/// A row number that no row has.
-pub(super) const NO_ROW: i32 = i32::MIN;
 
 /// Rows of samples of a plane: the three that gradients look at, or one, and those that outlive the fold of the plane.
 struct Samples<'s> {

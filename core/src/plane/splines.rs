@@ -6,7 +6,7 @@ use super::composite::{Composite, again};
 use super::fold::WholeRows;
 use super::kept::Kept;
 use super::kernels::{Kernels, PartRows, ShaderRows};
-use super::parts::{Columns, Parts, Samples};
+use super::parts::{Columns, Parts, Samples, code};
 use super::scratch::{self, ScratchError, SplineScratch};
 use super::slots::{AnySlots, Slots};
 use super::smooth::Sloped;
@@ -76,7 +76,7 @@ where
             continue;
         }
         slots.canvas.begin(extent.columns.clone());
-        slots.classifier.begin(extent, plan.exact());
+        slots.classifier.begin(extent, code(plan));
         let clipped = Clipped::of(&rest, extent, precision.pixel().colour_bits());
         batch.opacities = part_mut(batch.opacities, 0..extent.columns.len());
         let (rows, support) = (extent.met(slots.first, slots.count), (slots.support, clipped.as_ref()));

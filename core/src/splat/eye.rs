@@ -310,7 +310,7 @@ impl<'a> Rays<'a> {
     }
 
     /// Makes the rays of rows from `first` on, in memory of [`Rays::len`].
-    pub(super) fn make<V: Lanes>(eye: &'a Eye, rows: (u32, u32), lit: bool, memory: &'a mut [i32]) -> Self {
+    pub(crate) fn make<V: Lanes>(eye: &'a Eye, rows: (u32, u32), lit: bool, memory: &'a mut [i32]) -> Self {
         V::enter((Make, PhantomData::<V>, eye, rows, lit, memory))
     }
 

@@ -1,9 +1,10 @@
 //! Scenes as a device holds them: numbers of the pipeline's own formats, in flash.
 
+use slicecast::absorption::Medium;
+use slicecast::absorption::MediumError;
 use slicecast::classify::{AlphaCode, Colour16, Linear, Lookup, Nearest, PointTable, Sqrt8, Sqrt16};
 use slicecast::composite::{ChannelFormat, FrontToBack, Recurrence};
 use slicecast::cut::CutError;
-use slicecast::extinction::{Medium, MediumError};
 use slicecast::fast::FastPhong;
 use slicecast::format::{Coefficient, Direction, Intensity, Opacity, Step, Vector};
 use slicecast::integral::{Colours, Integral, IntegralError, Length};

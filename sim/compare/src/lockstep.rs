@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use slicecast::borders::{Side, along_k};
 use slicecast::classify::opacity_of_root;
 use slicecast::composite::{Channel, Recurrence};
 use slicecast::format::{Coefficient, Opacity, Position, Vector};
@@ -10,6 +9,8 @@ use slicecast::locate::{Plane, cut};
 use slicecast::plan::{Phase, Plan};
 use slicecast::precision::{Fast, NormalForm, Precision};
 use slicecast::shade::{formed, formed_nearest, keep, keep_vector};
+use slicecast::sides::Side;
+use slicecast::sides::along_k;
 use slicecast::tap::{Beam, Bits, Tap};
 
 use super::stages::{Stage, StageErrors};

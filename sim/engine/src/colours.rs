@@ -3,8 +3,9 @@
 //! Voxels are decoded once, along the view: 8 bytes each. Whole rows are folded; what has no extinction is left out by core.
 
 use rayon::prelude::*;
+use slicecast::absorption::Medium;
 use slicecast::composite::{ChannelFormat, Recurrence, Weighted};
-use slicecast::extinction::{Medium, Rgba15};
+use slicecast::extinction::Rgba15;
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Filter, Rgba, Triquadratic};
 use slicecast::precision::{Compact, Precision, Wide};

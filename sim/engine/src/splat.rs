@@ -12,13 +12,11 @@ use slicecast::classify::Support;
 use slicecast::composite::{Channel as _, ChannelFormat, FrontToBack, Pixel, Recurrence};
 use slicecast::format::{Direction, Intensity, Step};
 use slicecast::lanes::Lanes;
-use slicecast::plane::{Composite, FoldSheet, Pictured};
+use slicecast::plane::{BandMemory, Composite, FoldSheet, Pictured, fold_band};
 use slicecast::precision::Precision;
 use slicecast::shade::Unlit;
 use slicecast::slice::RowRange;
-use slicecast::splat::{
-    BLOCK, Bands, Bins, Kernel, Layout, Memory, Needed, PIXELS, Sheets, Splatting, Voxels, fold_band, measure_layer,
-};
+use slicecast::splat::{BLOCK, Bands, Bins, Kernel, Layout, Needed, PIXELS, Sheets, Splatting, Voxels, measure_layer};
 use slicecast::view::View;
 use slicecast::warp::Warp;
 use slicecast_scene::perspective::Perspective;
@@ -358,7 +356,7 @@ impl<'a> Splatted<'a> {
                         bins: &bins,
                         band: (bands, band as u32),
                         data,
-                        memory: Memory {
+                        memory: BandMemory {
                             sums,
                             samples,
                             scratch,
@@ -399,7 +397,7 @@ struct FoldBand<'f, L: FoldSheet> {
     bins: &'f [Bins<'f>],
     band: (Bands, u32),
     data: &'f mut [L::Element],
-    memory: Memory<'f>,
+    memory: BandMemory<'f>,
 }
 
 impl<L: FoldSheet> OverLanes for FoldBand<'_, L> {

@@ -19,12 +19,13 @@
 
 use std::ops::Range;
 
-use slicecast::borders::{Borders, Side, WHOLE};
+use slicecast::borders::{Borders, WHOLE};
 use slicecast::composite::{Channel as _, Dither, Recurrence};
 use slicecast::format::Position;
 use slicecast::locate::{Cell, Plane, cell, inside, plane};
 use slicecast::plan::Plan;
 use slicecast::precision::Precision;
+use slicecast::sides::Side;
 use slicecast::slice::Slice;
 use slicecast::stage::Stage;
 use slicecast::tap::{Beam, Bits, Tap};

@@ -1,9 +1,12 @@
 use super::*;
-use crate::borders::{Part, Side, about_k, along_k};
+use crate::borders::Part;
 use crate::crop::Crop;
 use crate::format::{Direction, Position};
 use crate::locate::{cut, plane};
 use crate::plan::{Sampling, Spacing};
+use crate::sides::Side;
+use crate::sides::about_k;
+use crate::sides::along_k;
 use crate::view::View;
 use proptest::prelude::*;
 use std::vec::Vec;

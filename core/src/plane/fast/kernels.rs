@@ -12,7 +12,7 @@ use crate::lanes::two::Two;
 use crate::lanes::{Halves, Kernel, Lanes};
 use crate::plane::extent::Extent;
 use crate::plane::kernels::{Beside, ClassifierRows, ShaderRows};
-use crate::plane::parts::Exact;
+use crate::plane::parts::Code;
 use crate::rows::{part_mut, three};
 use crate::shade::Unlit;
 
@@ -45,13 +45,13 @@ impl FastShader for FastPhong {
 pub(super) struct FastKernels<'a, T, V> {
     table: &'a T,
     /// What of each step counts, where it is less than all of it.
-    part: Option<(u32, &'static Exact)>,
+    part: Option<(u32, &'static Code)>,
     lanes: PhantomData<V>,
 }
 
 impl<'a, T, V> FastKernels<'a, T, V> {
     /// For the samples of an extent, whose columns count alike.
-    pub(super) fn of(table: &'a T, extent: &Extent, exact: Option<&'static Exact>) -> Self {
+    pub(super) fn of(table: &'a T, extent: &Extent, exact: Option<&'static Code>) -> Self {
         let fraction = extent.part.length();
         Self {
             table,
@@ -62,7 +62,7 @@ impl<'a, T, V> FastKernels<'a, T, V> {
 }
 
 /// Roots of opacities for parts of steps: by way of the opacities, of which there are few.
-fn reduce_roots(roots: &mut [u16], fraction: u32, exact: &Exact) {
+fn reduce_roots(roots: &mut [u16], fraction: u32, exact: &Code) {
     for roots in roots.chunks_mut(64) {
         let mut opacities = [0; 64];
         let opacities = part_mut(&mut opacities, 0..roots.len());

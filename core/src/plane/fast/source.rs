@@ -17,7 +17,8 @@ use crate::format::Intensity;
 use crate::interpolate::Difference;
 use crate::lanes::{Halves, Kernel, Lanes};
 use crate::plane::extent::Extent;
-use crate::plane::source::{NO_ROW, Source, derivatives};
+use crate::plane::scratch::NO_ROW;
+use crate::plane::source::{Source, derivatives};
 use crate::rows::{part, part_mut};
 use crate::slice::Window;
 

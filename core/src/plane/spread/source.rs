@@ -3,8 +3,9 @@
 use core::marker::PhantomData;
 use core::ops::Range;
 
+use super::super::scratch::NO_ROW;
 use super::super::scratch::SpreadScratch;
-use super::super::source::{NO_ROW, derivatives, spaced};
+use super::super::source::{derivatives, spaced};
 use crate::borders::lengths_row;
 use crate::format::{Intensity, Weight};
 use crate::interpolate::{cut, extend_row, lerp_x, lerp_y, z_difference_row, z_row};

@@ -1,12 +1,15 @@
 //! Where the samples and segments of a ray lie, and what of them counts.
 
-use slicecast::borders::{Borders, Part, Side, WHOLE, about_k, along_k};
+use slicecast::borders::{Borders, Part, WHOLE};
 use slicecast::clip::{Remainder, halves};
 use slicecast::composite::Recurrence as _;
 use slicecast::format::{Position, Step, Weight};
 use slicecast::locate::{cell, middle, position, settled};
 use slicecast::perspective::{ALONG_K, Spread, Way, square};
 use slicecast::precision::Precision;
+use slicecast::sides::Side;
+use slicecast::sides::about_k;
+use slicecast::sides::along_k;
 
 use super::{Cells, Rays, Visit, Witness, clips};
 use slicecast_scene::Blend;

@@ -1,9 +1,10 @@
 //! Exact borders: where a pixel's sample lies, what of its segment counts, and the opacity of a fraction.
 
-use slicecast::borders::{Borders, Side, WHOLE, fraction_of};
+use slicecast::borders::{Borders, WHOLE, fraction_of};
 use slicecast::format::Opacity;
 use slicecast::locate::plane;
 use slicecast::plan::Phase;
+use slicecast::sides::Side;
 
 use super::Numbers;
 use super::location::planned;
