@@ -23,7 +23,6 @@ pub struct Asked {
 
 /// Their names, each with the first line of its help.
 #[derive(Subcommand)]
-#[command(disable_help_flag = true)]
 pub enum Command {
     /// The laboratory (not in this program): errors, speed and memory of every configuration
     #[command(disable_help_flag = true)]
@@ -119,6 +118,13 @@ mod tests {
                 assert_eq!(failure.code, 2);
             }
         }
+    }
+
+    #[test]
+    fn what_is_there_keeps_its_help() {
+        let error = Cli::try_parse_from(["slicecast", "--help"]).err().unwrap();
+        assert_eq!(error.kind(), clap::error::ErrorKind::DisplayHelp);
+        assert!(error.to_string().contains("sweep-merge"), "{error}");
     }
 
     #[test]
