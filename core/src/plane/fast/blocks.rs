@@ -511,8 +511,14 @@ impl<'p, 'w, H: Halves> Probe<'p, 'w, H> {
     /// What rises between a row of voxels and the next, x interpolated.
     #[inline(always)]
     fn rise(&self, row: i32, from: usize) -> H {
-        let of = |row| lerp(self.along_z(row, from), self.along_z(row, from + 1), self.x);
-        of(row + 1).minus(of(row))
+        self.between_columns(row + 1, from)
+            .minus(self.between_columns(row, from))
+    }
+
+    /// Voxels interpolated along z and x.
+    #[inline(always)]
+    fn between_columns(&self, row: i32, from: usize) -> H {
+        lerp(self.along_z(row, from), self.along_z(row, from + 1), self.x)
     }
 }
 

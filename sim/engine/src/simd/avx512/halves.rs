@@ -179,27 +179,18 @@ impl Halves for Halves512 {
         let mut place = at;
         for (lanes, mask) in widened(self.0).into_iter().zip([mask as u16, (mask >> 16) as u16]) {
             let packed = avx512!(_mm512_cvtepi32_epi16(_mm512_maskz_compress_epi32(mask, lanes)));
-            let count = mask.count_ones() as usize;
             let first = row.as_mut_ptr().wrapping_add(place).cast();
-            let inside = ((1u32 << count.min(rest(row, place))) - 1) as u16;
+            let inside = inside(row, place, mask.count_ones());
             avx512!(_mm256_mask_storeu_epi16(first, inside, packed));
-            place += count;
+            place += mask.count_ones() as usize;
         }
         place - at
     }
     #[inline(always)]
     fn load_spread(row: &[u16], at: usize, chosen: Self) -> Self {
         let mask = avx512!(_mm512_test_epi16_mask(chosen.0, chosen.0));
-        let half = |mask: u16, place: usize| {
-            let first = row.as_ptr().wrapping_add(place).cast();
-            let inside = ((1u32 << (mask.count_ones() as usize).min(rest(row, place))) - 1) as u16;
-            avx512!({
-                let packed = _mm512_cvtepu16_epi32(_mm256_maskz_loadu_epi16(inside, first));
-                _mm512_cvtepi32_epi16(_mm512_maskz_expand_epi32(mask, packed))
-            })
-        };
         let (low, high) = (mask as u16, (mask >> 16) as u16);
-        let (low, high) = (half(low, at), half(high, at + low.count_ones() as usize));
+        let (low, high) = (spread(row, at, low), spread(row, at + low.count_ones() as usize, high));
         Self(avx512!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)))
     }
     #[inline(always)]
@@ -226,6 +217,23 @@ impl Halves for Halves512 {
             Self(_mm512_packus_epi32(rounded(low, k_low), rounded(high, k_high)))
         })
     }
+}
+
+/// A bit for each of so many elements `place ..` that a row has.
+#[inline(always)]
+fn inside(row: &[u16], place: usize, count: u32) -> u16 {
+    ((1u32 << (count as usize).min(rest(row, place))) - 1) as u16
+}
+
+/// Elements `place ..` of a row in the lanes of a mask, one after the other.
+#[inline(always)]
+fn spread(row: &[u16], place: usize, mask: u16) -> __m256i {
+    let first = row.as_ptr().wrapping_add(place).cast();
+    let inside = inside(row, place, mask.count_ones());
+    avx512!({
+        let packed = _mm512_cvtepu16_epi32(_mm256_maskz_loadu_epi16(inside, first));
+        _mm512_cvtepi32_epi16(_mm512_maskz_expand_epi32(mask, packed))
+    })
 }
 
 /// The lower and the upper lanes in 32 bits each.
