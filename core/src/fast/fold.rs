@@ -137,3 +137,36 @@ pub(crate) fn fold_row<O: Order, H: Halves>(
         }
     });
 }
+
+/// Folds samples of a vector into as many pixels as a row has, at most the vector's.
+#[inline(always)]
+pub(crate) fn fold_at<O: Order, H: Halves>(
+    pixels: &mut PixelRow<'_, u16>,
+    [r, g, b]: [H; 3],
+    q: H,
+    offsets: Offsets,
+    floor: u16,
+) {
+    let PixelRow {
+        colour: [red, green, blue],
+        transparency,
+    } = pixels;
+    let light = H::load::<false>(transparency, 0);
+    let w = taken(light, q, offsets);
+    let (left, taken) = if O::BACK_TO_FRONT {
+        (light.minus(w), taken(H::splat(u16::MAX), q, offsets))
+    } else {
+        (light.minus(w).at_least_or_zero(H::splat(floor)), w)
+    };
+    left.store::<false>(transparency, 0);
+    for (row, colour) in [(red, r), (green, g), (blue, b)] {
+        let old = H::load::<false>(row, 0);
+        let kept = if O::BACK_TO_FRONT {
+            old.minus(old.product_plus(taken, offsets.colour))
+        } else {
+            old
+        };
+        kept.plus(colour.product_plus(taken, offsets.colour))
+            .store::<false>(row, 0);
+    }
+}

@@ -24,7 +24,7 @@ pub fn lerp<H: Halves>(a: H, b: H, w: H) -> H {
 
 /// A weight, and 2^15 less it, of which 2^15 itself is not asked.
 #[derive(Clone, Copy)]
-struct Both<H> {
+pub(crate) struct Both<H> {
     near: H,
     far: H,
     /// Whether the weight is not 0.
@@ -33,7 +33,7 @@ struct Both<H> {
 
 impl<H: Halves> Both<H> {
     #[inline(always)]
-    fn of(w: u16) -> Self {
+    pub(crate) fn of(w: u16) -> Self {
         Self {
             near: H::splat((1 << 15) - w),
             far: H::splat(w),
@@ -43,13 +43,13 @@ impl<H: Halves> Both<H> {
 
     /// [`Both::mix`] where the weight is not 0.
     #[inline(always)]
-    fn mix_both(self, a: H, b: H) -> H {
+    pub(crate) fn mix_both(self, a: H, b: H) -> H {
         a.product_round(self.near).plus(b.product_round(self.far))
     }
 
     /// From `a` to `b`, whose difference may have 17 bits.
     #[inline(always)]
-    fn mix(self, a: H, b: H) -> H {
+    pub(crate) fn mix(self, a: H, b: H) -> H {
         if self.mixes { self.mix_both(a, b) } else { a }
     }
 }
@@ -162,7 +162,7 @@ pub struct Slope<'a> {
 
 impl<'a> Slope<'a> {
     #[inline(always)]
-    fn at<H: Halves, const WHOLE: bool>(&self, at: usize) -> H {
+    pub(crate) fn at<H: Halves, const WHOLE: bool>(&self, at: usize) -> H {
         H::load::<WHOLE>(self.minuend, at)
             .minus(H::load::<WHOLE>(self.subtrahend, at))
             .shl(self.shift)

@@ -66,6 +66,46 @@ pub trait Halves: Copy {
     /// Whether all lanes are 0.
     fn all_zero(self) -> bool;
 
+    /// How many lanes are not 0.
+    #[inline(always)]
+    fn count(self) -> usize {
+        self.lanes().iter().filter(|lane| **lane != 0).count()
+    }
+    /// Writes the lanes that are not 0 in `chosen` side by side to elements `at ..` of a row, as far as it goes; how many they are. As many
+    /// elements as there are lanes may be changed.
+    #[inline(always)]
+    fn store_packed(self, chosen: Self, row: &mut [u16], at: usize) -> usize {
+        let mut places = row.get_mut(at..).unwrap_or(&mut []).iter_mut();
+        for (lane, _) in self
+            .lanes()
+            .iter()
+            .zip(chosen.lanes())
+            .filter(|(_, chosen)| *chosen != 0)
+        {
+            if let Some(place) = places.next() {
+                *place = *lane;
+            }
+        }
+        chosen.count()
+    }
+    /// Elements `at ..` of a row, one after the other in the lanes that are not 0 in `chosen`; 0 in the others, and behind the row's end.
+    #[inline(always)]
+    fn load_spread(row: &[u16], at: usize, chosen: Self) -> Self {
+        let mut elements = row.get(at..).unwrap_or(&[]).iter();
+        let mut lanes = chosen.lanes();
+        for lane in lanes.iter_mut().filter(|lane| **lane != 0) {
+            *lane = elements.next().copied().unwrap_or(0);
+        }
+        Self::load::<false>(&lanes, 0)
+    }
+    /// The lanes, and zeros behind them.
+    #[inline(always)]
+    fn lanes(self) -> [u16; 64] {
+        let mut lanes = [0; 64];
+        self.store::<false>(lanes.get_mut(..Self::COUNT).unwrap_or(&mut []), 0);
+        lanes
+    }
+
     /// Of the squared length S of a vector of signed numbers above -2^15, the shift `k = min(15, clz(S) >> 1)`, and the upper half of
     /// `S << 2 k`: at least 16384, or 0 where the vector is.
     fn normalised(vector: [Self; 3]) -> (Self::Shifts, Self);

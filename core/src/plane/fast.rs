@@ -1,5 +1,6 @@
 //! Compositing in 16-bit lanes: the pipeline of the `fast` precision.
 
+mod blocks;
 mod kernels;
 mod pixels;
 mod project;
@@ -9,6 +10,7 @@ mod source;
 use core::marker::PhantomData;
 use core::ops::{Deref, Range};
 
+use self::blocks::{Blocks, WIDTH_LEAST};
 use self::kernels::{FastKernels, Lit};
 use self::pixels::Pixels;
 use self::runs::Runs;
@@ -19,16 +21,17 @@ use super::extent::Extent;
 use super::fold::{WholeRows, fold};
 use super::kernels::{ClassifierRows, ShaderRows};
 use super::parts::{Columns, Parts, Samples, code};
-use super::scratch::{self, BatchRows, FastScratch, ScratchError};
+use super::scratch::{self, BATCH_WIDTH, BatchRows, FastScratch, ScratchError};
 use super::source::Source;
 use super::{At, Kept, Pipeline, Rows};
 use crate::classify::Support;
 use crate::composite::{Order, Pixel, Unorm16};
 use crate::fast::{self, RootTable};
-use crate::lanes::Lanes;
+use crate::lanes::{Halves, Lanes};
 use crate::plan::Plan;
 use crate::precision;
 use crate::rows::{part_mut, three};
+use crate::seen::Seen;
 use crate::slice::{Code12, Window};
 use crate::tap::Tap;
 
@@ -116,6 +119,33 @@ where
     }
 }
 
+impl<R, C, S, O> Fast<R, C, S, O>
+where
+    R: Deref<Target = fast::Roots> + Sync,
+    C: Deref<Target = fast::Colours> + Sync,
+    S: FastShader,
+    O: Order,
+{
+    /// Folds the blocks of an extent that can be seen.
+    #[inline(always)]
+    fn fold_blocks<V: Lanes>(
+        &self,
+        at: &At<'_>,
+        (extent, window, rows): (&Extent, &Window<'_>, Range<u32>),
+        (first, data): (u32, &mut [u16]),
+        (memory, seen): (FastScratch<'_>, Seen<'_>),
+    ) {
+        let At { plan, plane, .. } = at;
+        let [samples, ..] = memory.samples;
+        let (width, columns) = (plan.base()[0] as usize, extent.columns.clone());
+        let mut pixels = Pixels::<O, V>::new((first, data), width, columns, plane.index, self.floor);
+        let classifier = FastKernels::<_, V>::of(&self.table, extent, code(plan));
+        let shader = Lit::<S, V>::of(&self.shader);
+        let mut blocks = Blocks::<V, S>::new(seen, (extent, window, rows), plan.spacing(), samples);
+        fold(&mut blocks, (&classifier, &shader), &mut pixels, memory.batch, None);
+    }
+}
+
 /// Whole rows through the driver, of which there is one copy for all pipelines of 16 bits.
 #[inline(never)]
 fn fold_rows(
@@ -171,7 +201,14 @@ where
         let At {
             plan, plane, window, ..
         } = at;
-        let [width, _, _] = plan.dims();
+        let [mut width, _, _] = plan.dims();
+        // Small machines have no whole volume at hand, and observers see whole rows.
+        let seen = at.seen.filter(|_| !V::SMALL && tap.is_none());
+        // One lane goes through runs of blocks row by row.
+        let in_vectors = V::Halves::COUNT > 1 && width as usize >= WIDTH_LEAST;
+        if seen.is_some() {
+            width = width.max(BATCH_WIDTH);
+        }
         let (scratch, _) = scratch::with_spare(scratch, Self::SCRATCH, width, false)?;
         if let Some(tap) = &mut tap {
             tap.plane(plane);
@@ -179,8 +216,6 @@ where
         let Some(count) = data.len().checked_div(4 * plan.base()[0] as usize) else {
             return Ok(());
         };
-        // Small machines have no whole volume at hand, and observers see whole rows.
-        let seen = at.seen.filter(|_| !V::SMALL && tap.is_none());
         let mut parts = Parts::of(plan, plane, Columns::Alone);
         while let Some(Samples {
             mut extent,
@@ -189,6 +224,15 @@ where
         }) = parts.samples::<V>(window)
         {
             let met = extent.met(first, count);
+            // A constant, before which no code for blocks is compiled.
+            if const { V::Halves::COUNT > 1 }
+                && in_vectors
+                && let Some(seen) = seen.filter(|_| whole_rows)
+            {
+                let memory = FastScratch::cut(&mut *scratch, Self::SCRATCH, width, true)?;
+                self.fold_blocks::<V>(at, (&extent, &window, met), (first, &mut *data), (memory, seen));
+                continue;
+            }
             let whole = extent.clone();
             let mut runs = seen
                 .filter(|_| whole_rows)

@@ -7,7 +7,7 @@ use crate::composite::{Colours, Order, PixelRow};
 use crate::fast::fold::{Given, Offsets, fold_row};
 use crate::lanes::{Halves, Kernel, Lanes};
 use crate::plane::canvas::{AllFinished, Canvas};
-use crate::rows::part;
+use crate::rows::{part, part_mut};
 use crate::tap::Bits;
 
 /// Rows of an image whose channels lie in runs.
@@ -18,8 +18,8 @@ pub(super) struct Pixels<'a, O, V> {
     /// Pixels of a row.
     width: usize,
     columns: Range<usize>,
-    offsets: Offsets,
-    floor: u16,
+    pub(super) offsets: Offsets,
+    pub(super) floor: u16,
     kinds: PhantomData<(O, V)>,
 }
 
@@ -47,6 +47,21 @@ impl<'a, O: Order, V: Lanes> Pixels<'a, O, V> {
     #[inline(always)]
     fn start(&self, row: u32) -> usize {
         4 * self.width * row.saturating_sub(self.first) as usize
+    }
+
+    /// What is left of the light in some columns of a row.
+    #[inline(always)]
+    pub(super) fn left(&self, row: u32, columns: Range<usize>) -> &[u16] {
+        let start = self.start(row) + 3 * self.width + self.columns.start;
+        part(self.data, start + columns.start..start + columns.end)
+    }
+
+    /// The pixels of some columns of a row.
+    #[inline(always)]
+    pub(super) fn pixel_row(&mut self, row: u32, columns: Range<usize>) -> PixelRow<'_, u16> {
+        let (start, width, first) = (self.start(row), self.width, self.columns.start);
+        let data = part_mut(self.data, start..start + 4 * width);
+        PixelRow::of_runs(data, width, first + columns.start..first + columns.end)
     }
 
     /// The columns of one of a row's four runs.

@@ -24,15 +24,15 @@ use crate::slice::Window;
 
 /// Whether the samples before and behind lie beyond the voxels.
 #[derive(Clone, Copy)]
-struct Faces {
-    low: bool,
-    high: bool,
+pub(super) struct Faces {
+    pub(super) low: bool,
+    pub(super) high: bool,
 }
 
 impl Faces {
     /// Of the cell of this number, of so many voxels.
     #[inline(always)]
-    fn of(cell: i32, weight: u16, voxels: i32) -> Self {
+    pub(super) fn of(cell: i32, weight: u16, voxels: i32) -> Self {
         Self {
             low: cell <= 0,
             high: cell >= voxels - 1 - i32::from(weight != 0),
@@ -40,7 +40,7 @@ impl Faces {
     }
 
     #[inline(always)]
-    fn any(self) -> bool {
+    pub(super) fn any(self) -> bool {
         self.low || self.high
     }
 }
@@ -203,14 +203,6 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
         slopes_row::<V::Halves>(near, far, wz, part_mut(out, columns.clone()));
     }
 
-    /// Whether a derivative along z is of one side.
-    #[inline(always)]
-    fn at_face_along_z(&self) -> bool {
-        let [_, _, wz] = self.weights;
-        let window = self.window;
-        window.before.is_none() || window.far.is_none() || wz != 0 && window.after.is_none()
-    }
-
     #[inline(always)]
     fn make_gradients(&mut self, row: i32, span: Range<usize>, [gx, gy, gz]: [&mut [u16]; 3]) {
         let ([wx, wy, _], width, height) = (self.weights, self.width, self.extent.height);
@@ -224,7 +216,7 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
         if !along_y.high {
             self.make_row(row + 1);
         }
-        let (first, behind_z) = (first(self.extent), self.at_face_along_z());
+        let (first, behind_z) = (first(self.extent), at_face_along_z(self.window, self.weights[2]));
         let places = first + span.start..first + span.end;
         let columns = places.start..(places.end + 1).min(width);
         let (this, next) = self.extent.voxel_rows(row);
@@ -316,6 +308,12 @@ impl<'s, 'w, V: Lanes, S: FastShader> Short<'s, 'w, V, S> {
     }
 }
 
+/// Whether a derivative along z is of one side.
+#[inline(always)]
+pub(super) fn at_face_along_z(window: &Window<'_>, wz: u16) -> bool {
+    window.before.is_none() || window.far.is_none() || wz != 0 && window.after.is_none()
+}
+
 /// What rises between two places of a row of samples, of two rows shifted left first.
 #[inline(always)]
 fn rise([(a, shift), (b, _)]: [(&[u16], u32); 2], [to, from]: [usize; 2], wy: u16) -> u16 {
@@ -328,7 +326,7 @@ fn rise([(a, shift), (b, _)]: [(&[u16], u32); 2], [to, from]: [usize; 2], wy: u1
 
 /// Some columns of a derivative, 12.3, or of half of it.
 #[inline(always)]
-fn slope<'a>(of: Difference<'a>, columns: &Range<usize>, halved: bool) -> Slope<'a> {
+pub(super) fn slope<'a>(of: Difference<'a>, columns: &Range<usize>, halved: bool) -> Slope<'a> {
     Slope {
         minuend: part(of.minuend, columns.clone()),
         subtrahend: part(of.subtrahend, columns.clone()),

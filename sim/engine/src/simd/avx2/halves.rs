@@ -219,6 +219,28 @@ impl Halves for Halves256 {
         avx2!(_mm256_testz_si256(self.0, self.0)) != 0
     }
     #[inline(always)]
+    fn count(self) -> usize {
+        let [low, high] = widened(self.0);
+        low.count() + high.count()
+    }
+    #[inline(always)]
+    fn store_packed(self, chosen: Self, row: &mut [u16], at: usize) -> usize {
+        let mut place = at;
+        for (lanes, chosen) in widened(self.0).into_iter().zip(widened(chosen.0)) {
+            store_eight(narrowed(lanes.packed(chosen)), row, place);
+            place += chosen.count();
+        }
+        place - at
+    }
+    #[inline(always)]
+    fn load_spread(row: &[u16], at: usize, chosen: Self) -> Self {
+        let [low, high] = widened(chosen.0);
+        let first = Avx2(avx2!(_mm256_cvtepu16_epi32(eight(row, at)))).spread(low);
+        let second = Avx2(avx2!(_mm256_cvtepu16_epi32(eight(row, at + low.count())))).spread(high);
+        let (first, second) = (narrowed(zeroed(first, low)), narrowed(zeroed(second, high)));
+        Self(avx2!(_mm256_set_m128i(second, first)))
+    }
+    #[inline(always)]
     fn normalised([x, y, z]: [Self; 3]) -> ([__m256i; 2], Self) {
         avx2!({
             let ([xy_low, xy_high], [z_low, z_high]) = (pairs(x.0, y.0), pairs(z.0, _mm256_setzero_si256()));
@@ -242,6 +264,30 @@ impl Halves for Halves256 {
             Self(_mm256_packus_epi32(rounded(low, k_low), rounded(high, k_high)))
         })
     }
+}
+
+/// The lower and the upper lanes in 32 bits each.
+#[inline(always)]
+fn widened(lanes: __m256i) -> [Avx2; 2] {
+    avx2!([
+        Avx2(_mm256_cvtepu16_epi32(_mm256_castsi256_si128(lanes))),
+        Avx2(_mm256_cvtepu16_epi32(_mm256_extracti128_si256::<1>(lanes))),
+    ])
+}
+
+/// Eight lanes below 2^16 in 16 bits each.
+#[inline(always)]
+fn narrowed(lanes: Avx2) -> __m128i {
+    avx2!(_mm_packus_epi32(
+        _mm256_castsi256_si128(lanes.0),
+        _mm256_extracti128_si256::<1>(lanes.0)
+    ))
+}
+
+/// Lanes where others are not 0, else 0.
+#[inline(always)]
+fn zeroed(lanes: Avx2, others: Avx2) -> Avx2 {
+    others.nonzero_then(lanes)
 }
 
 /// The shift of a squared length, and the upper half of the length shifted.

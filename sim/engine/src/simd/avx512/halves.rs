@@ -169,6 +169,31 @@ impl Halves for Halves512 {
         avx512!(_mm512_test_epi16_mask(self.0, self.0)) == 0
     }
     #[inline(always)]
+    fn count(self) -> usize {
+        avx512!(_mm512_test_epi16_mask(self.0, self.0)).count_ones() as usize
+    }
+    /// By lanes of 32 bits: those of 16 are packed by later processors only.
+    #[inline(always)]
+    fn store_packed(self, chosen: Self, row: &mut [u16], at: usize) -> usize {
+        let mask = avx512!(_mm512_test_epi16_mask(chosen.0, chosen.0));
+        let mut place = at;
+        for (lanes, mask) in widened(self.0).into_iter().zip([mask as u16, (mask >> 16) as u16]) {
+            let packed = avx512!(_mm512_cvtepi32_epi16(_mm512_maskz_compress_epi32(mask, lanes)));
+            let first = row.as_mut_ptr().wrapping_add(place).cast();
+            let inside = inside(row, place, mask.count_ones());
+            avx512!(_mm256_mask_storeu_epi16(first, inside, packed));
+            place += mask.count_ones() as usize;
+        }
+        place - at
+    }
+    #[inline(always)]
+    fn load_spread(row: &[u16], at: usize, chosen: Self) -> Self {
+        let mask = avx512!(_mm512_test_epi16_mask(chosen.0, chosen.0));
+        let (low, high) = (mask as u16, (mask >> 16) as u16);
+        let (low, high) = (spread(row, at, low), spread(row, at + low.count_ones() as usize, high));
+        Self(avx512!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)))
+    }
+    #[inline(always)]
     fn normalised([x, y, z]: [Self; 3]) -> ([__m512i; 2], Self) {
         avx512!({
             let ([xy_low, xy_high], [z_low, z_high]) = (pairs(x.0, y.0), pairs(z.0, _mm512_setzero_si512()));
@@ -192,6 +217,32 @@ impl Halves for Halves512 {
             Self(_mm512_packus_epi32(rounded(low, k_low), rounded(high, k_high)))
         })
     }
+}
+
+/// A bit for each of so many elements `place ..` that a row has.
+#[inline(always)]
+fn inside(row: &[u16], place: usize, count: u32) -> u16 {
+    ((1u32 << (count as usize).min(rest(row, place))) - 1) as u16
+}
+
+/// Elements `place ..` of a row in the lanes of a mask, one after the other.
+#[inline(always)]
+fn spread(row: &[u16], place: usize, mask: u16) -> __m256i {
+    let first = row.as_ptr().wrapping_add(place).cast();
+    let inside = inside(row, place, mask.count_ones());
+    avx512!({
+        let packed = _mm512_cvtepu16_epi32(_mm256_maskz_loadu_epi16(inside, first));
+        _mm512_cvtepi32_epi16(_mm512_maskz_expand_epi32(mask, packed))
+    })
+}
+
+/// The lower and the upper lanes in 32 bits each.
+#[inline(always)]
+fn widened(lanes: __m512i) -> [__m512i; 2] {
+    avx512!([
+        _mm512_cvtepu16_epi32(_mm512_castsi512_si256(lanes)),
+        _mm512_cvtepu16_epi32(_mm512_extracti64x4_epi64::<1>(lanes)),
+    ])
 }
 
 /// The shift of a squared length, and the upper half of the length shifted.

@@ -99,6 +99,51 @@ fn results<H: Halves>(given: &Rows) -> (Vec<Vec<u16>>, Vec<bool>) {
     (out, zeros)
 }
 
+/// Packed lanes of two rows, how many they are, and the lanes spread again; behind them nothing is compared.
+struct Packing<'a, V>(&'a Rows, PhantomData<V>);
+
+impl<V: Lanes> Kernel for Packing<'_, V> {
+    type Output = [Vec<u16>; 2];
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        packing::<V::Halves>(self.0)
+    }
+}
+
+struct Packed<'a>(&'a Rows);
+
+impl OverLanes for Packed<'_> {
+    type Output = [Vec<u16>; 2];
+
+    fn run<V: Lanes>(self) -> Self::Output {
+        V::enter(Packing::<V>(self.0, PhantomData))
+    }
+}
+
+#[inline(always)]
+fn packing<H: Halves>(given: &Rows) -> [Vec<u16>; 2] {
+    let [values, chosen, _] = &given.rows;
+    let wanted = chosen.iter().filter(|lane| **lane != 0).count();
+    // No longer than what is chosen, as rows of gradients are.
+    let (mut packed, mut spread) = (vec![7; wanted], vec![7; values.len()]);
+    let mut at = 0;
+    for place in (0..values.len()).step_by(H::COUNT) {
+        let chosen = H::load::<false>(chosen, place);
+        let count = H::load::<false>(values, place).store_packed(chosen, &mut packed, at);
+        assert_eq!(count, chosen.count());
+        at += count;
+    }
+    assert_eq!(at, wanted);
+    let mut at = 0;
+    for place in (0..values.len()).step_by(H::COUNT) {
+        let chosen = H::load::<false>(chosen, place);
+        H::load_spread(&packed, at, chosen).store::<false>(&mut spread, place);
+        at += chosen.count();
+    }
+    [packed, spread]
+}
+
 fn lane() -> impl Strategy<Value = u16> {
     prop_oneof![
         any::<u16>(),
@@ -130,6 +175,21 @@ fn rows() -> impl Strategy<Value = Rows> {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 4000, rng_seed: RngSeed::Fixed(16), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn chosen_lanes_are_packed_and_spread_again(mut rows in rows()) {
+        let [values, chosen, others] = &mut rows.rows;
+        for (chosen, other) in chosen.iter_mut().zip(others) {
+            if *other & 1 != 0 {
+                *chosen = 0;
+            }
+        }
+        let picked: Vec<u16> = values.iter().zip(&*chosen).filter(|(_, chosen)| **chosen != 0).map(|(v, _)| *v).collect();
+        let back: Vec<u16> = values.iter().zip(&*chosen).map(|(v, chosen)| if *chosen != 0 { *v } else { 0 }).collect();
+        for simd in Simd::available() {
+            prop_assert_eq!(with_lanes(simd, Packed(&rows)), [picked.clone(), back.clone()], "{}", simd.name());
+        }
+    }
 
     #[test]
     fn every_width_does_what_one_lane_does(rows in rows()) {
