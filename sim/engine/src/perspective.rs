@@ -20,7 +20,7 @@ use crate::camera::{CameraError, Material, PICTURE_SIDE_MAX, Picture, Setup, che
 use crate::error::RenderError;
 use crate::frame::{Layer, Prepared};
 use crate::image::{BaseImage, Frame};
-use crate::oriented::Turned;
+use crate::oriented::{Oriented, Turned};
 use crate::picture::of_base;
 use crate::pipelines::compile;
 use crate::rendering::Progress;
@@ -229,7 +229,7 @@ impl<'a> InPerspective<'a> {
             let mut rendering = prepared.begun()?;
             let of_all = |done: usize, of: usize| progress(before * of + done, all * of);
             match layer {
-                Layer::Tiles(rows) => rendering.fold_rows(&slices, rows, prepared.simd, &of_all),
+                Layer::Tiles(rows) => rendering.fold(&Oriented::of(&slices), rows, prepared.simd, &of_all),
                 Layer::Stream => rendering.stream(&slices, &of_all, None)?,
             }
             Ok(rendering.base())
