@@ -26,7 +26,9 @@ use slicecast_scene::{Blend, PrecisionName};
 use std::cell::Cell;
 use std::sync::Arc;
 
-use super::frames::{borders_of, crop, cropped, frame, frame_in_perspective, light, splined, wide_frame};
+use super::frames::{
+    borders_of, crop, cropped, frame, frame_in_perspective, light, splined, wide_frame, wide_frame_in_perspective,
+};
 
 /// One tile for the whole base plane.
 const WHOLE: usize = 1 << 20;
@@ -210,9 +212,20 @@ proptest! {
 /// What is left out changes nothing: many views, tables and lights. A quarter of the frames and more leave something out.
 #[test]
 fn blocks_that_are_not_seen_change_nothing() {
+    by_rows_and_blocks_of(&wide_frame(), 400);
+}
+
+/// Nor from an eye.
+#[test]
+fn blocks_that_are_not_seen_change_nothing_in_perspective() {
+    by_rows_and_blocks_of(&wide_frame_in_perspective(), 400);
+}
+
+/// Holds both kernels together over so many frames, of which a quarter and more leave something out.
+fn by_rows_and_blocks_of(all: &impl Strategy<Value = Frame>, cases: u32) {
     let [frames, skipping, chosen] = [(); 3].map(|()| Cell::new(0));
     let count = |counter: &Cell<usize>, counted: bool| counter.set(counter.get() + usize::from(counted));
-    let tried = TestRunner::new(config(400, 16)).run(&wide_frame(), |frame| {
+    let tried = TestRunner::new(config(cases, 16)).run(all, |frame| {
         let (share, few) = frame.with_prepared(|prepared, slices| chosen_blocks(prepared, &Oriented::of(slices)));
         count(&frames, true);
         count(&chosen, few);

@@ -9,7 +9,7 @@ mod source;
 use core::ops::Range;
 
 use self::source::{Source, Spreads};
-use super::canvas::{Canvas, Image, Packing};
+use super::canvas::{Image, Packing};
 use super::composite::Composite;
 use super::extent::around;
 use super::fold::Batches;
@@ -26,6 +26,7 @@ use crate::perspective::Spread;
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
+use crate::seen::{Grain, Seen};
 use crate::shade::{Asked, Shader};
 use crate::slice::{Code12, Window};
 use crate::tap::{Beam, Tap};
@@ -45,16 +46,22 @@ impl<P: Precision, C: Classifier<P>, S: Shader<P>, O: Order> Perspective<P, C, S
     }
 }
 
-/// Whole rows, one after the other: a row is left out when all its rays have terminated or all voxels around it are transparent.
+/// Runs of rows, one after the other. Without known blocks a run is a whole row, which is left out when all its rays have terminated or
+/// all voxels around it are transparent; with them it is what blocks beside each other cover that can be seen, where rays go on.
 struct SpreadRows<'s, 'w, S: ?Sized> {
     plane: &'s Plane,
     /// Columns of the image that have a sample.
     columns: Range<usize>,
     window: &'s Window<'w>,
     support: Support,
+    seen: Option<Seen<'s>>,
     source: &'s mut S,
     rows: Range<u32>,
     row: u32,
+    /// What is left of the row's blocks.
+    blocks: u64,
+    /// The run, counted from the first of the columns.
+    run: Range<usize>,
     from: usize,
 }
 
@@ -64,41 +71,93 @@ impl<'s, 'w, S: ?Sized> SpreadRows<'s, 'w, S> {
         plane: &'s Plane,
         columns: Range<usize>,
         window: &'s Window<'w>,
-        support: Support,
+        (support, seen): (Support, Option<Seen<'s>>),
         source: &'s mut S,
         rows: Range<u32>,
     ) -> Self {
         Self {
             plane,
+            run: 0..columns.len(),
             columns,
             window,
             support,
+            seen,
             source,
             rows,
             row: 0,
+            blocks: 0,
             from: 0,
         }
     }
 }
 
-impl<X: Canvas<i32> + ?Sized, S: Spreads<i32> + ?Sized> Batches<i32, X> for SpreadRows<'_, '_, S> {
+impl<S: Spreads<i32> + ?Sized> SpreadRows<'_, '_, S> {
+    /// Whether rays of some columns go on: the canvas then shows these.
+    #[inline(always)]
+    fn goes_on<X: Packing<i32> + ?Sized>(&self, canvas: &mut X, run: &Range<usize>) -> bool {
+        let first = self.columns.start;
+        canvas.begin(first + run.start..first + run.end);
+        !run.is_empty() && !canvas.finished(self.row)
+    }
+
+    /// The next run of the row's blocks.
+    #[inline(always)]
+    fn next_run<X: Packing<i32> + ?Sized>(&mut self, canvas: &mut X, grain: Grain) -> Option<Range<usize>> {
+        let mut run: Option<Range<usize>> = None;
+        let mut voxels_end = 0;
+        while self.blocks != 0 {
+            let voxels = grain.block(self.blocks.trailing_zeros());
+            if run.is_some() && voxels.start != voxels_end {
+                break;
+            }
+            self.blocks &= self.blocks - 1;
+            let columns = self.source.columns(voxels.clone());
+            if !self.goes_on(canvas, &columns) {
+                if run.is_some() {
+                    break;
+                }
+                continue;
+            }
+            voxels_end = voxels.end;
+            run = Some(run.map_or(columns.start, |run| run.start)..columns.end);
+        }
+        run
+    }
+}
+
+impl<X: Packing<i32> + ?Sized, S: Spreads<i32> + ?Sized> Batches<i32, X> for SpreadRows<'_, '_, S> {
     const WHOLE_ROWS: bool = true;
 
     #[inline(always)]
     fn next(&mut self, canvas: &mut X) -> Option<usize> {
-        loop {
+        let run = loop {
+            if let Some(seen) = self.seen
+                && let Some(run) = self.next_run(canvas, seen.grain())
+            {
+                break run;
+            }
             self.row = self.rows.next()?;
+            let row = self.source.voxel_row(self.row);
+            if let Some(seen) = self.seen {
+                self.blocks = seen.row(row.max(0) as usize);
+                continue;
+            }
             if canvas.finished(self.row) {
                 continue;
             }
-            let (row, last) = (self.source.voxel_row(self.row), self.window.near.height() as i32 - 1);
+            let last = self.window.near.height() as i32 - 1;
             let rows = [row, row + 1].map(|row| row.min(last).max(0) as usize);
             if self.support.meets(around(self.window, rows.into())) {
-                self.source.make(self.row);
-                self.from = 0;
-                return Some(self.columns.len());
+                break 0..self.columns.len();
             }
+        };
+        if self.seen.is_some() {
+            let first = self.columns.start;
+            canvas.begin(first + run.start..first + run.end);
         }
+        (self.run, self.from) = (run.clone(), 0);
+        self.source.make(self.row, run.clone());
+        Some(run.len())
     }
 
     #[inline(always)]
@@ -158,7 +217,7 @@ impl<X: Canvas<i32> + ?Sized, S: Spreads<i32> + ?Sized> Batches<i32, X> for Spre
         Some(Beam {
             plane: self.plane,
             row: self.row,
-            column: (self.columns.start + offset) as u32,
+            column: (self.columns.start + self.run.start + offset) as u32,
             part,
         })
     }
@@ -202,15 +261,17 @@ where
         return Ok(());
     }
     slots.canvas.begin(columns.clone());
+    // Small machines have no whole volume at hand, and observers see whole rows.
+    let seen = at.seen.filter(|_| !V::SMALL && tap.is_none());
     batch.opacities = part_mut(batch.opacities, 0..columns.len());
     let (around, place) = ((plan, spread, plane), columns.clone());
     let mut source = Source::<P, V, A>::new(slots.precision, around, lines, place, window, source_rows);
     if V::SMALL {
-        let mut rows = SpreadRows::new(plane, columns, window, slots.support, &mut source, met);
+        let mut rows = SpreadRows::new(plane, columns, window, (slots.support, None), &mut source, met);
         slots.fold(&mut rows, batch, tap);
     } else {
         let source: &mut dyn Spreads<i32> = &mut source;
-        let mut rows = SpreadRows::new(plane, columns, window, slots.support, source, met);
+        let mut rows = SpreadRows::new(plane, columns, window, (slots.support, seen), source, met);
         slots.fold_apart(&mut rows, batch, tap);
     }
     Ok(())

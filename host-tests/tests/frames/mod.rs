@@ -456,7 +456,17 @@ fn eye_of(seed: u64, sides: [u32; 3]) -> Eye {
 
 /// Any small frame in perspective that sees something.
 pub fn frame_in_perspective() -> impl Strategy<Value = Frame> {
-    (frame(), any::<u64>()).prop_map(|(frame, seed)| {
+    in_perspective(frame())
+}
+
+/// One with several blocks to a row.
+pub fn wide_frame_in_perspective() -> impl Strategy<Value = Frame> {
+    in_perspective(wide_frame())
+}
+
+/// Frames from an eye.
+fn in_perspective(frames: impl Strategy<Value = Frame>) -> impl Strategy<Value = Frame> {
+    (frames, any::<u64>()).prop_map(|(frame, seed)| {
         let composited = frame.blend.is_composited();
         let parallel = Frame {
             borders: Borders::Whole,

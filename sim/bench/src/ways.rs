@@ -80,6 +80,7 @@ pub fn measure_ways(
         .map(|facet| Turned::new(volume, &facet.prepared.setup.plan))
         .collect();
     let slices = turned.iter_mut().map(Turned::slices).collect::<Result<Vec<_>, _>>()?;
+    let volumes: Vec<_> = slices.iter().map(|slices| Oriented::of(slices)).collect();
     let spread_samples = facets().filter_map(|facet| {
         let spread = facet.spread()?;
         Some(samples_in_perspective(&facet.prepared.setup.plan, spread))
@@ -93,12 +94,12 @@ pub fn measure_ways(
         times[0].push(start.elapsed().as_secs_f64());
         let start = Instant::now();
         let bases = pool.install(|| {
-            let base = |(facet, slices): (&slicecast_engine::perspective::Facet<'_>, &Vec<_>)| {
+            let base = |(facet, volume): (&slicecast_engine::perspective::Facet<'_>, &Oriented<'_>)| {
                 let mut rendering = facet.prepared.begun()?;
-                rendering.fold_rows(slices, TILE_ROWS, facet.prepared.simd, &|_, _| ());
+                rendering.fold(volume, TILE_ROWS, facet.prepared.simd, &|_, _| ());
                 Ok::<_, RenderError>(rendering.base())
             };
-            let bases = facets().zip(&slices).map(base).collect::<Result<Vec<_>, _>>()?;
+            let bases = facets().zip(&volumes).map(base).collect::<Result<Vec<_>, _>>()?;
             Ok::<_, RenderError>(in_perspective.frame(&bases))
         });
         black_box(bases?);

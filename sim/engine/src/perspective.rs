@@ -21,7 +21,7 @@ use crate::error::CameraError;
 use crate::error::RenderError;
 use crate::frame::{Layer, Prepared};
 use crate::image::{BaseImage, Frame};
-use crate::oriented::Turned;
+use crate::oriented::{Oriented, Turned};
 use crate::picture::of_base;
 use crate::pipelines::compile;
 use crate::progress::Progress;
@@ -230,7 +230,7 @@ impl<'a> InPerspective<'a> {
             let mut rendering = prepared.begun()?;
             let of_all = |done: usize, of: usize| progress(before * of + done, all * of);
             match layer {
-                Layer::Tiles(rows) => rendering.fold_rows(&slices, rows, prepared.simd, &of_all),
+                Layer::Tiles(rows) => rendering.fold(&Oriented::of(&slices), rows, prepared.simd, &of_all),
                 Layer::Stream => rendering.stream(&slices, &of_all, None)?,
             }
             Ok(rendering.base())

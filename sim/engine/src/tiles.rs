@@ -321,7 +321,8 @@ impl<'a, 's, X: Voxel> Way<'a, 's, X> {
                 ahead = Some(wanted);
                 fresh = slice(wanted).map(Ahead);
             }
-            if let (Some(Ahead(slice)), Some(_)) = (&fresh, self.seen) {
+            // Rows of rays that spread are not rows of the slice.
+            if let (Some(Ahead(slice)), Some(_), false) = (&fresh, self.seen, self.plan.spreads()) {
                 self.prefetch(slice, cell(plane.y).index);
             }
             if let Some(window) = Window::at(z, slice) {

@@ -22,13 +22,15 @@ use crate::slice::Window;
 pub(super) trait Spreads<W> {
     /// The voxel row before the samples of a row of the image.
     fn voxel_row(&self, row: u32) -> i32;
-    /// Makes the samples of a row of the image.
-    fn make(&mut self, row: u32);
+    /// Columns whose samples lie between some voxels of a row and the next ones, counted from the first.
+    fn columns(&self, voxels: Range<usize>) -> Range<usize>;
+    /// Makes the samples of a run of a row of the image: of some columns, counted from the first.
+    fn make(&mut self, row: u32, run: Range<usize>);
     /// Those that were made last.
     fn samples(&self) -> &[W];
     /// Brings opacities to the lengths of their steps.
     fn lengthen(&self, opacities: &mut [W]);
-    /// Gradients of a span of the row that was made last, spaced, and the unit vectors towards the eye.
+    /// Gradients of a span of the run that was made last, spaced, and the unit vectors towards the eye.
     fn gradients(&mut self, span: Range<usize>, out: [&mut [W]; 3]);
     /// Those vectors.
     fn towards(&self, span: Range<usize>) -> [&[W]; 3];
@@ -48,8 +50,9 @@ pub(super) struct Source<'s, 'w, P, V, A> {
     /// Which voxel rows have been interpolated along z.
     z_row: [i32; 4],
     derivative_row: [usize; 2],
-    /// The row that was made last.
+    /// The row that was made last, and the run of it.
     row: u32,
+    run: Range<usize>,
     /// The voxel row before its samples, and the weight of the next.
     at: Cell,
     /// Columns of voxels that samples and gradients look at.
@@ -74,7 +77,6 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
         let width = window.near.width();
         let mut slopes = rows.slopes.iter_mut();
         let places = rows.cells.iter_mut().zip(&mut *rows.weights).zip(&mut *rows.squares);
-        let mut ends: Option<[usize; 2]> = None;
         for (column, ((place, weight), own)) in columns.clone().zip(places) {
             let at = cell(across.at(column as u32));
             let slope = spread.slope(0, column as u32);
@@ -84,13 +86,11 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
             if let Some(place) = slopes.next() {
                 *place = slope;
             }
-            let index = at.index.max(0) as usize;
-            let [first, _] = ends.unwrap_or([index; 2]);
-            ends = Some([first, index]);
         }
-        let [first, last] = ends.unwrap_or([0; 2]);
+        let all = 0..columns.len();
         Self {
             window,
+            voxels: voxels_about(rows.cells, all.clone(), width),
             columns,
             spread,
             line,
@@ -100,11 +100,11 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
             z_row: [NO_ROW; 4],
             derivative_row: [NONE; 2],
             row: 0,
+            run: all,
             at: Cell {
                 index: 0,
                 weight: Weight::ZERO,
             },
-            voxels: first.saturating_sub(1)..(last + 3).min(width),
             precision,
             kinds: PhantomData,
         }
@@ -116,12 +116,18 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
         (row & if A::GRADIENTS { 3 } else { 1 }) as usize
     }
 
-    /// Places of the voxels that are looked at, with those beyond faces, in a row.
+    /// Places of the voxels that a run looks at, with those beyond faces, in a row.
     #[inline(always)]
-    fn places(&self) -> Range<usize> {
-        let Range { start, end } = self.voxels;
+    fn places(&self, run: Range<usize>) -> Range<usize> {
         let width = self.window.near.width();
+        let Range { start, end } = voxels_about(self.rows.cells, run, width);
         start + usize::from(start > 0)..end + 1 + usize::from(end == width)
+    }
+
+    /// Columns of a span of the run, counted from the first.
+    #[inline(always)]
+    fn within(&self, span: Range<usize>) -> Range<usize> {
+        self.run.start + span.start..self.run.start + span.end
     }
 
     /// Makes the z interpolation of a voxel row; in lit scenes also of one beyond each face.
@@ -170,16 +176,16 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
         }
     }
 
-    /// Makes a voxel row's interpolation along y, between it and the next, in one of three rows.
+    /// Makes a voxel row's interpolation along y under a run, between it and the next, in one of three rows.
     #[inline(always)]
-    fn make_y(&mut self, row: i32, number: usize) {
+    fn make_y(&mut self, row: i32, number: usize, run: Range<usize>) {
         let height = self.window.near.height() as i32;
         let beyond = if A::GRADIENTS { height } else { height - 1 };
         // Behind the last row there is none; its weight is zero.
         let next = if row < beyond { row + 1 } else { row };
         V::enter((MakeZ, &mut *self, row));
         V::enter((MakeZ, &mut *self, next));
-        let places = self.places();
+        let places = self.places(run);
         let SpreadScratch { z, y, .. } = &mut self.rows;
         let pick = |row: i32| z.get(Self::slot(row)).map_or(&[][..], |z| part(z, places.clone()));
         let (a, b) = (pick(row), pick(next));
@@ -188,11 +194,11 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
     }
 
     #[inline(always)]
-    fn make_row(&mut self, row: u32) {
-        (self.row, self.at) = (row, cell(self.line.at(row)));
+    fn make_row(&mut self, row: u32, run: Range<usize>) {
+        (self.row, self.run, self.at) = (row, run.clone(), cell(self.line.at(row)));
         let voxel_row = self.at.index;
-        V::enter((MakeY, &mut *self, voxel_row, 0));
-        let (n, all) = (self.columns.len(), 0..self.window.near.width() + 2);
+        V::enter((MakeY, &mut *self, voxel_row, 0, run.clone()));
+        let all = 0..self.window.near.width() + 2;
         let SpreadScratch {
             y: [y, ..],
             cells,
@@ -202,10 +208,10 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
             lengths,
             ..
         } = &mut self.rows;
-        let (y, cells, weights) = (part(y, all), part(cells, 0..n), part(weights, 0..n));
-        let down = V::splat(square(self.spread.slope(1, row)));
-        let (samples, lengths) = (part_mut(samples, 0..n), part_mut(lengths, 0..n));
-        for at in places::<V>(n) {
+        let (y, cells, weights) = (part(y, all), part(cells, run.clone()), part(weights, run.clone()));
+        let (squares, down) = (part(squares, run.clone()), V::splat(square(self.spread.slope(1, row))));
+        let (samples, lengths) = (part_mut(samples, run.clone()), part_mut(lengths, run));
+        for at in places::<V>(cells.len()) {
             let here = cells_at::<V>(cells, at);
             between::<P, V>(self.precision, y, here, 1, V::load(weights, at)).store(samples, at);
             Way::of([V::load(squares, at), down]).length().store(lengths, at);
@@ -236,14 +242,15 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
 
     #[inline(always)]
     fn make_gradients(&mut self, span: Range<usize>, [gx, gy, gz]: [&mut [i32]; 3]) {
-        let (p, at) = (self.precision, self.at);
-        V::enter((MakeY, &mut *self, at.index - 1, 1));
-        V::enter((MakeY, &mut *self, at.index + 1, 2));
+        let (p, at, span) = (self.precision, self.at, self.within(span));
+        V::enter((MakeY, &mut *self, at.index - 1, 1, span.clone()));
+        V::enter((MakeY, &mut *self, at.index + 1, 2, span.clone()));
         let last = self.window.near.height() as i32 - 1;
         let [this, next] = two([at.index, at.index + 1], |row| row.min(last).max(0) as usize);
         self.make_derivatives(this);
         self.make_derivatives(next);
-        let voxels = self.voxels.start + 1..self.voxels.end + 2;
+        let voxels = voxels_about(self.rows.cells, span.clone(), self.window.near.width());
+        let voxels = voxels.start + 1..voxels.end + 2;
         let down = self.spread.slope(1, self.row);
         let SpreadScratch {
             y: [y, above, below],
@@ -284,6 +291,16 @@ impl<'s, 'w, P: Precision, V: Lanes, A: Asked> Source<'s, 'w, P, V, A> {
     }
 }
 
+/// Columns of voxels that samples and gradients of a run look at, of so many.
+#[inline(always)]
+fn voxels_about(cells: &[i32], run: Range<usize>, width: usize) -> Range<usize> {
+    let cells = part(cells, run);
+    let [first, last] = two([cells.first(), cells.last()], |cell| {
+        cell.copied().unwrap_or(0) as usize
+    });
+    first.saturating_sub(1)..(last + 3).min(width)
+}
+
 /// The first of the cells `at ..`, and how far behind it they lie: pixels are at most a voxel apart, and what is behind the
 /// last cell is not stored.
 #[inline(always)]
@@ -316,18 +333,26 @@ impl<P: Precision, V: Lanes, A: Asked> Spreads<i32> for Source<'_, '_, P, V, A> 
     }
 
     #[inline(always)]
-    fn make(&mut self, row: u32) {
-        V::enter((MakeRow, self, row));
+    fn columns(&self, voxels: Range<usize>) -> Range<usize> {
+        let cells = part(self.rows.cells, 0..self.columns.len());
+        let from = |voxel: usize| cells.partition_point(|cell| (*cell as usize) < voxel);
+        from(voxels.start)..from(voxels.end)
+    }
+
+    #[inline(always)]
+    fn make(&mut self, row: u32, run: Range<usize>) {
+        V::enter((MakeRow, self, row, run));
     }
 
     #[inline(always)]
     fn samples(&self) -> &[i32] {
-        part(self.rows.samples, 0..self.columns.len())
+        part(self.rows.samples, self.run.clone())
     }
 
     #[inline(always)]
     fn lengthen(&self, opacities: &mut [i32]) {
-        V::enter((Lengthen, PhantomData::<V>, opacities, &*self.rows.lengths));
+        let lengths = part(self.rows.lengths, self.run.clone());
+        V::enter((Lengthen, PhantomData::<V>, opacities, lengths));
     }
 
     #[inline(always)]
@@ -340,6 +365,7 @@ impl<P: Precision, V: Lanes, A: Asked> Spreads<i32> for Source<'_, '_, P, V, A> 
 
     #[inline(always)]
     fn towards(&self, span: Range<usize>) -> [&[i32]; 3] {
+        let span = self.within(span);
         three(self.rows.towards.each_ref(), |row| part(row, span.clone()))
     }
 }
@@ -358,25 +384,25 @@ impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeZ, &mut Source<'_, '_, P,
 
 struct MakeY;
 
-impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeY, &mut Source<'_, '_, P, V, A>, i32, usize) {
+impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeY, &mut Source<'_, '_, P, V, A>, i32, usize, Range<usize>) {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let (_, source, row, number) = self;
-        source.make_y(row, number);
+        let (_, source, row, number, run) = self;
+        source.make_y(row, number, run);
     }
 }
 
 struct MakeRow;
 
-impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeRow, &mut Source<'_, '_, P, V, A>, u32) {
+impl<P: Precision, V: Lanes, A: Asked> Kernel for (MakeRow, &mut Source<'_, '_, P, V, A>, u32, Range<usize>) {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let (_, source, row) = self;
-        source.make_row(row);
+        let (_, source, row, run) = self;
+        source.make_row(row, run);
     }
 }
 
