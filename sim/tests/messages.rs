@@ -298,6 +298,29 @@ fn speeds_have_a_spread_and_rows_are_told_once() {
             );
         }
         assert_eq!(seen.len(), 4, "fast, compact, wide and f32");
+        let ways = section["ways"].as_array().unwrap();
+        let names: Vec<_> = ways.iter().map(|way| way["way"].as_str().unwrap()).collect();
+        let wanted = [
+            "rays, parallel",
+            "rays, in perspective",
+            "splats, parallel",
+            "splats, in perspective",
+        ];
+        assert_eq!(names, wanted);
+        for way in ways {
+            let keys: Vec<_> = way.as_object().unwrap().keys().map(String::as_str).collect();
+            let wanted = ["against_rays", "count", "milliseconds", "spread", "threads", "way"];
+            assert!(
+                wanted.iter().all(|key| keys.contains(key)) && keys.len() == wanted.len(),
+                "{way}"
+            );
+            let number = |key: &str| way[key].as_f64().unwrap_or(-1.0);
+            assert!(number("milliseconds") > 0.0 && number("against_rays") > 0.0, "{way}");
+            assert!(
+                number("count") > 0.0 && number("threads") == 1.0 && number("spread") >= 0.0,
+                "{way}"
+            );
+        }
     }
     assert!(out.contains("± %") && out.contains("to f32"), "{out}");
 }
