@@ -457,7 +457,6 @@ fn eye_of(seed: u64, sides: [u32; 3]) -> Eye {
 /// Any small frame in perspective that sees something.
 pub fn frame_in_perspective() -> impl Strategy<Value = Frame> {
     (frame(), any::<u64>()).prop_map(|(frame, seed)| {
-        let composited = frame.blend.is_composited();
         let parallel = Frame {
             borders: Borders::Whole,
             crop: None,
@@ -467,7 +466,6 @@ pub fn frame_in_perspective() -> impl Strategy<Value = Frame> {
             reflectance: None,
             segments: None,
             nearest: false,
-            blend: if composited { frame.blend } else { Blend::FrontToBack },
             ..frame
         };
         let view = parallel.plan().expect("a frame that has a plan");
