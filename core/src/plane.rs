@@ -65,7 +65,7 @@ pub use self::scratch::{Rows as ScratchRows, ScratchError};
 pub use self::shape::Shape;
 pub use self::sheets::FoldSheet;
 pub use self::splines::Splines;
-pub use self::spread::Perspective;
+pub use self::spread::{Perspective, ProjectFromEye};
 use crate::classify::Support;
 use crate::clip::Clipper;
 use crate::composite::{ChannelFormat, Pixel, Recurrence};

@@ -33,6 +33,9 @@ pub trait Projection: Copy + Debug + Send + Sync + 'static {
     /// [`Projection::WORDS`] are empty.
     fn fold_row<V: Lanes>(words: [&mut [i32]; 3], samples: &[i32], share: u32);
 
+    /// The same of samples that stand for steps of these lengths each, 3.20 ([`share_of_length`]). Rows of equal length.
+    fn fold_steps_row<V: Lanes>(words: [&mut [i32]; 3], samples: &[i32], lengths: &[i32]);
+
     /// The value that a ray shows, in the bits of a sample; `None` if it has met nothing.
     fn shown<P: Precision>(self, p: P, words: [i32; 3]) -> Option<i32>;
 }
@@ -80,6 +83,11 @@ impl<X: Extreme> Projection for X {
     }
 
     #[inline(always)]
+    fn fold_steps_row<V: Lanes>([kept, ..]: [&mut [i32]; 3], samples: &[i32], _: &[i32]) {
+        keep_row::<X, V>(kept, samples);
+    }
+
+    #[inline(always)]
     fn shown<P: Precision>(self, _: P, [kept, ..]: [i32; 3]) -> Option<i32> {
         (kept != X::EMPTY).then_some(kept)
     }
@@ -111,6 +119,13 @@ pub enum Sum {
 
 /// The largest shift of an additive projection's step.
 pub const SHIFT_MAX: u32 = 42;
+
+/// What counts of a step of a length, 3.20, that a ray from an eye has: an eighth of it, 0.16, to nearest, halves up. Lengths are below
+/// 8, so that it is at most [`WHOLE`]. This function is the definition.
+#[inline]
+pub const fn share_of_length(length: i32) -> u32 {
+    (length as u32 + 64) >> 7
+}
 
 /// Bits of the lower word of a sum.
 const LOW: u32 = 27;
@@ -153,21 +168,19 @@ impl Sum {
                 let product = sample * V::splat(share as i32);
                 [product.shr_unsigned(LOW), product & lowest]
             };
-            add_words([high, low, length], at, [above, below], share);
+            add_words([high, low, length], at, [above, below], V::splat(share as i32));
         }
     }
 }
 
 /// Adds the words of a sample's product, and its share, to those of rays. Both lower words are below 2^27, their sum below 2^28.
 #[inline(always)]
-fn add_words<V: Lanes>([high, low, length]: [&mut [i32]; 3], at: usize, [above, below]: [V; 2], share: u32) {
+fn add_words<V: Lanes>([high, low, length]: [&mut [i32]; 3], at: usize, [above, below]: [V; 2], share: V) {
     let sum = V::load(low, at) + below;
     let carried = above + sum.shr_unsigned(LOW);
     (sum & V::splat(LOWEST)).store(low, at);
     V::load(high, at).wrapping_add(carried).store(high, at);
-    V::load(length, at)
-        .wrapping_add(V::splat(share as i32))
-        .store(length, at);
+    V::load(length, at).wrapping_add(share).store(length, at);
 }
 
 impl Projection for Sum {
@@ -192,7 +205,24 @@ impl Projection for Sum {
                 let product = sample.product(V::splat(share as i32));
                 [product.shr_narrow(LOW), product.narrow() & lowest]
             };
-            add_words([high, low, length], at, [above, below], share);
+            add_words([high, low, length], at, [above, below], V::splat(share as i32));
+        }
+    }
+
+    /// [`Sum::add`] along a row, of the shares of lengths.
+    #[inline(always)]
+    fn fold_steps_row<V: Lanes>([high, low, length]: [&mut [i32]; 3], samples: &[i32], lengths: &[i32]) {
+        let len = samples.len();
+        let (Some(high), Some(low), Some(length)) = (high.get_mut(..len), low.get_mut(..len), length.get_mut(..len))
+        else {
+            return;
+        };
+        let lowest = V::splat(LOWEST);
+        for at in places::<V>(len) {
+            let share = (V::load(lengths, at) + V::splat(64)).shr_unsigned(7);
+            let product = V::load(samples, at).product(share);
+            let words = [product.shr_narrow(LOW), product.narrow() & lowest];
+            add_words([high, low, length], at, words, share);
         }
     }
 
@@ -325,6 +355,30 @@ mod tests {
             let [high, low, length] = &mut rows;
             Sum::fold_row::<i32>([high, low, length], &samples, share);
             for (at, sample) in samples.iter().enumerate() {
+                let expected = Sum::add([0, 1, 2].map(|row| before[row][at]), *sample, share);
+                prop_assert_eq!([0, 1, 2].map(|row| rows[row][at]), expected);
+            }
+        }
+
+        /// From the shortest step to the longest that there is.
+        #[test]
+        fn rows_of_steps_are_the_scalar(
+            rays in prop::collection::vec((any::<[u32; 2]>(), 0..=4095i32 << 15, 1i32 << 20..1 << 23), 0..34),
+        ) {
+            let mut rows = [(); 3].map(|()| std::vec::Vec::new());
+            for ([high, low], ..) in &rays {
+                rows[0].push(*high as i32);
+                rows[1].push(*low as i32 & LOWEST);
+                rows[2].push((*low ^ *high) as i32);
+            }
+            let samples: std::vec::Vec<i32> = rays.iter().map(|(_, sample, _)| *sample).collect();
+            let lengths: std::vec::Vec<i32> = rays.iter().map(|(.., length)| *length).collect();
+            let before = rows.clone();
+            let [high, low, length] = &mut rows;
+            Sum::fold_steps_row::<i32>([high, low, length], &samples, &lengths);
+            for (at, (_, sample, length)) in rays.iter().enumerate() {
+                let share = share_of_length(*length);
+                prop_assert!(share <= WHOLE && (8.0 * f64::from(share) - f64::from(*length) / 16.0).abs() <= 4.0);
                 let expected = Sum::add([0, 1, 2].map(|row| before[row][at]), *sample, share);
                 prop_assert_eq!([0, 1, 2].map(|row| rows[row][at]), expected);
             }

@@ -6,7 +6,7 @@ use slicecast_engine::perspective::InPerspective;
 use slicecast_engine::simd::Simd;
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::perspective::{Eye, Perspective};
-use slicecast_scene::{Borders, Classification, Point, PrecisionName, Sampling, Scene};
+use slicecast_scene::{Blend, Borders, Classification, Point, PrecisionName, Sampling, Scene};
 use slicecast_volume::mapping::Window;
 use slicecast_volume::open::load;
 use slicecast_volume::{Mapping, Volume};
@@ -74,6 +74,62 @@ fn pictures_are_close_to_the_model() {
             }
         }
     }
+}
+
+/// A projection over a ramp of all codes.
+fn projection(blend: Blend, precision: PrecisionName, mapping: Mapping) -> Scene {
+    let mut scene = scene("headsq", precision, 96);
+    (scene.blend, scene.lighting) = (blend, None);
+    let code = |code: f64| mapping.offset + code * mapping.scale;
+    let ends = [(code(0.0), 0.0), (code(4095.0), 1.0)];
+    let first = scene.transfer.points[0];
+    scene.transfer.points = ends
+        .map(|(value, opacity)| Point {
+            value,
+            opacity,
+            ..first
+        })
+        .into();
+    scene
+}
+
+/// Within the limits of composited samples.
+#[test]
+fn projections_are_close_to_the_model() {
+    let volume = head();
+    for (precision, equal, largest) in LIMITS {
+        for blend in [Blend::Maximum, Blend::Minimum, Blend::Average, Blend::Additive] {
+            let scene = projection(blend, precision, volume.mapping);
+            for eye in EYES {
+                let perspective = perspective(eye);
+                let prepared = InPerspective::new(&scene, &perspective, &volume).expect("something is seen");
+                let found = compare(&scene, &volume, &prepared, &|_, _| ()).expect("a small frame");
+                let image = found.image;
+                assert!(image.values > 1000);
+                assert!(
+                    image.equal_percent >= equal && image.max_lsb8 <= largest,
+                    "{} {blend:?} {eye:?}: {image:?}",
+                    precision.name()
+                );
+            }
+        }
+    }
+}
+
+/// A step is at most an eighth of the diagonal.
+#[test]
+fn a_sum_of_few_steps_is_refused() {
+    let mut volume = head();
+    volume.dims = [3; 3];
+    volume.voxels.truncate(27);
+    let mut scene = projection(Blend::Additive, PrecisionName::Compact, volume.mapping);
+    let seen = perspective(EYES[0]);
+    let refused = InPerspective::new(&scene, &seen, &volume)
+        .map(|_| ())
+        .expect_err("few steps");
+    assert!(refused.to_string().contains("eight steps or more"), "{refused}");
+    scene.sampling.planes_per_voxel = 8;
+    InPerspective::new(&scene, &seen, &volume).expect("enough steps");
 }
 
 /// Where a place of the volume is seen, pixels from the upper left one, and its distance along the viewing direction: the pinhole, written

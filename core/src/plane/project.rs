@@ -48,7 +48,7 @@ impl<P: Precision, C: Classifier<P>, X: Projection> Project<P, C, X> {
 
 /// The runs of a row, or of a pixel's words.
 #[inline(always)]
-fn runs(row: &mut [i32], width: usize) -> [&mut [i32]; 3] {
+pub(super) fn runs(row: &mut [i32], width: usize) -> [&mut [i32]; 3] {
     let mut runs = row.chunks_mut(width.max(1));
     three([(); 3], |()| runs.next().unwrap_or(&mut []))
 }

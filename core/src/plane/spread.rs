@@ -4,10 +4,12 @@
 //! with one weight. Along x each column has a cell and a weight of its own, the same in all rows of a plane; voxels are gathered there.
 //! Opacities are those of a step along k, brought to the length of the ray's own step.
 
+mod project;
 mod source;
 
 use core::ops::Range;
 
+pub use self::project::ProjectFromEye;
 use self::source::{Source, Spreads};
 use super::canvas::{Image, Packing};
 use super::composite::Composite;
@@ -22,7 +24,7 @@ use crate::classify::{Classifier, Slab, Support};
 use crate::composite::{Colours, Order, Pixel};
 use crate::lanes::Lanes;
 use crate::locate::Plane;
-use crate::perspective::Spread;
+use crate::perspective::{Line, Spread};
 use crate::plan::Plan;
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
@@ -223,6 +225,32 @@ impl<X: Packing<i32> + ?Sized, S: Spreads<i32> + ?Sized> Batches<i32, X> for Spr
     }
 }
 
+/// What rays reach of a plane.
+struct Reach {
+    lines: [Line; 2],
+    /// Columns of the image that have a sample.
+    columns: Range<usize>,
+    /// Rows of it, of those that are folded.
+    met: Range<u32>,
+}
+
+/// What rays reach of a plane in some rows of the image; `None` is nothing.
+#[inline(always)]
+fn reach(spread: &Spread, at: &At<'_>, (first, count): (u32, usize)) -> Option<Reach> {
+    let (plan, plane) = (at.plan, &at.plane);
+    let ([width, height, _], [base_width, base_height]) = (plan.dims(), plan.base());
+    // What lies behind the eye or about it, and what is another plan's.
+    if plane.index < spread.first_plane() || !plan.spreads() || spread.base() != plan.base() {
+        return None;
+    }
+    let lines = spread.lines(plane.index);
+    let [across, down] = &lines;
+    let (columns, met) = (across.inside(width, base_width), down.inside(height, base_height));
+    let columns = columns.start as usize..columns.end as usize;
+    let met = met.start.max(first)..met.end.min(first + count as u32);
+    (!columns.is_empty() && !met.is_empty()).then_some(Reach { lines, columns, met })
+}
+
 /// Folds the samples of a plane.
 #[inline(always)]
 fn fold_plane<V, A, P, C, S, X>(
@@ -246,20 +274,9 @@ where
     if let Some(tap) = &mut tap {
         tap.plane(plane);
     }
-    let ([width, height, _], [base_width, base_height]) = (plan.dims(), plan.base());
-    // What lies behind the eye or about it, and what is another plan's.
-    if plane.index < spread.first_plane() || !plan.spreads() || spread.base() != plan.base() {
+    let Some(Reach { lines, columns, met }) = reach(spread, at, (slots.first, slots.count)) else {
         return Ok(());
-    }
-    let lines = spread.lines(plane.index);
-    let [across, down] = &lines;
-    let (columns, met) = (across.inside(width, base_width), down.inside(height, base_height));
-    let (first, end) = (slots.first, slots.first + slots.count as u32);
-    let columns = columns.start as usize..columns.end as usize;
-    let met = met.start.max(first)..met.end.min(end);
-    if columns.is_empty() || met.is_empty() {
-        return Ok(());
-    }
+    };
     slots.canvas.begin(columns.clone());
     // Small machines have no whole volume at hand, and observers see whole rows.
     let seen = at.seen.filter(|_| !V::SMALL && tap.is_none());

@@ -467,7 +467,6 @@ pub fn wide_frame_in_perspective() -> impl Strategy<Value = Frame> {
 /// Frames from an eye.
 fn in_perspective(frames: impl Strategy<Value = Frame>) -> impl Strategy<Value = Frame> {
     (frames, any::<u64>()).prop_map(|(frame, seed)| {
-        let composited = frame.blend.is_composited();
         let parallel = Frame {
             borders: Borders::Whole,
             crop: None,
@@ -477,7 +476,6 @@ fn in_perspective(frames: impl Strategy<Value = Frame>) -> impl Strategy<Value =
             reflectance: None,
             segments: None,
             nearest: false,
-            blend: if composited { frame.blend } else { Blend::FrontToBack },
             ..frame
         };
         let view = parallel.plan().expect("a frame that has a plan");

@@ -261,6 +261,43 @@ pub fn frames() -> Vec<(&'static str, Frame)> {
             },
         ),
         (
+            "head-perspective-mip",
+            Frame {
+                eye: Some(eye([31.25, 40.5, -60.0])),
+                rays_per_voxel: 2,
+                blend: Blend::Maximum,
+                direction: [0, 0, -1],
+                ..head.clone()
+            },
+        ),
+        (
+            "head-perspective-minip",
+            Frame {
+                eye: Some(eye([-20.0, 30.0, 10.75])),
+                blend: Blend::Minimum,
+                ..head.clone()
+            },
+        ),
+        (
+            "head-perspective-average",
+            Frame {
+                eye: Some(eye([31.25, 30.0, 40.125])),
+                blend: Blend::Average,
+                direction: [0, 1000, 0],
+                ..head.clone()
+            },
+        ),
+        (
+            "head-perspective-additive",
+            Frame {
+                eye: Some(eye([31.25, 40.5, -60.0])),
+                planes_per_voxel: 2,
+                blend: Blend::Additive,
+                direction: [0, 0, -1],
+                ..head.clone()
+            },
+        ),
+        (
             "head-average",
             Frame {
                 direction: [-866, 500, 100],

@@ -154,7 +154,7 @@ pub fn diagonal(dims: [usize; 3], spacing: [f64; 3]) -> f64 {
 
 /// What an additive projection makes of a sum over steps of this length: the mean over the diagonal of the volume, which no ray in
 /// it is longer than.
-fn additive(step: f64, dims: [usize; 3], spacing: [f64; 3]) -> Sum {
+pub(crate) fn additive(step: f64, dims: [usize; 3], spacing: [f64; 3]) -> Sum {
     let share = (step / diagonal(dims, spacing)).min(1.0);
     let shift = (-share.log2()).floor().clamp(0.0, f64::from(SHIFT_MAX)) as u32;
     let bits = (share * f64::from(32 + shift).exp2()).round();

@@ -16,7 +16,7 @@ use slicecast::project::Sum;
 use slicecast::view::View;
 use slicecast::warp::{Point, Warp, mix_pixels};
 
-use crate::camera::{Material, PICTURE_SIDE_MAX, Picture, Setup, check_spacing, diagonal, planned};
+use crate::camera::{Material, PICTURE_SIDE_MAX, Picture, Setup, additive, check_spacing, diagonal, planned};
 use crate::error::CameraError;
 use crate::error::RenderError;
 use crate::frame::{Layer, Prepared};
@@ -28,7 +28,7 @@ use crate::progress::Progress;
 use crate::simd::Simd;
 use crate::with_precision;
 use slicecast_scene::check::RAYS_PER_VOXEL;
-use slicecast_scene::{CameraAxes, Scene, perspective};
+use slicecast_scene::{Blend, CameraAxes, Scene, perspective};
 use slicecast_volume::Volume;
 
 /// How many pixels of a base plane facets overlap.
@@ -384,6 +384,16 @@ fn joined([[a, b], [c, d]]: [[f64; 2]; 2], [[e, f], [g, h]]: [[f64; 2]; 2]) -> [
     [[a.min(e), b.min(f)], [c.max(g), d.max(h)]]
 }
 
+/// What an additive projection makes of sums of eighths of steps: the mean over the volume's diagonal.
+fn sum_of_steps(step: f64, volume: &Volume) -> Result<Sum, CameraError> {
+    let diagonal = diagonal(volume.dims, volume.spacing);
+    let eight = 8.0 * step;
+    if eight > diagonal {
+        return Err(CameraError::Additive { diagonal, eight });
+    }
+    Ok(additive(eight, volume.dims, volume.spacing))
+}
+
 /// One facet of a picture.
 fn facet<'a>(
     number: usize,
@@ -420,7 +430,10 @@ fn facet<'a>(
             Some(lighting) => Some(Material::new(lighting, &camera.axes, &view)?),
             None => None,
         },
-        additive: Sum::Average,
+        additive: match scene.blend {
+            Blend::Additive => sum_of_steps(step_length, volume)?,
+            _ => Sum::Average,
+        },
         step_length,
         clips: None,
         spread: Some(spread),

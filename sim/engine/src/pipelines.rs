@@ -4,7 +4,7 @@ use slicecast::classify::Classifier;
 use slicecast::composite::{BackToFront, ChannelFormat, FrontToBack, Recurrence};
 use slicecast::modulate::{Modulated, Modulation};
 use slicecast::perspective::Spread;
-use slicecast::plane::{Composite, Perspective, Project, Splines};
+use slicecast::plane::{Composite, Perspective, Project, ProjectFromEye, Splines};
 use slicecast::precision::Precision;
 #[doc(hidden)]
 pub use slicecast::precision::{Compact, Fast, Paper, Wide};
@@ -134,7 +134,23 @@ fn of_precision<P: Precision<Pixel: Recurrence<Channel: ChannelFormat>>>(
     geometry: Geometry<'_>,
 ) -> Result<Box<dyn Framing>, CameraError> {
     if let Some(spread) = parameters.spread {
-        return in_perspective(precision, scene, table, (parameters.material, spread), geometry);
+        let sum = match scene.blend {
+            Blend::FrontToBack | Blend::BackToFront => {
+                return in_perspective(precision, scene, table, (parameters.material, spread), geometry);
+            }
+            Blend::Maximum => {
+                let pipeline = Project::<_, _, Maximum>::new(precision, table);
+                return Ok(under(geometry, ProjectFromEye::new(pipeline, *spread)));
+            }
+            Blend::Minimum => {
+                let pipeline = Project::<_, _, Minimum>::new(precision, table);
+                return Ok(under(geometry, ProjectFromEye::new(pipeline, *spread)));
+            }
+            Blend::Average => Sum::Average,
+            Blend::Additive => parameters.additive,
+        };
+        let pipeline = Project::of(precision, table, sum);
+        return Ok(under(geometry, ProjectFromEye::new(pipeline, *spread)));
     }
     if let (true, Some(modulation)) = (scene.blend.is_composited(), parameters.modulation) {
         return modulated(precision, scene, table, (parameters.material, modulation), geometry);

@@ -1,7 +1,7 @@
 //! The pipeline's definitions, applied to one ray at a time: what every row kernel, layer and vector has to equal.
 //!
 //! Only core's scalar definitions are used: `position` and `middle`, `Side::part`, `fraction_of`, `trilinear`, `triquadratic`, `quadratic::gradient`, `space`, `coarsen`, `normalise`, `Phong::shade`, `Mapped::shade`, `Modulated::shade` and `opacity`,
-//! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`, `Sum::add`, `Projection::shown`. Which
+//! `Classifier::opacity`, `colour` and those of parts of segments, `Recurrence::over` and `under`, `settle`, `Extreme::keep`, `resolve`, `Sum::add`, `share_of_length`, `Projection::shown`. Which
 //! voxels they are given follows from the contract and is written here once more: no rows, no ring, no spans, no reuse.
 //! Under a witness that wants everything nothing is skipped either; without one, invisible samples are not shaded and
 //! finished rays end, as any renderer of rays would have it, and that is what is measured.
@@ -26,7 +26,7 @@ use slicecast::perspective::Spread;
 use slicecast::plan::Plan;
 use slicecast::plane::{ChannelOf, Depth, NO_DEPTH};
 use slicecast::precision::{Formats, Precision};
-use slicecast::project::{Extreme, Maximum, Minimum, Projection, Sum, pixel, resolve};
+use slicecast::project::{Extreme, Maximum, Minimum, Projection, Sum, pixel, resolve, share_of_length};
 use slicecast::quadratic::{self, triquadratic};
 use slicecast::shade::Phong;
 use slicecast::shade::map::Mapped;
@@ -396,7 +396,11 @@ impl<'a, P: Precision> Rays<'a, P> {
             if let Some(located) = self.locate(ray, step, witness) {
                 let sample = self.sample::<false>(located.cells);
                 if let Some(left) = located.left {
-                    words = Sum::add(words, sample, share(located.fraction, left.weight()));
+                    let share = match located.way {
+                        Some(way) => share_of_length(way.length),
+                        None => share(located.fraction, left.weight()),
+                    };
+                    words = Sum::add(words, sample, share);
                 }
                 witness.sample(located.visit, sample, None);
             }

@@ -22,6 +22,12 @@ use super::warp::ModelImage;
 use slicecast_scene::{Blend, Scene};
 use slicecast_volume::{Mapping, Volume};
 
+/// The mean of some values; none of none.
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    (count > 0.0).then_some(sum / count)
+}
+
 /// The image in the last slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screen {
@@ -162,6 +168,29 @@ impl<'a> FromEye<'a> {
             });
             Some((shaded, opacity))
         };
+        let values = || {
+            self.planes().filter_map(|plane| {
+                let position = self.geometry.inside_tolerant(self.place(&ray, plane))?;
+                Some(value_at(&self.grid, position))
+            })
+        };
+        let shown = match self.scene.blend {
+            Blend::FrontToBack | Blend::BackToFront => None,
+            Blend::Maximum => Some(values().reduce(f64::max)),
+            Blend::Minimum => Some(values().reduce(f64::min)),
+            Blend::Average => Some(mean(values())),
+            // What the ray sums up, over the volume's diagonal.
+            Blend::Additive => {
+                let sum = values().map(|value| value * ray.step).reduce(|a, b| a + b);
+                Some(sum.map(|sum| (sum / self.geometry.diagonal()).min(4095.0)))
+            }
+        };
+        if let Some(shown) = shown {
+            return shown.map_or(Pixel::TRANSPARENT, |value| {
+                let Classified { colour, opacity } = classifier.as_written(value);
+                Pixel::of_sample(colour, opacity)
+            });
+        }
         if self.scene.blend == Blend::BackToFront {
             let planes = self.planes().rev().filter_map(seen);
             return planes.fold(Pixel::TRANSPARENT, |pixel, (colour, opacity)| {
@@ -215,6 +244,39 @@ mod tests {
             assert!((dot(ray.viewer, ray.viewer) - 1.0).abs() < 1e-12);
         }
         assert!(model.ray_of(4, 4).step > model.ray_of(2, 2).step);
+    }
+
+    /// Of one value the largest, the smallest and the mean are that value; the sum is as much of it as the ray's steps are of the diagonal.
+    #[test]
+    fn projections_of_one_value_are_closed_forms() {
+        let mut scene = scene_along([0.0, 0.0, -1.0], &[(0.0, 0.0), (4095.0, 1.0)]);
+        scene.sampling.planes_per_voxel = 2;
+        let volume = volume_of([9, 11, 13], |_, _, _| 3000);
+        let screen = Screen {
+            axis: 2,
+            flipped: true,
+            eye: [4.0, 5.5, -20.0],
+            first: [3, 4],
+            size: [3, 3],
+            per_voxel: 1,
+        };
+        let diagonal = f64::from(9 * 9 + 11 * 11 + 13 * 13).sqrt();
+        for blend in [Blend::Maximum, Blend::Minimum, Blend::Average, Blend::Additive] {
+            scene.blend = blend;
+            let model = FromEye::new(&scene, &volume, screen);
+            for (u, v) in (0..3).flat_map(|u| (0..3).map(move |v| (u, v))) {
+                // 25 planes lie in the volume.
+                let share = match blend {
+                    Blend::Additive => 25.0 * model.ray_of(u, v).step / diagonal,
+                    _ => 1.0,
+                };
+                let left = model.ray(u, v).transparency;
+                assert!(
+                    (1.0 - left - share * 3000.0 / 4095.0).abs() < 1e-12,
+                    "{blend:?} {u} {v}: {left}"
+                );
+            }
+        }
     }
 
     /// From afar rays are parallel, lit or not.

@@ -100,7 +100,7 @@ impl Scene {
         self.lighting.as_ref().map_or(Ok(()), lighting)
     }
 
-    /// In perspective there are samples, composited, of the whole volume.
+    /// In perspective there are samples of the whole volume.
     fn perspective(&self) -> Result<(), FieldError> {
         let Some(perspective) = &self.perspective else {
             return Ok(());
@@ -120,11 +120,6 @@ impl Scene {
                     "\"linear\"",
                 ),
                 ("crop", self.crop.is_none(), "no crop box"),
-                (
-                    "render.blend",
-                    self.blend.is_composited(),
-                    "\"front-to-back\" or \"back-to-front\"",
-                ),
             ],
         )
     }

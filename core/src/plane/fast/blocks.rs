@@ -27,7 +27,7 @@ use crate::slice::Window;
 use crate::tap::Beam;
 
 /// Vectors of a batch: no vector has fewer than 16 lanes.
-const VECTORS: usize = BATCH / 16;
+const VECTORS: usize = BATCH >> 4;
 
 /// Fewest voxels of a row: with fewer a sample may be at both faces along x.
 pub(super) const WIDTH_LEAST: usize = 4;

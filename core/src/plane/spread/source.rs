@@ -28,6 +28,8 @@ pub(super) trait Spreads<W> {
     fn make(&mut self, row: u32, run: Range<usize>);
     /// Those that were made last.
     fn samples(&self) -> &[W];
+    /// The lengths of their steps.
+    fn lengths(&self) -> &[W];
     /// Brings opacities to the lengths of their steps.
     fn lengthen(&self, opacities: &mut [W]);
     /// Gradients of a span of the run that was made last, spaced, and the unit vectors towards the eye.
@@ -347,6 +349,11 @@ impl<P: Precision, V: Lanes, A: Asked> Spreads<i32> for Source<'_, '_, P, V, A> 
     #[inline(always)]
     fn samples(&self) -> &[i32] {
         part(self.rows.samples, self.run.clone())
+    }
+
+    #[inline(always)]
+    fn lengths(&self) -> &[i32] {
+        part(self.rows.lengths, 0..self.columns.len())
     }
 
     #[inline(always)]

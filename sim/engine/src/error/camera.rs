@@ -43,6 +43,17 @@ pub enum CameraError {
     /// The eye of a view in perspective.
     #[error("the view in perspective: {0}")]
     Eye(#[from] EyeError),
+    /// An additive projection in perspective of a volume of few steps.
+    #[error(
+        "an additive projection in perspective of a volume whose diagonal is {diagonal} long; \
+         expected eight steps or more, {eight}: take more planes per voxel"
+    )]
+    Additive {
+        /// The volume's diagonal.
+        diagonal: f64,
+        /// Eight steps along the facet's axis.
+        eight: f64,
+    },
     /// Clip planes.
     #[error("the clip planes: {0}")]
     Clip(#[from] ClipError),
