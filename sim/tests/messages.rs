@@ -298,6 +298,11 @@ fn speeds_have_a_spread_and_rows_are_told_once() {
             );
         }
         assert_eq!(seen.len(), 4, "fast, compact, wide and f32");
+        // Of the scene as it is and of the one with nothing to skip.
+        if section["name"].as_str().unwrap().ends_with("unlit") {
+            assert!(section["ways"].is_null(), "{section}");
+            continue;
+        }
         let ways = section["ways"].as_array().unwrap();
         let names: Vec<_> = ways.iter().map(|way| way["way"].as_str().unwrap()).collect();
         let wanted = [
