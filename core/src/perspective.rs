@@ -155,7 +155,7 @@ impl From<PlanError> for EyeError {
 }
 
 impl Plan {
-    /// A plan of rays that spread from an eye ([`perspective`](crate::perspective)), with [`Borders::Whole`], and these rays, which a pipeline
+    /// A plan of rays that spread from an eye ([`perspective`](crate::perspective)), with [`Borders::Whole`](crate::borders::Borders::Whole), and these rays, which a pipeline
     /// in perspective has beside it ([`plane::Perspective`](crate::plane::Perspective)). Of the view only axis and
     /// sense count. `rays_per_voxel` is of the last slice; all rays are of one phase.
     ///

@@ -283,7 +283,7 @@ impl Plan {
         }
     }
 
-    /// Whether its rays come from an eye: those of the [`Spread`] that was made with it.
+    /// Whether its rays come from an eye: those of the [`Spread`](crate::perspective::Spread) that was made with it.
     pub const fn spreads(&self) -> bool {
         self.spreads
     }

@@ -1,6 +1,6 @@
 //! Volumes as their files state them: shape, spacing, and values in the file's own number type.
 //!
-//! Every reader ends in [`Decoded::new`], which checks once what the rest of the program relies on: no side is empty or
+//! Every reader ends in [`Decoded::new`](crate::decoded::Decoded::new), which checks once what the rest of the program relies on: no side is empty or
 //! over [`MAX_AXIS`], the spacing is a length, there is one value a voxel, and every value is finite.
 
 use super::error::{Problem, ShapeError};
