@@ -117,15 +117,7 @@ where
             fold_rows(&mut rows, (&classifier, &shader), &mut pixels, batch, tap);
         }
     }
-}
 
-impl<R, C, S, O> Fast<R, C, S, O>
-where
-    R: Deref<Target = fast::Roots> + Sync,
-    C: Deref<Target = fast::Colours> + Sync,
-    S: FastShader,
-    O: Order,
-{
     /// Folds the blocks of an extent that can be seen.
     #[inline(always)]
     fn fold_blocks<V: Lanes>(
