@@ -34,9 +34,9 @@ use core::fmt;
 pub use self::band::Bands;
 pub use self::bins::{BLOCK, Bins, Needed, Voxels, measure_layer};
 pub use self::eye::{DISTANCES, Eye, PLACE_MAX, Rays, tilted};
-pub use self::kernel::{Kernel, product};
+pub use self::kernel::{Kernel, product, weight};
 pub use self::sheets::{MISSING, Sheet, Sheets, sample, slope};
-use crate::format::{Intensity, Step};
+use crate::format::Step;
 use crate::table::ENTRIES;
 
 /// The most voxels along a side.
@@ -467,14 +467,6 @@ impl Splatting {
         match &self.eye {
             Some(eye) => eye.scale(bin),
             None => eye::Scale::own(self.widths),
-        }
-    }
-
-    /// The spacing factors of a sheet's gradients, which those of parallel sheets are told.
-    pub(crate) fn spacing(&self, sheet: u32, parallel: [Intensity; 3]) -> [Intensity; 3] {
-        match &self.eye {
-            Some(eye) => eye.spacing(sheet),
-            None => parallel,
         }
     }
 

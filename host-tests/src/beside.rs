@@ -13,7 +13,7 @@ pub struct Line {
 }
 
 /// The lines, by the functions of `host-tests/tests/beside.rs` that measure them.
-pub const LINES: [Line; 9] = [
+pub const LINES: [Line; 10] = [
     Line {
         quantity: "modulation: factor, 1.15",
         ulp: 0.74,
@@ -53,6 +53,11 @@ pub const LINES: [Line; 9] = [
         quantity: "splatting in perspective: x and y, 13 fraction bits",
         ulp: 0.53,
         reason: "one rounding, and 1.04 phi 2^-17 + 1.5 |x| 2^-17 of the division at phi of 2000: proved",
+    },
+    Line {
+        quantity: "splatting in perspective: weight along an axis, 1.16",
+        ulp: 0.54,
+        reason: "one rounding, and half of 2^-20 of a distance times a slope of at most 1: proved",
     },
     Line {
         quantity: "splatting in perspective: gradient along z, 12.15",

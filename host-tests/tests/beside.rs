@@ -8,7 +8,7 @@ use slicecast::precision::{Compact, Wide};
 use slicecast::project::{Projection, Sum};
 use slicecast::shade::map::{Filter, Mapped, entries, fill};
 use slicecast::shade::{Highlight, Light, Phong};
-use slicecast::splat::{Kernel, Layout, Splatting, product, sample, tilted};
+use slicecast::splat::{Kernel, Layout, Splatting, product, sample, tilted, weight};
 use slicecast_host_tests::beside::LINES;
 use slicecast_host_tests::random::Random;
 use slicecast_host_tests::tolerance::STALE;
@@ -162,7 +162,7 @@ fn splats(found: &mut BTreeMap<&'static str, f64>) {
     let kernel = Kernel::of(&splatting, &memory).expect("memory of its length");
     let [wx, wy, wz] = splatting.widths().map(|w| f64::from(w) / 65536.0);
     let rho = 1.5 * wz + 0.5;
-    let weight = worst(5, |random| {
+    let weighed = worst(5, |random| {
         let [x, y] = [(); 2].map(|()| random.below(3 << 12));
         let u = random.below(256);
         let slabs = kernel.slabs(u);
@@ -173,7 +173,7 @@ fn splats(found: &mut BTreeMap<&'static str, f64>) {
         let made = product(slabs[j as usize], kernel.weight(1, y), kernel.weight(0, x));
         (f64::from(made) - exact * 262144.0).abs()
     });
-    found.insert("splatting: weight, 1.18", weight);
+    found.insert("splatting: weight, 1.18", weighed);
     let quotient = worst(6, |random| {
         let weights = 1 + u64::from(random.below(1 << 22));
         let values = random.next_bits() % (4095 * weights + 1);
@@ -200,12 +200,18 @@ fn splats(found: &mut BTreeMap<&'static str, f64>) {
         of(made[0], x, 1024.0, mx).max(of(made[1], y, 900.0, my))
     });
     found.insert("splatting in perspective: x and y, 13 fraction bits", place);
+    let looked = worst(9, |random| {
+        let t = (unit(random) * 1.5).abs();
+        (f64::from(weight((t * 1048576.0).round() as u64)) - 65536.0 * spline(t)).abs()
+    });
+    found.insert("splatting in perspective: weight along an axis, 1.16", looked);
     let along = worst(8, |random| {
         let g = [(); 3].map(|()| (unit(random) * f64::from(1 << 28)) as i32);
         let slopes = [(); 2].map(|()| (unit(random) * 3.4 * f64::from(1 << 27)) as i32);
+        let along = (unit(random) * f64::from(1 << 27)) as i32;
         let across = i128::from(g[0]) * i128::from(slopes[0]) + i128::from(g[1]) * i128::from(slopes[1]);
-        let exact = (i128::from(g[2]) << 27) - across;
-        let made = i128::from(tilted(g, slopes)) << 27;
+        let exact = i128::from(g[2]) * i128::from(along) - across;
+        let made = i128::from(tilted(g, along, slopes)) << 27;
         ((made - exact) as f64 / 27f64.exp2()).abs()
     });
     found.insert("splatting in perspective: gradient along z, 12.15", along);

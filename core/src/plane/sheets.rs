@@ -14,7 +14,7 @@ use crate::borders::lengths_row;
 use crate::classify::{Classifier, Slab, Support};
 use crate::composite::{Channel as _, Colours, FrontToBack};
 use crate::format::Intensity;
-use crate::gradient::{coarsen_row, space_row};
+use crate::gradient::coarsen_row;
 use crate::lanes::{Kernel, Lanes};
 use crate::precision::Precision;
 use crate::rows::{part, part_mut};
@@ -112,7 +112,7 @@ fn fold_rows(
 trait Spacing {
     fn apply(&self, g: [&mut [i32]; 3], factors: [Intensity; 3]);
     fn lengthen(&self, opacities: &mut [i32], lengths: &[i32]);
-    fn tilt(&self, rays: &Rays<'_>, at: (u32, usize), g: [&mut [i32]; 3], factors: [Intensity; 3]);
+    fn tilt(&self, rays: &Rays<'_>, at: (u32, usize), g: [&mut [i32]; 3]);
 }
 
 struct SpacedBy<P, V>(P, PhantomData<V>);
@@ -126,8 +126,8 @@ impl<P: Precision, V: Lanes> Spacing for SpacedBy<P, V> {
         V::enter((Lengthen, PhantomData::<V>, opacities, lengths));
     }
 
-    fn tilt(&self, rays: &Rays<'_>, at: (u32, usize), [gx, gy, gz]: [&mut [i32]; 3], [fx, fy, fz]: [Intensity; 3]) {
-        V::enter((Tilt, self, (rays, at), [gx, gy, gz], [fx, fy, fz]));
+    fn tilt(&self, rays: &Rays<'_>, at: (u32, usize), g: [&mut [i32]; 3]) {
+        V::enter((Tilt, self, (rays, at), g));
     }
 }
 
@@ -145,23 +145,12 @@ impl<V: Lanes> Kernel for (Lengthen, PhantomData<V>, &mut [i32], &[i32]) {
 
 struct Tilt;
 
-impl<P: Precision, V: Lanes> Kernel
-    for (
-        Tilt,
-        &SpacedBy<P, V>,
-        (&Rays<'_>, (u32, usize)),
-        [&mut [i32]; 3],
-        [Intensity; 3],
-    )
-{
+impl<P: Precision, V: Lanes> Kernel for (Tilt, &SpacedBy<P, V>, (&Rays<'_>, (u32, usize)), [&mut [i32]; 3]) {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let (_, SpacedBy(precision, _), (rays, at), [gx, gy, gz], [fx, fy, fz]) = self;
-        for (row, factor) in [(&mut *gx, fx), (&mut *gy, fy), (&mut *gz, fz)] {
-            space_row::<V>(row, factor);
-        }
+        let (_, SpacedBy(precision, _), (rays, at), [gx, gy, gz]) = self;
         rays.tilt(at, [&mut *gx, &mut *gy, &mut *gz]);
         if precision.formats().gradient_bits < 15 {
             coarsen_row::<V>([gx, gy, gz], precision.formats().gradient_bits);
@@ -292,13 +281,9 @@ impl<X: Canvas<i32> + ?Sized> Batches<i32, X> for SheetRows<'_> {
                 }
             }
         }
-        let factors = self.sheet.spacing();
         match self.sheet.rays() {
-            Some(rays) => {
-                let at = (self.row, visible.start);
-                self.spacing.tilt(&rays, at, [gx, gy, gz], factors);
-            }
-            None => self.spacing.apply([gx, gy, gz], factors),
+            Some(rays) => self.spacing.tilt(&rays, (self.row, visible.start), [gx, gy, gz]),
+            None => self.spacing.apply([gx, gy, gz], self.sheet.spacing()),
         }
     }
 

@@ -19,7 +19,6 @@
 use core::marker::PhantomData;
 
 use super::kernel;
-use crate::format::Intensity;
 use crate::lanes::{Kernel, Lanes, places};
 use crate::perspective::{ALONG_K, Way, square};
 use crate::rows::{part, part_mut};
@@ -32,6 +31,10 @@ pub const PLACE_MAX: i64 = 1 << 26;
 const WIDEST: u32 = 7;
 /// 1 in 16 fraction bits.
 const ONE: u32 = 1 << 16;
+/// A factor of 1, s4.27.
+const FACTOR_ONE: i32 = 1 << 27;
+/// Half a unit of what 27 fraction bits are cut from.
+const HALF: i64 = 1 << 26;
 /// Fraction bits of a voxel's slope.
 const SLOPE: u32 = 34;
 /// Fraction bits of the slopes of pixel 0 and of the next.
@@ -39,11 +42,11 @@ const STEP: u32 = 44;
 /// Magnitudes of slopes of pixels along x and along y, together: those of gradients stay within 31 bits.
 const SLOPES_MAX: i64 = 7 << 27;
 
-/// Kernels of a bin: how much wider than a pixel they are.
+/// Kernels of a bin: how wide they look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale {
-    /// 1 over the widths along x and y, 24 fraction bits.
-    inverse: [u32; 2],
+    /// 1 over the widths along x and y, 24 fraction bits; `None` where tables are made for the widths.
+    inverse: Option<[u32; 2]>,
     /// Along x and y, 13 fraction bits, upwards.
     pub(super) reach: [u32; 2],
 }
@@ -52,24 +55,27 @@ impl Scale {
     /// Of tables that are made for the widths themselves.
     pub(super) const fn own(widths: [u32; 3]) -> Self {
         Self {
-            inverse: [1 << 24; 2],
+            inverse: None,
             reach: kernel::reach(widths),
         }
     }
 
-    /// Of widths along x and y, 16.16, from tables of a width of 1.
+    /// Of widths along x and y, pixels, 16.16.
     fn of([x, y]: [u32; 2]) -> Self {
         Self {
-            inverse: [x, y].map(|width| nearest(1 << 40, width.into()) as u32),
+            inverse: Some([x, y].map(|width| nearest(1 << 40, width.into()) as u32)),
             reach: kernel::reach([x, y, ONE]),
         }
     }
 
-    /// A distance in pixels along x (axis 0) or y (axis 1) as the tables have it, 13 fraction bits.
+    /// The weight at a distance in pixels along x (axis 0) or y (axis 1) with 13 fraction bits, 1.16.
     #[inline(always)]
-    pub(super) fn distance(&self, axis: usize, pixels: u32) -> u32 {
-        let inverse = self.inverse.get(axis).copied().unwrap_or(0);
-        ((u64::from(pixels) * u64::from(inverse) + (1 << 23)) >> 24) as u32
+    pub(super) fn weight(&self, kernel: &kernel::Kernel<'_>, axis: usize, pixels: u32) -> u32 {
+        let Some(inverse) = self.inverse else {
+            return kernel.weight(axis, pixels);
+        };
+        let inverse = inverse.get(axis).copied().unwrap_or(0);
+        kernel::weight((u64::from(pixels) * u64::from(inverse) + (1 << 16)) >> 17)
     }
 }
 
@@ -252,15 +258,16 @@ impl Eye {
         super::nominal([apart.max(x), apart.max(y), z], self.volume).div_ceil(2)
     }
 
-    /// Spacing factors of gradients on a sheet: of differences along x and y, and from sheet to sheet.
-    pub(super) fn spacing(&self, sheet: u32) -> [Intensity; 3] {
-        let apart = self.apart(self.middle(sheet)).max(1);
+    /// Factors of differences on a sheet, of those along x and y and of those from sheet to sheet, 4.27: the greater length is one.
+    fn factors(&self, sheet: u32) -> [i32; 2] {
+        let middle = self.middle(sheet).max(0);
+        let apart = self.apart(middle).max(1);
         if apart <= ONE {
-            let along = Intensity::from_bits(((apart + 1) >> 1) as u16);
-            [Intensity::ONE, Intensity::ONE, along]
+            // The middle is at most the distance of the image: below 2^47.
+            let along = (middle << 11).checked_div(self.distance.into()).unwrap_or(0);
+            [FACTOR_ONE, along.min(FACTOR_ONE.into()) as i32]
         } else {
-            let across = Intensity::from_bits(nearest(1 << 31, apart.into()) as u16);
-            [across, across, Intensity::ONE]
+            [nearest(1 << 43, apart.into()) as i32, FACTOR_ONE]
         }
     }
 
@@ -295,6 +302,8 @@ impl Eye {
 #[derive(Clone, Copy, Debug)]
 pub struct Rays<'a> {
     pub(super) eye: &'a Eye,
+    /// Of the sheet that is folded.
+    pub(super) factors: [i32; 2],
     /// Number of the first row.
     pub(super) first: u32,
     pub(super) width: usize,
@@ -338,9 +347,18 @@ impl<'a> Rays<'a> {
         }
         Self {
             eye,
+            factors: [FACTOR_ONE; 2],
             first,
             width,
             rows: [lengths, x, y, z],
+        }
+    }
+
+    /// The same through a sheet.
+    pub(super) fn through(self, sheet: u32) -> Self {
+        Self {
+            factors: self.eye.factors(sheet),
+            ..self
         }
     }
 
@@ -363,12 +381,18 @@ impl<'a> Rays<'a> {
         [1, 2, 3].map(|number| self.row(number, row))
     }
 
-    /// Makes differences along rays, of a row from a column on, those along z. The sheet's factors come before.
+    /// Brings differences of a row, from a column on, to the lengths between pixels and sheets, and those along rays to z.
     #[inline(always)]
     pub fn tilt(&self, (row, column): (u32, usize), [gx, gy, gz]: [&mut [i32]; 3]) {
+        let [across, along] = self.factors;
+        if across != FACTOR_ONE {
+            for component in gx.iter_mut().chain(&mut *gy) {
+                *component = ((i64::from(*component) * i64::from(across) + HALF) >> 27) as i32;
+            }
+        }
         let down = self.eye.slope(1, row);
         for (column, ((gx, gy), gz)) in (column as u32..).zip(gx.iter().zip(gy).zip(gz)) {
-            *gz = tilted([*gx, *gy, *gz], [self.eye.slope(0, column), down]);
+            *gz = tilted([*gx, *gy, *gz], along, [self.eye.slope(0, column), down]);
         }
     }
 }
@@ -385,11 +409,12 @@ impl<'a, V: Lanes> Kernel for (Make, PhantomData<V>, &'a Eye, (u32, u32), bool, 
     }
 }
 
-/// A difference along a ray of these slopes as one along z. This function is the definition.
+/// A difference along a ray of these slopes, times a factor of at most 1, as one along z; slopes and factor s4.27, to nearest, halves up. This
+/// function is the definition.
 #[inline(always)]
-pub const fn tilted([gx, gy, gz]: [i32; 3], [x, y]: [i32; 2]) -> i32 {
-    let across = gx as i64 * x as i64 + gy as i64 * y as i64;
-    (gz as i64 - ((across + (1 << 26)) >> 27)) as i32
+pub const fn tilted([gx, gy, gz]: [i32; 3], along: i32, [x, y]: [i32; 2]) -> i32 {
+    let sum = gz as i64 * along as i64 - gx as i64 * x as i64 - gy as i64 * y as i64;
+    ((sum + HALF) >> 27) as i32
 }
 
 /// Makes a row of slopes along x one of lengths.

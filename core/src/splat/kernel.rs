@@ -36,7 +36,7 @@ pub(crate) const fn integral(t: u64) -> u64 {
 /// Tables of a kernel in the caller's memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel<'a> {
-    /// Nodes from the middle outwards, 1.15, along x and y.
+    /// Nodes from the middle outwards, 1.15, along x and y; none where kernels are as wide as they look.
     nodes: [&'a [u32]; 2],
     /// Integrals over sheets in widths, 1.16: J of each place between two sheets.
     slabs: &'a [u32],
@@ -51,9 +51,17 @@ const fn nodes_len(width: u32) -> usize {
 impl<'a> Kernel<'a> {
     /// Elements of memory.
     pub const fn len(splatting: &Splatting) -> usize {
-        let [x, y, _] = splatting.widths;
+        let [x, y] = Self::nodes_len(splatting);
         let slabs = (splatting.reached() as usize) << splatting.layout.depth_bits;
-        nodes_len(x) + nodes_len(y) + slabs
+        x + y + slabs
+    }
+
+    const fn nodes_len(splatting: &Splatting) -> [usize; 2] {
+        let [x, y, _] = splatting.widths;
+        match splatting.eye() {
+            Some(_) => [0; 2],
+            None => [nodes_len(x), nodes_len(y)],
+        }
     }
 
     /// Makes the tables.
@@ -66,8 +74,9 @@ impl<'a> Kernel<'a> {
             return Err(SplatError::Memory { needed, given });
         }
         let [wx, wy, wz] = splatting.widths;
-        let (x, rest) = memory.split_at_mut(nodes_len(wx));
-        let (y, slabs) = rest.split_at_mut(nodes_len(wy));
+        let [x, y] = Self::nodes_len(splatting);
+        let (x, rest) = memory.split_at_mut(x);
+        let (y, slabs) = rest.split_at_mut(y);
         for (nodes, width) in [(x, wx), (y, wy)] {
             for (number, node) in nodes.iter_mut().enumerate() {
                 let t = ((number as u64) << (46 - NODES)).checked_div(width.into());
@@ -98,9 +107,9 @@ impl<'a> Kernel<'a> {
         if needed != given {
             return Err(SplatError::Memory { needed, given });
         }
-        let [wx, wy, _] = splatting.widths;
-        let (x, rest) = memory.split_at(nodes_len(wx));
-        let (y, slabs) = rest.split_at(nodes_len(wy));
+        let [x, y] = Self::nodes_len(splatting);
+        let (x, rest) = memory.split_at(x);
+        let (y, slabs) = rest.split_at(y);
         Ok(Self {
             nodes: [x, y],
             slabs,
@@ -108,14 +117,14 @@ impl<'a> Kernel<'a> {
         })
     }
 
-    /// The weight along x or y at a distance with 13 fraction bits, 1.15. This function is the definition.
+    /// The weight along x or y at a distance with 13 fraction bits, 1.16, of parallel rays. This function is the definition.
     #[inline(always)]
     pub fn weight(&self, axis: usize, distance: u32) -> u32 {
         let nodes = self.nodes.get(axis).copied().unwrap_or(&[]);
         let (index, q) = ((distance >> 6) as usize, (distance & 63) as i32);
         match part(nodes, index..index + 2) {
             // They fall outwards.
-            [a, b] => (*a as i32 + (((*b as i32 - *a as i32) * q + 32) >> 6)) as u32,
+            [a, b] => ((*a as i32 + (((*b as i32 - *a as i32) * q + 32) >> 6)) as u32) << 1,
             _ => 0,
         }
     }
@@ -140,7 +149,22 @@ pub(crate) const fn pixels(place: u32, reach: u32) -> [i32; 2] {
     [(place - reach + 0x1fff) >> 13, (place + reach) >> 13]
 }
 
-/// The product of three weights, 1.18. This function is the definition.
+/// The weight of a kernel as wide as it looks at a distance in widths with 20 fraction bits, 1.16. This function is the definition.
+#[inline(always)]
+pub const fn weight(t: u64) -> u32 {
+    const HALF: u64 = 1 << 19;
+    const END: u64 = 3 << 19;
+    let twice = if t < HALF {
+        (3 << 39) - 2 * t * t
+    } else if t < END {
+        (END - t) * (END - t)
+    } else {
+        0
+    };
+    ((twice + (1 << 24)) >> 25) as u32
+}
+
+/// The product of three weights, of 1.16 each, 1.18. This function is the definition.
 #[inline(always)]
 pub const fn product(slab: u32, y: u32, x: u32) -> u32 {
     across(down(slab, y), x)
@@ -149,11 +173,11 @@ pub const fn product(slab: u32, y: u32, x: u32) -> u32 {
 /// The part of [`product`] that a row of pixels shares.
 #[inline(always)]
 pub(crate) const fn down(slab: u32, y: u32) -> u32 {
-    (slab * y + (1 << 14)) >> 15
+    (slab * y + (1 << 15)) >> 16
 }
 
 /// [`product`] of what a row shares.
 #[inline(always)]
 pub(crate) const fn across(row: u32, x: u32) -> u32 {
-    (row * x + (1 << 12)) >> 13
+    (row * x + (1 << 13)) >> 14
 }

@@ -137,11 +137,11 @@ impl<'a> Sheets<'a> {
             }
             let weights = part_mut(&mut weights, 0..columns.len());
             for (pixel, weight) in columns.clone().zip(weights.iter_mut()) {
-                *weight = kernel.weight(0, scale.distance(0, distance(pixel, x)));
+                *weight = scale.weight(&kernel, 0, distance(pixel, x));
             }
             let column = (columns.start - margin_x) as usize;
             for line in lines {
-                let height = kernel.weight(1, scale.distance(1, distance(line, y)));
+                let height = scale.weight(&kernel, 1, distance(line, y));
                 let row = (line - down.start) as usize * stride;
                 for (number, &slab) in (bin..).zip(kernel.slabs(u)) {
                     let shared = kernel::down(slab, height);
@@ -199,7 +199,7 @@ impl<'a> Sheets<'a> {
     }
 
     /// A sheet whose samples, and those of the sheets about it where there are gradients, are made.
-    /// `spacing` is that of parallel rays; where they spread, sheets have their own, and `rays` besides.
+    /// `spacing` is that of parallel rays; where they spread, sheets have factors of their own, and `rays` besides.
     pub fn sheet<'s>(&'s self, number: u32, spacing: [Intensity; 3], rays: Option<Rays<'s>>) -> Sheet<'s> {
         let sheet = self.rows * self.stride;
         let of = |number: u32| {
@@ -213,8 +213,8 @@ impl<'a> Sheets<'a> {
             stride: self.stride,
             // Two further on lies the one in front.
             samples: [about(number + 2), of(number), about(number + 1)],
-            spacing: self.splatting.spacing(number, spacing),
-            rays,
+            spacing,
+            rays: rays.map(|rays| rays.through(number)),
         }
     }
 }
@@ -254,7 +254,7 @@ impl<'a> Sheet<'a> {
         self.stride - 1
     }
 
-    /// The spacing factors of gradients.
+    /// The spacing factors of gradients, of parallel rays.
     pub const fn spacing(&self) -> [Intensity; 3] {
         self.spacing
     }

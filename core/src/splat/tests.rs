@@ -337,13 +337,13 @@ fn the_kernel_is_the_spline() {
             );
             assert!(slabs.iter().all(|slab| *slab <= 49152));
         }
-        assert_eq!(kernel.weight(0, 0), 24576);
+        assert_eq!(kernel.weight(0, 0), 49152);
         for distance in 0..3 << 13 {
             let t = f64::from(distance) / 8192.0 / (f64::from(splatting.widths()[0]) / 65536.0);
             let exact = spline((t * 1073741824.0) as u64) as f64 / 32768.0;
             // Between nodes the chord of a parabola: h^2 / 8, h of 1/128.
             assert!(
-                (f64::from(kernel.weight(0, distance)) - exact).abs() < 1.3,
+                (f64::from(kernel.weight(0, distance)) / 2.0 - exact).abs() < 1.3,
                 "{distance}"
             );
         }

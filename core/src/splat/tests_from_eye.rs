@@ -112,8 +112,14 @@ fn sums(splatting: &Splatting, voxels: &[u16]) -> Vec<[u128; 2]> {
             let width = (i128::from(widths[axis]) * i128::from(eye_distance(splatting)) / middle).max(1 << 16);
             let inverse = ((1 << 41) + width) / (2 * width);
             let distance = (i128::from(pixel + eye.margin()[axis]) << 13) - place[axis];
-            let t = (distance.abs() * inverse + (1 << 23)) >> 24;
-            kernel.weight(axis, t.min(1 << 20) as u32)
+            // 20 fraction bits, their square 40.
+            let t = (distance.abs() * inverse + (1 << 16)) >> 17;
+            let b = match t {
+                t if t < 1 << 19 => (3 << 39) - 2 * t * t,
+                t if t < 3 << 19 => ((3 << 19) - t).pow(2),
+                _ => 0,
+            };
+            ((b + (1 << 24)) >> 25) as u32
         };
         let value = layout.code(layout.stored(code));
         for (j, &slab) in kernel.slabs(u as u32).iter().enumerate() {
@@ -347,11 +353,18 @@ fn rays_are_close() {
         // What rises by 100 a sheet along z and by 20 and -7 along x and y.
         let along = 100.0 + 20.0 * x - 7.0 * y;
         let slopes = [eye.slope(0, column), eye.slope(1, row)];
-        let found = tilted([20 << 15, -7 << 15, (along * 32768.0).round() as i32], slopes);
+        let found = tilted([20 << 15, -7 << 15, (along * 32768.0).round() as i32], 1 << 27, slopes);
+        assert!((f64::from(found) / 32768.0 - 100.0).abs() < 1e-4);
+        // From sheets that are ten times as far apart as pixels.
+        let found = tilted(
+            [20 << 15, -7 << 15, (along * 327680.0).round() as i32],
+            13421773,
+            slopes,
+        );
         assert!((f64::from(found) / 32768.0 - 100.0).abs() < 1e-4);
     }
     assert_eq!(
-        tilted([1 << 28, 1 << 28, 1 << 28], [-(3 << 27), (-4 << 27) + 1]),
+        tilted([1 << 28, 1 << 28, 1 << 28], 1 << 27, [-(3 << 27), (-4 << 27) + 1]),
         i32::MAX - 1
     );
 }
