@@ -22,6 +22,7 @@
 //! | `borders` | the ends of rays after LaMar, whole steps beside exact ones: figures and cost |
 //! | `clock` | times of one processor |
 //! | `reflectance` | reflectance maps by their size, beside Phong |
+//! | `splats` | splatting by the widths of its records, beside rays |
 //! | `segments` | two-dimensional pre-integrated tables beside the integrals |
 //! | `texture` | texture hardware of 8 bits, as a comparator; figure 1 and teaser of Squeeze |
 
@@ -43,5 +44,6 @@ pub mod report;
 pub mod rows;
 pub mod segments;
 pub mod shards;
+pub mod splats;
 pub mod sweep;
 pub mod texture;

@@ -7,6 +7,7 @@ mod reflectance;
 mod report;
 mod segments;
 mod sheets;
+mod splats;
 mod sweep;
 mod sweep_table;
 mod texture;
@@ -32,6 +33,7 @@ pub enum Command {
     Borders(borders::Args),
     Texture(Box<texture::Args>),
     Reflectance(Box<reflectance::Args>),
+    Splats(Box<splats::Args>),
     Report(report::Args),
 }
 
@@ -45,6 +47,7 @@ impl Command {
             Self::Borders(args) => args.run(),
             Self::Texture(args) => args.run(),
             Self::Reflectance(args) => args.run(),
+            Self::Splats(args) => args.run(),
             Self::Report(args) => args.run(),
         }
     }

@@ -45,6 +45,9 @@ pub enum Command {
     /// The laboratory (not in this program): reflectance maps by size
     #[command(disable_help_flag = true)]
     Reflectance(Asked),
+    /// The laboratory (not in this program): splatting by the widths of its records
+    #[command(disable_help_flag = true)]
+    Splats(Asked),
     /// The laboratory (not in this program): all of it on one page
     #[command(disable_help_flag = true)]
     Report(Asked),
@@ -60,6 +63,7 @@ impl Command {
             Self::Borders(_) => "borders",
             Self::Texture(_) => "texture",
             Self::Reflectance(_) => "reflectance",
+            Self::Splats(_) => "splats",
             Self::Report(_) => "report",
         };
         Err(Failure::input(format!("{name}: {HINT}")))
@@ -107,6 +111,7 @@ mod tests {
             "borders",
             "texture",
             "reflectance",
+            "splats",
             "report",
         ];
         for name in names {
