@@ -48,7 +48,7 @@ pub fn folded<O: Order>(pixel: Pixel<u16>, colour: [u16; 3], root: u16, offsets:
         colour: [&mut red, &mut green, &mut blue],
         transparency: &mut transparency,
     };
-    fold_row::<O, u16>(&mut row, colour.map(Given::One), &[root], offsets, floor);
+    fold_lanes::<O, u16>(&mut row, colour.map(Given::One), &[root], offsets, floor);
     let ([transparency], [red, green, blue]) = (transparency, [red, green, blue].map(|[c]| c));
     Pixel {
         colour: [red, green, blue],
@@ -102,6 +102,82 @@ fn add<O: Order, H: Halves, const WHOLE: bool>(row: &mut [u16], colour: Given<'_
 /// Folds a sample into each pixel of a row. All rows equally long. Transparency below the floor becomes 0, front to back.
 #[inline(always)]
 pub(crate) fn fold_row<O: Order, H: Halves>(
+    pixels: &mut PixelRow<'_, u16>,
+    given: [Given<'_>; 3],
+    roots: &[u16],
+    offsets: Offsets,
+    floor: u16,
+) {
+    if H::COUNT == 1 {
+        fold_one_by_one::<O>(pixels, given, roots, offsets, floor);
+    } else {
+        fold_lanes::<O, H>(pixels, given, roots, offsets, floor);
+    }
+}
+
+/// Pixels of one lane, one after the other: numbers of 16 bits in registers of 32, of which a function of its own has enough.
+#[inline(never)]
+fn fold_one_by_one<O: Order>(
+    pixels: &mut PixelRow<'_, u16>,
+    [r, g, b]: [Given<'_>; 3],
+    roots: &[u16],
+    offsets: Offsets,
+    floor: u16,
+) {
+    let [red, green, blue] = &mut pixels.colour;
+    let rows = roots.iter().zip(pixels.transparency.iter_mut());
+    let rows = rows.zip(red.iter_mut()).zip(green.iter_mut()).zip(blue.iter_mut());
+    let fold =
+        |root, left: &mut u16, row: [&mut u16; 3], given| fold_one::<O>(left, row, (root, given), offsets, floor);
+    match (r, g, b) {
+        (Given::Row(r), Given::Row(g), Given::Row(b)) => {
+            for ((((((root, left), red), green), blue), (r, g)), b) in rows.zip(r.iter().zip(g)).zip(b) {
+                fold(*root, left, [red, green, blue], [*r, *g, *b]);
+            }
+        }
+        (r, g, b) => {
+            let given = [r, g, b].map(|given| given.at::<u16, true>(0));
+            for ((((root, left), red), green), blue) in rows {
+                fold(*root, left, [red, green, blue], given);
+            }
+        }
+    }
+}
+
+/// Folds a sample into a pixel: [`fold_lanes`] of one.
+#[inline(always)]
+fn fold_one<O: Order>(
+    left: &mut u16,
+    row: [&mut u16; 3],
+    (root, given): (u16, [u16; 3]),
+    offsets: Offsets,
+    floor: u16,
+) {
+    let (root, light) = (u32::from(root), u32::from(*left));
+    if root == 0 {
+        return;
+    }
+    let [transparency, colour] = [offsets.transparency, offsets.colour].map(u32::from);
+    // At most 65535^2 + 65535.
+    let of = |light: u32| (((light * root + (1 << 15)) >> 16) * root + transparency) >> 16;
+    let w = of(light);
+    let rest = (light - w) as u16;
+    let (rest, taken) = if O::BACK_TO_FRONT {
+        (rest, of(u32::from(u16::MAX)))
+    } else {
+        (if rest >= floor { rest } else { 0 }, w)
+    };
+    *left = rest;
+    for (channel, given) in row.into_iter().zip(given) {
+        let old = u32::from(*channel);
+        let light = |of: u32| (of * taken + colour) >> 16;
+        let kept = if O::BACK_TO_FRONT { old - light(old) } else { old };
+        *channel = (kept + light(u32::from(given))) as u16;
+    }
+}
+
+#[inline(always)]
+fn fold_lanes<O: Order, H: Halves>(
     pixels: &mut PixelRow<'_, u16>,
     [r, g, b]: [Given<'_>; 3],
     roots: &[u16],

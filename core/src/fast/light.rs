@@ -10,6 +10,8 @@
 //!
 //! Source: Squeeze, sections 4.2 and 4.3 (Phong with powers by squaring).
 
+pub(super) mod one_lane;
+
 use heapless::Vec;
 
 use crate::composite::Colours;
@@ -188,7 +190,7 @@ impl FastPhong {
             one: None,
             rows: [&mut red, &mut green, &mut blue],
         };
-        self.shade_row::<u16>([&x, &y, &z], &mut colours);
+        self.shade_as::<u16, ASKED>([&x, &y, &z], &mut colours);
         [red, green, blue].map(|[c]| c)
     }
 
@@ -197,7 +199,7 @@ impl FastPhong {
     #[inline(always)]
     pub(crate) fn shade_row<H: Halves>(&self, g: [&[u16]; 3], colours: &mut Colours<'_, u16>) {
         if H::COUNT == 1 {
-            return self.shade_as::<H, ASKED>(g, colours);
+            return self.shade_one_by_one(g, colours);
         }
         match (self.highlight, self.grey, self.lights.len()) {
             (Highlight::Reflection, true, 1) => self.shade_as::<H, { REFLECTION | GREY | ALONE }>(g, colours),

@@ -95,6 +95,14 @@ impl<R: Deref<Target = Roots>, C: Deref<Target = Colours>> RootTable<R, C> {
         mixed(pair as u16, (pair >> 16) as u16, fraction(sample))
     }
 
+    /// Colours of samples one by one.
+    #[inline(never)]
+    fn colours_one_by_one(&self, samples: &[u16], [red, green, blue]: [&mut [u16]; 3]) {
+        for (((sample, r), g), b) in samples.iter().zip(red).zip(green).zip(blue) {
+            [*r, *g, *b] = self.colour(*sample);
+        }
+    }
+
     /// The colour of a sample: the definition.
     #[inline(always)]
     pub fn colour(&self, sample: u16) -> [u16; 3] {
@@ -163,12 +171,7 @@ impl<R: Deref<Target = Roots>, C: Deref<Target = Colours>> RootTable<R, C> {
     pub(crate) fn colour_row<V: Lanes>(&self, samples: &[u16], [red, green, blue]: [&mut [u16]; 3]) {
         let colours = match &self.colours {
             Err(colours) if !V::SMALL => colours,
-            _ => {
-                for (((sample, r), g), b) in samples.iter().zip(red).zip(green).zip(blue) {
-                    [*r, *g, *b] = self.colour(*sample);
-                }
-                return;
-            }
+            _ => return self.colours_one_by_one(samples, [red, green, blue]),
         };
         let mut pairs = [[0; CHUNK]; 3];
         let rows = red

@@ -3,14 +3,15 @@ use std::vec::Vec;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use super::fold::{Offsets, folded, taken};
-use super::light::root;
+use super::fold::{Given, Offsets, fold_row, folded, taken};
+use super::light::{one_lane, root};
 use super::sample::lerp;
 use super::table::{fill_colours, fill_roots, root_of};
 use super::{FastPhong, RootTable};
 use crate::classify::{Linear, PointTable, Sqrt16, entry, opacity_of_root};
-use crate::composite::{BackToFront, Colours, FrontToBack, Pixel};
+use crate::composite::{BackToFront, Colours, FrontToBack, Order, Pixel, PixelRow};
 use crate::format::{Coefficient, Vector};
+use crate::lanes::Small;
 use crate::lanes::two::Two;
 use crate::shade::{Highlight, Light};
 use crate::table::ENTRIES;
@@ -29,6 +30,7 @@ fn config(seed: u64) -> ProptestConfig {
 fn reciprocal_roots_are_near() {
     let (mut largest, mut sum) = (0f64, 0f64);
     for h in 16384..=65535u16 {
+        assert_eq!(one_lane::root(u32::from(h)), u32::from(root(h)));
         let error = f64::from(root(h)) - 8388608.0 / f64::from(h).sqrt();
         largest = largest.max(error.abs());
         sum += error;
@@ -127,6 +129,45 @@ proptest! {
     }
 }
 
+/// Folds samples as a row and one by one: pixels, colours and roots.
+fn one_lane_folds<O: Order>(
+    samples: &[([u16; 4], [u16; 3], u16)],
+    one: Option<[u16; 3]>,
+    k: u32,
+    floor: u16,
+) -> Result<(), TestCaseError> {
+    let offsets = Offsets::of_plane(k);
+    // Front to back a pixel has given what it has taken; back to front any may be.
+    let pixel = |[r, g, b, t]: [u16; 4]| Pixel {
+        colour: [r, g, b].map(|c| if O::BACK_TO_FRONT { c } else { c.min(65535 - t) }),
+        transparency: t,
+    };
+    let pixels: Vec<Pixel<u16>> = samples.iter().map(|(of, ..)| pixel(*of)).collect();
+    let channel = |c: usize| pixels.iter().map(|pixel| pixel.colour[c]).collect::<Vec<_>>();
+    let [mut red, mut green, mut blue] = [0, 1, 2].map(channel);
+    let mut transparency: Vec<u16> = pixels.iter().map(|pixel| pixel.transparency).collect();
+    let roots: Vec<u16> = samples.iter().map(|(.., root)| *root).collect();
+    let given = [0, 1, 2].map(|c| samples.iter().map(|(_, colour, _)| colour[c]).collect::<Vec<_>>());
+    let mut row = PixelRow {
+        colour: [&mut red, &mut green, &mut blue],
+        transparency: &mut transparency,
+    };
+    let rows = [0, 1, 2].map(|c| match one {
+        Some(one) => Given::One(one[c]),
+        None => Given::Row(&given[c]),
+    });
+    fold_row::<O, u16>(&mut row, rows, &roots, offsets, floor);
+    for (at, (before, (_, colour, root))) in pixels.iter().zip(samples).enumerate() {
+        let after = folded::<O>(*before, one.unwrap_or(*colour), *root, offsets, floor);
+        let found = Pixel {
+            colour: [red[at], green[at], blue[at]],
+            transparency: transparency[at],
+        };
+        prop_assert_eq!(found, after, "sample {}", at);
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(config(2))]
 
@@ -150,13 +191,29 @@ proptest! {
         let [x, y, z] = [0, 1, 2].map(component);
         let given = |channel: usize| (0..g.len()).map(|at| seed.wrapping_mul((7 * at + channel + 1) as u16)).collect::<Vec<_>>();
         let before = [0, 1, 2].map(given);
-        let [mut red, mut green, mut blue] = before.clone();
-        let mut colours = Colours { one, rows: [&mut red, &mut green, &mut blue] };
-        phong.shade_row::<Two<u16>>([&x, &y, &z], &mut colours);
-        for (at, g) in g.iter().enumerate() {
-            let colour = [0, 1, 2].map(|channel| one.map_or(before[channel][at], |one| one[channel] as u16));
-            prop_assert_eq!([red[at], green[at], blue[at]], phong.shade(*g, colour), "sample {}", at);
+        for alone in [false, true] {
+            let [mut red, mut green, mut blue] = before.clone();
+            let mut colours = Colours { one, rows: [&mut red, &mut green, &mut blue] };
+            if alone {
+                phong.shade_row::<u16>([&x, &y, &z], &mut colours);
+            } else {
+                phong.shade_row::<Two<u16>>([&x, &y, &z], &mut colours);
+            }
+            for (at, g) in g.iter().enumerate() {
+                let colour = [0, 1, 2].map(|channel| one.map_or(before[channel][at], |one| one[channel] as u16));
+                prop_assert_eq!([red[at], green[at], blue[at]], phong.shade(*g, colour), "sample {}, alone {}", at, alone);
+            }
         }
+    }
+
+    /// Rows of one lane against the definition, of one colour and of many, in both orders.
+    #[test]
+    fn rows_of_one_lane_are_folded_as_samples_are(
+        samples in prop::collection::vec((any::<[u16; 4]>(), any::<[u16; 3]>(), prop_oneof![Just(0u16), any::<u16>()]), 0..6),
+        one in prop::option::of(any::<[u16; 3]>()), k in any::<u32>(), floor in prop_oneof![Just(1u16), 1u16..9000],
+    ) {
+        one_lane_folds::<FrontToBack>(&samples, one, k, floor)?;
+        one_lane_folds::<BackToFront>(&samples, one, k, floor)?;
     }
 }
 
@@ -192,6 +249,11 @@ fn tables_are_linear_between_codes() {
         }
     }
     let samples: Vec<u16> = (0..700).map(|i| (i * 7919 % 32761) as u16).collect();
+    let [mut red, mut green, mut blue] = [(); 3].map(|()| std::vec![0; samples.len()]);
+    table.colour_row::<Small>(&samples, [&mut red, &mut green, &mut blue]);
+    for (at, sample) in samples.iter().enumerate() {
+        assert_eq!([red[at], green[at], blue[at]], table.colour(*sample));
+    }
     let mut row = std::vec![0; samples.len()];
     table.root_row::<i32>(&samples, &mut row);
     for (sample, found) in samples.iter().zip(row) {

@@ -24,6 +24,9 @@ use crate::{Threads, samples};
 /// The field of view of frames in perspective, degrees, the whole volume within.
 pub const FOV: f64 = 40.0;
 
+/// Seconds from which on a frame of splats is timed once: of a large volume it takes a minute.
+const PATIENCE: f64 = 2.0;
+
 /// A way's result.
 #[derive(Clone, Debug, Serialize)]
 pub struct WayRow {
@@ -42,7 +45,7 @@ pub struct WayRow {
 }
 
 /// Measures pictures of one size, `compact` with the widest vectors, in samples with whole borders: the shortest of `frames` frames
-/// each.
+/// each, but for splats that take more than two seconds.
 ///
 /// # Errors
 /// [`RenderError`] if the scene does not fit a way.
@@ -106,6 +109,9 @@ pub fn measure_ways(
         times[1].push(start.elapsed().as_secs_f64());
         let ways = splatted.iter().zip(times.iter_mut().zip(&mut counts).skip(2));
         for (splatted, (times, count)) in ways {
+            if times.first().is_some_and(|first| *first > PATIENCE) {
+                continue;
+            }
             let start = Instant::now();
             let (frame, records) = pool.install(|| {
                 let records = splatted.records(true, BAND_ROWS)?;

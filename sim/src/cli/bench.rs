@@ -27,7 +27,7 @@ use super::tables;
 /// others scatter is shown beside it. A frame is all sample planes folded into the base plane: no reading, no preparation, no
 /// final warp. Samples are all that lie in the volume, skipped or not. Borders are whole, the only ones that f32 has. Whole
 /// pictures of one size, by rays and by splats, parallel and in perspective, are timed beside each other on one thread, at
-/// two planes and rays per voxel at most.
+/// two planes and rays per voxel at most; splats that take more than two seconds once.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   slicecast bench
