@@ -9,11 +9,12 @@ use slicecast::stage::Stage;
 use slicecast_scene::PrecisionName;
 
 use crate::References;
+use crate::fast::{self, Fast};
 use crate::footprint::Footprint;
 use crate::images::{Case, Workshop, execute, parse};
 use crate::machines::Machine;
 use crate::proofs::{entry, library, link};
-use crate::scenes::Kind;
+use crate::scenes::{COSTED, Kind};
 use crate::segments::{self, Segments};
 use crate::shell::{Failure, fail};
 
@@ -21,8 +22,8 @@ use crate::shell::{Failure, fail};
 const FIRST: &[Stage] = Stage::ALL.split_at(7).0;
 
 /// The scene in which every sample goes through every stage, and the scene of the built-in picture.
-const DENSE: &str = "dense";
-const HEAD: &str = "large";
+const DENSE: &str = COSTED[0];
+const HEAD: &str = COSTED[1];
 
 /// A part that can be bought: clock and instructions a cycle that are assumed of it.
 struct Part {
@@ -104,17 +105,19 @@ pub fn write(
     workshop: &Workshop,
     machines: &[Machine],
     references: &References,
-    segments: &Segments,
+    (segments, fast): (&Segments, &Fast),
 ) -> Result<(), Failure> {
-    let (mut rows, mut beside) = (Vec::new(), segments::HEADING.to_owned());
+    let (mut rows, mut beside, mut lanes) = (Vec::new(), segments::HEADING.to_owned(), fast::HEADING.to_owned());
     for machine in machines {
         println!("measuring {}", machine.name);
         rows.extend(measure(workshop, machine, references)?);
-        let programs = workshop.images(machine, "release", &["segments"])?;
+        let programs = workshop.images(machine, "release", &["segments", "fast"])?;
         let (tools, root) = (&workshop.toolchain, &workshop.root);
         let archive = library(tools, root, "firmware", machine.target, machine.cpu)?;
         beside.push_str(&segments.rows(workshop, machine, &programs, &archive)?);
+        lanes.push_str(&fast.rows(workshop, machine, &programs, &archive)?);
     }
+    let beside = format!("{lanes}\n{beside}");
     let text = table(&rows, machines, references, &workshop.toolchain.describe(), &beside);
     let path = workshop.root.join("docs/firmware-cost.md");
     fs::create_dir_all(workshop.root.join("docs")).map_err(|error| Failure(error.to_string()))?;

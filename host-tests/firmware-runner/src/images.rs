@@ -56,13 +56,15 @@ impl<'a> Pair<'a> {
         [first as f64 / of_first as f64, second as f64 / of_second as f64]
     }
 
+    /// Bytes of memory lent to both.
+    pub fn memory(&self) -> [u64; 2] {
+        self.cases
+            .map(|case| case.memory.map_or(0, |parts| parts.iter().sum::<u64>()))
+    }
+
     /// Instructions of a sample and memory of both, by these words.
     pub fn cost(&self, [first, second]: [&str; 2]) -> String {
-        let ([each, other], [memory, lent]) = (
-            self.each(),
-            self.cases
-                .map(|case| case.memory.map_or(0, |parts| parts.iter().sum::<u64>())),
-        );
+        let ([each, other], [memory, lent]) = (self.each(), self.memory());
         format!(
             "    instructions a sample: {first} {each:.1}, {second} {other:.1}, {:.2} times; memory {memory} and {lent}",
             other / each

@@ -101,7 +101,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     write_if_changed(&workshop.scenes, &source)?;
     let head = exported::write(&workshop)?;
     if arguments.cost {
-        return cost::write(&workshop, &machines, &references, &segments);
+        return cost::write(&workshop, &machines, &references, (&segments, &fast));
     }
     if let Some(small) = scenes.first() {
         let sums = |kind| references[&(small.name, kind)].0.image;

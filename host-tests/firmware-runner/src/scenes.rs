@@ -78,6 +78,9 @@ impl Kind {
     }
 }
 
+/// Names of the scenes whose cost is measured: one in which every sample is visible, and the built-in head.
+pub const COSTED: [&str; 2] = ["dense", "large"];
+
 /// Every table entry is a little opaque, no ray ends: every sample goes through every stage.
 const DENSE: &str = r##"
 [view]

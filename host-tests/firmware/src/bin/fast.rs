@@ -1,4 +1,4 @@
-//! 16-bit lanes: the dense scene in `fast` beside `compact`, unlit and lit. Prints the sums of the images and what the frames cost.
+//! 16-bit lanes: the dense scene and the head in `fast` beside `compact`, unlit and lit. Prints the sums of the images and what the frames cost.
 #![no_std]
 #![no_main]
 
@@ -15,9 +15,9 @@ use slicecast::table::ENTRIES;
 use slicecast_firmware::frame::streamed;
 use slicecast_firmware::machine::{finish, start_counter};
 use slicecast_firmware::memory::{Reserved, with_image};
-use slicecast_firmware::scenes::{DENSE, FAST_EXPECTED};
+use slicecast_firmware::scenes::{COSTED, FAST_EXPECTED};
 use slicecast_firmware::stack;
-use slicecast_firmware_shared::scene::{Lights, Model, pipeline};
+use slicecast_firmware_shared::scene::{Lights, Model, SceneData, pipeline};
 use static_cell::ConstStaticCell;
 
 #[cfg(target_arch = "arm")]
@@ -44,48 +44,53 @@ fn main() -> ! {
     let words = WORDS.take();
     let halves = HALVES.take().lend().image;
     let (roots, colours) = (ROOTS.take(), COLOURS.take());
-    let points = Compact::table(DENSE);
-    fill_roots(&points, roots);
-    let one = fill_colours(&points, colours);
-    let table = RootTable::new(&*roots, one.ok_or(&*colours));
+    let mut found = [[0; 2]; 2];
+    for (scene, found) in COSTED.into_iter().zip(&mut found) {
+        let points = Compact::table(scene);
+        fill_roots(&points, roots);
+        let one = fill_colours(&points, colours);
+        let table = RootTable::new(&*roots, one.ok_or(&*colours));
 
-    compact::<Unlit>(words.lend());
-    let unlit = fast(
-        "unlit",
-        &Fast::<_, _, _, FrontToBack>::new(table, Unlit),
-        with_image(words.lend(), halves),
-    );
-    compact::<Phong<Compact>>(words.lend());
-    let lit = match DENSE.lighting.fast() {
-        Ok(phong) => fast(
-            "lit",
-            &Fast::<_, _, _, FrontToBack>::new(table, phong),
-            with_image(words.lend(), halves),
-        ),
-        Err(_) => 0,
-    };
+        compact::<Unlit>(scene, words.lend());
+        let unlit = &Fast::<_, _, _, FrontToBack>::new(table, Unlit);
+        let unlit = fast(scene, "unlit", unlit, with_image(words.lend(), halves));
+        compact::<Phong<Compact>>(scene, words.lend());
+        let lit = match scene.lighting.fast() {
+            Ok(phong) => {
+                let lit = &Fast::<_, _, _, FrontToBack>::new(table, phong);
+                fast(scene, "lit", lit, with_image(words.lend(), halves))
+            }
+            Err(_) => 0,
+        };
+        *found = [unlit, lit];
+    }
     println!("stack {}", stack::high_water());
-    finish([unlit, lit] == FAST_EXPECTED)
+    finish(found == FAST_EXPECTED)
 }
 
-/// A frame of the dense scene in 32-bit lanes.
+/// A frame in 32-bit lanes.
 #[inline(never)]
-fn compact<S: Lights<Compact>>(memory: Memory<'_, Unorm16>) {
-    println!("case {} compact {}", DENSE.name, S::NAME);
-    let (Ok(plan), Ok(pipeline)) = (DENSE.plan(), pipeline::<Compact, S>(DENSE)) else {
+fn compact<S: Lights<Compact>>(scene: &SceneData, memory: Memory<'_, Unorm16>) {
+    println!("case {} compact {}", scene.name, S::NAME);
+    let (Ok(plan), Ok(pipeline)) = (scene.plan(), pipeline::<Compact, S>(scene)) else {
         println!("error the scene is out of range");
         return;
     };
-    streamed(DENSE, plan, &pipeline, memory);
+    streamed(scene, plan, &pipeline, memory);
 }
 
 /// The same in 16-bit lanes; the sum of its image.
 #[inline(never)]
-fn fast<L: Pipeline<Voxel = Code12, Element = u16>>(name: &str, pipeline: &L, memory: Memory<'_, u16>) -> u32 {
-    println!("case {} fast {}", DENSE.name, name);
-    let Ok(plan) = DENSE.plan() else {
+fn fast<L: Pipeline<Voxel = Code12, Element = u16>>(
+    scene: &SceneData,
+    name: &str,
+    pipeline: &L,
+    memory: Memory<'_, u16>,
+) -> u32 {
+    println!("case {} fast {}", scene.name, name);
+    let Ok(plan) = scene.plan() else {
         println!("error the scene is out of range");
         return 0;
     };
-    streamed(DENSE, plan, pipeline, memory)
+    streamed(scene, plan, pipeline, memory)
 }
