@@ -263,7 +263,7 @@ impl Eye {
         let middle = self.middle(sheet).max(0);
         let apart = self.apart(middle).max(1);
         if apart <= ONE {
-            // The middle is at most the distance of the image: below 2^47.
+            // The middle is at most 2^16 + 1 times the distance, below 2^48.
             let along = (middle << 11).checked_div(self.distance.into()).unwrap_or(0);
             [FACTOR_ONE, along.min(FACTOR_ONE.into()) as i32]
         } else {
