@@ -48,7 +48,7 @@ pub fn folded<O: Order>(pixel: Pixel<u16>, colour: [u16; 3], root: u16, offsets:
         colour: [&mut red, &mut green, &mut blue],
         transparency: &mut transparency,
     };
-    fold_lanes::<O, u16>(&mut row, colour.map(Given::One), &[root], offsets, floor);
+    fold_lanes::<O, u16>(&mut row, Given::One(colour), &[root], offsets, floor);
     let ([transparency], [red, green, blue]) = (transparency, [red, green, blue].map(|[c]| c));
     Pixel {
         colour: [red, green, blue],
@@ -56,16 +56,33 @@ pub fn folded<O: Order>(pixel: Pixel<u16>, colour: [u16; 3], root: u16, offsets:
     }
 }
 
-/// A sample's colours, of a row or one for all.
+/// Colours of a row of samples, red, green and blue.
 #[derive(Clone, Copy)]
 pub(crate) enum Given<'a> {
     /// The same for all, 65535 is 1.
-    One(u16),
+    One([u16; 3]),
     /// Of each.
+    Rows([&'a [u16]; 3]),
+}
+
+impl<'a> Given<'a> {
+    #[inline(always)]
+    fn channels(self) -> [Channel<'a>; 3] {
+        match self {
+            Self::One(colour) => colour.map(Channel::One),
+            Self::Rows(rows) => rows.map(Channel::Row),
+        }
+    }
+}
+
+/// One of them.
+#[derive(Clone, Copy)]
+enum Channel<'a> {
+    One(u16),
     Row(&'a [u16]),
 }
 
-impl Given<'_> {
+impl Channel<'_> {
     /// The first colours, if there are as many.
     #[inline(always)]
     fn first(self, len: usize) -> Option<Self> {
@@ -86,7 +103,7 @@ impl Given<'_> {
 
 /// Colour with a sample's light added.
 #[inline(always)]
-fn add<O: Order, H: Halves, const WHOLE: bool>(row: &mut [u16], colour: Given<'_>, taken: H, offset: u16, at: usize) {
+fn add<O: Order, H: Halves, const WHOLE: bool>(row: &mut [u16], colour: Channel<'_>, taken: H, offset: u16, at: usize) {
     let (old, given) = (
         H::load::<WHOLE>(row, at),
         colour.at::<H, WHOLE>(at).product_plus(taken, offset),
@@ -103,7 +120,7 @@ fn add<O: Order, H: Halves, const WHOLE: bool>(row: &mut [u16], colour: Given<'_
 #[inline(always)]
 pub(crate) fn fold_row<O: Order, H: Halves>(
     pixels: &mut PixelRow<'_, u16>,
-    given: [Given<'_>; 3],
+    given: Given<'_>,
     roots: &[u16],
     offsets: Offsets,
     floor: u16,
@@ -119,7 +136,7 @@ pub(crate) fn fold_row<O: Order, H: Halves>(
 #[inline(never)]
 fn fold_one_by_one<O: Order>(
     pixels: &mut PixelRow<'_, u16>,
-    [r, g, b]: [Given<'_>; 3],
+    given: Given<'_>,
     roots: &[u16],
     offsets: Offsets,
     floor: u16,
@@ -129,16 +146,15 @@ fn fold_one_by_one<O: Order>(
     let rows = rows.zip(red.iter_mut()).zip(green.iter_mut()).zip(blue.iter_mut());
     let fold =
         |root, left: &mut u16, row: [&mut u16; 3], given| fold_one::<O>(left, row, (root, given), offsets, floor);
-    match (r, g, b) {
-        (Given::Row(r), Given::Row(g), Given::Row(b)) => {
+    match given {
+        Given::Rows([r, g, b]) => {
             for ((((((root, left), red), green), blue), (r, g)), b) in rows.zip(r.iter().zip(g)).zip(b) {
                 fold(*root, left, [red, green, blue], [*r, *g, *b]);
             }
         }
-        (r, g, b) => {
-            let given = [r, g, b].map(|given| given.at::<u16, true>(0));
+        Given::One(colour) => {
             for ((((root, left), red), green), blue) in rows {
-                fold(*root, left, [red, green, blue], given);
+                fold(*root, left, [red, green, blue], colour);
             }
         }
     }
@@ -179,11 +195,12 @@ fn fold_one<O: Order>(
 #[inline(always)]
 fn fold_lanes<O: Order, H: Halves>(
     pixels: &mut PixelRow<'_, u16>,
-    [r, g, b]: [Given<'_>; 3],
+    given: Given<'_>,
     roots: &[u16],
     offsets: Offsets,
     floor: u16,
 ) {
+    let [r, g, b] = given.channels();
     let PixelRow {
         colour: [red, green, blue],
         transparency,

@@ -152,11 +152,11 @@ fn one_lane_folds<O: Order>(
         colour: [&mut red, &mut green, &mut blue],
         transparency: &mut transparency,
     };
-    let rows = [0, 1, 2].map(|c| match one {
-        Some(one) => Given::One(one[c]),
-        None => Given::Row(&given[c]),
-    });
-    fold_row::<O, u16>(&mut row, rows, &roots, offsets, floor);
+    let given = match one {
+        Some(one) => Given::One(one),
+        None => Given::Rows(given.each_ref().map(Vec::as_slice)),
+    };
+    fold_row::<O, u16>(&mut row, given, &roots, offsets, floor);
     for (at, (before, (_, colour, root))) in pixels.iter().zip(samples).enumerate() {
         let after = folded::<O>(*before, one.unwrap_or(*colour), *root, offsets, floor);
         let found = Pixel {

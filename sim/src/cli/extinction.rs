@@ -1,7 +1,5 @@
 //! `slicecast extinction`.
 
-use std::path::PathBuf;
-
 use serde::Serialize;
 use slicecast_pyramid::figures::filters::{self, Best, OfLevels, Pair};
 use slicecast_pyramid::figures::layers::{self, Kept, Thin};
@@ -9,7 +7,7 @@ use slicecast_pyramid::figures::points::{self, Point, Points};
 use slicecast_pyramid::figures::rays::{self, Layer, Wall};
 
 use super::Failure;
-use super::output::{check_free, write_file};
+use super::output::JsonArgs;
 use super::tables::header;
 
 /// Remake the figures of Kraus and Bürger: sampling and filtering by extinctions, beside the same by opacities.
@@ -21,12 +19,8 @@ use super::tables::header;
   slicecast extinction
   slicecast extinction --json extinction.json")]
 pub struct Args {
-    /// Write the figures as JSON.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Replace the file if it exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    json: JsonArgs,
 }
 
 /// All of them.
@@ -45,7 +39,7 @@ struct All {
 impl Args {
     /// Prints the figures.
     pub fn run(self) -> Result<(), Failure> {
-        check_free(&self.json, self.force)?;
+        self.json.check_free()?;
         let all = All {
             layers: rays::layers(),
             walls: rays::walls(),
@@ -64,11 +58,7 @@ impl Args {
         print_filters(&all.filters);
         print_by_levels(&all.by_levels);
         print_best(&all.best);
-        if let Some(path) = &self.json {
-            let json = serde_json::to_vec_pretty(&all).map_err(Failure::machine)?;
-            write_file(path, self.force, &json)?;
-        }
-        Ok(())
+        self.json.write(&all)
     }
 }
 

@@ -5,6 +5,8 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 use super::Failure;
 
 /// Writes a file: first beside it under a temporary name, then in its place. Its folder is made where it is missing.
@@ -44,6 +46,31 @@ pub fn check_free<'a>(paths: impl IntoIterator<Item = &'a PathBuf>, force: bool)
         tried.map_err(|error| Failure::machine(format!("{shown}: cannot be written: {error}")))?;
     }
     Ok(())
+}
+
+/// Where a command's figures go besides the terminal.
+#[derive(clap::Args)]
+pub struct JsonArgs {
+    /// Write the figures as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Replace the file if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+impl JsonArgs {
+    /// [`check_free`].
+    pub fn check_free(&self) -> Result<(), Failure> {
+        check_free(&self.json, self.force)
+    }
+
+    /// Writes figures, if they are asked for.
+    pub fn write(&self, figures: &impl Serialize) -> Result<(), Failure> {
+        let Some(path) = &self.json else { return Ok(()) };
+        let json = serde_json::to_vec_pretty(figures).map_err(Failure::machine)?;
+        write_file(path, self.force, &json)
+    }
 }
 
 /// Where a file is written before it takes its place.

@@ -124,11 +124,8 @@ impl<O: Order, V: Lanes> Kernel
         let data = pixels.data.get_mut(start..start + 4 * width).unwrap_or(&mut []);
         let mut row = PixelRow::of_runs(data, width, columns);
         let given = match colours.one {
-            Some([r, g, b]) => [Given::One(r as u16), Given::One(g as u16), Given::One(b as u16)],
-            None => {
-                let [r, g, b] = colours.rows();
-                [Given::Row(r), Given::Row(g), Given::Row(b)]
-            }
+            Some(colour) => Given::One(colour.map(|c| c as u16)),
+            None => Given::Rows(colours.rows()),
         };
         fold_row::<O, V::Halves>(&mut row, given, roots, pixels.offsets, pixels.floor);
     }

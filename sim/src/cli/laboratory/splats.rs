@@ -1,13 +1,11 @@
 //! `slicecast splats`.
 
-use std::path::PathBuf;
-
 use slicecast_engine::threads::on_threads;
 use slicecast_laboratory::splats::{Line, Way, Widths, lines};
 
 use crate::cli::Failure;
 use crate::cli::inputs::{SceneArgs, ThreadArgs, VolumeArgs, whole_in};
-use crate::cli::output::{check_free, write_file};
+use crate::cli::output::JsonArgs;
 use crate::cli::picture::size;
 use crate::cli::progress::with_bar;
 use crate::cli::tables::{header, short};
@@ -46,18 +44,14 @@ pub struct Args {
     /// Frames of each, of which the shortest counts.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     rounds: u32,
-    /// Write the figures as JSON.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Replace the file if it exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    json: JsonArgs,
 }
 
 impl Args {
     /// Runs the comparison.
     pub fn run(self) -> Result<(), Failure> {
-        check_free(&self.json, self.force)?;
+        self.json.check_free()?;
         let loaded = self.volume.load()?;
         let mut chosen = self.scene.choose(&self.volume, &loaded)?;
         chosen.scene.image.size = self.size.or(chosen.scene.image.size);
@@ -72,11 +66,7 @@ impl Args {
             })
         })??;
         print(&lines);
-        if let Some(path) = &self.json {
-            let json = serde_json::to_vec_pretty(&lines).map_err(Failure::machine)?;
-            write_file(path, self.force, &json)?;
-        }
-        Ok(())
+        self.json.write(&lines)
     }
 }
 
