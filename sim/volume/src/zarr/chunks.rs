@@ -182,9 +182,11 @@ impl Chunks {
             .flat_map(|y| (0..counts[0]).map(move |x| [x, y, z]))
             .collect();
         for places in places.chunks(4 * rayon::current_num_threads()) {
-            let read = |&chunk: &[u64; 3]| Ok((chunk, self.read(chunk, [0; 3], box_of(chunk).1)?));
-            let read: Result<Vec<_>, ReadError> = places.par_iter().map(read).collect();
-            for (chunk, bytes) in read? {
+            let read = |&chunk: &[u64; 3]| self.read(chunk, [0; 3], box_of(chunk).1);
+            // All of them, so that of several faults the first chunk's is told, whichever thread meets one first.
+            let read: Vec<Result<Vec<u8>, ReadError>> = places.par_iter().map(read).collect();
+            for (&chunk, bytes) in places.iter().zip(read) {
+                let bytes = bytes?;
                 let ([x, y, _], sides) = box_of(chunk);
                 let [nx, ny, _] = sides.map(|side| side as usize);
                 for (number, row) in bytes.chunks_exact(nx * value_len).enumerate() {
