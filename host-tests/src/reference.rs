@@ -1,12 +1,12 @@
 //! The pipeline's definitions, applied to one ray at a time, with every value on the way kept.
 //!
-//! The rays are those of `slicecast_engine::rays`: core's scalar definitions and nothing else, and here nothing is ever
+//! The rays are those of `slicecast_rays`: core's scalar definitions and nothing else, and here nothing is ever
 //! skipped. Whatever the layers leave out must therefore be without effect.
 
 use slicecast::composite::{Channel, Pixel};
 use slicecast::stage::Stage;
 use slicecast_engine::image::BaseImage;
-use slicecast_engine::rays::{self, Composited, Visit, Witness};
+use slicecast_rays::{Composited, Visit, Witness};
 use slicecast_scene::Blend;
 
 use crate::frame::Frame;
@@ -52,8 +52,9 @@ pub fn render(frame: &Frame) -> Expected {
         recording: Recording::default(),
         required: Vec::new(),
     };
-    let image =
-        frame.with_prepared(|prepared, _| rays::render(prepared, &mut keeper).expect("a material that core takes"));
+    let image = frame.with_prepared(|prepared, _| {
+        slicecast_rays::render(prepared, &mut keeper).expect("a material that core takes")
+    });
     Expected {
         image,
         recording: keeper.recording,

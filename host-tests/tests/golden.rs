@@ -22,10 +22,10 @@ use std::path::PathBuf;
 use slicecast::format::{Intensity, Step};
 use slicecast::splat::Splatting;
 use slicecast_engine::frame::Layer;
-use slicecast_engine::splat::Splatted;
 use slicecast_host_tests::checksum::{fnv, of_frame, of_image};
 use slicecast_host_tests::colours::ColourFrame;
 use slicecast_scene::PrecisionName;
+use slicecast_splat::Splatted;
 
 use self::frames::{colour_frames, frames, splats, splats_from_eye};
 use super::fast::is_fast;

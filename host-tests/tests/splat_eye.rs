@@ -8,13 +8,13 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Layer;
 use slicecast_engine::perspective::InPerspective;
 use slicecast_engine::simd::Simd;
-use slicecast_engine::splat::{BAND_ROWS, Splatted};
 use slicecast_engine::threads::on_threads;
 use slicecast_engine::tile::TILE_ROWS;
 use slicecast_host_tests::random::{Filling, volume};
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::perspective::{Eye, Perspective};
 use slicecast_scene::{Classification, PrecisionName, Sampling, Scene};
+use slicecast_splat::{BAND_ROWS, Splatted};
 use slicecast_volume::{Mapping, Volume};
 
 use super::splat::{head, point, rounding};

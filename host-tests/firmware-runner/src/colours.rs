@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use slicecast_colours::Coloured;
 use slicecast_engine::camera::set_up;
-use slicecast_engine::colours::Coloured;
 use slicecast_engine::frame::Layer;
 use slicecast_engine::rendering::in_memory_order;
 use slicecast_engine::simd::Simd;

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use slicecast_bench::samples;
 use slicecast_bench::scenes::{Fog, cube, fog};
-use slicecast_engine::colours::{Coloured, TurnedColours};
+use slicecast_colours::{Coloured, TurnedColours};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::Frame;

@@ -22,9 +22,9 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::pipelines::compile;
-use slicecast_engine::rays;
 use slicecast_engine::simd::Simd;
 use slicecast_engine::tile::TILE_ROWS;
+use slicecast_rays as rays;
 use slicecast_scene::{PrecisionName, Scene};
 use slicecast_volume::Volume;
 

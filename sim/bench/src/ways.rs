@@ -12,10 +12,10 @@ use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::oriented::{Oriented, Turned};
 use slicecast_engine::perspective::{InPerspective, samples as samples_in_perspective};
-use slicecast_engine::splat::{BAND_ROWS, Splatted};
 use slicecast_engine::tile::TILE_ROWS;
 use slicecast_scene::perspective::Perspective;
 use slicecast_scene::{Borders, Classification, Scene};
+use slicecast_splat::{BAND_ROWS, Splatted};
 use slicecast_volume::Volume;
 
 use crate::spread::spread;

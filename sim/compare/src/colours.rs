@@ -1,6 +1,6 @@
 //! Volumes of colour and extinction beside the f64 model, on the same voxels.
 
-use slicecast_engine::colours::Coloured;
+use slicecast_colours::Coloured;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Layer;
 use slicecast_engine::image::{Frame, Rgb};

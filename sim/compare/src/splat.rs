@@ -4,10 +4,10 @@ use super::image::{ImageFigures, base_figures, picture_figures};
 use slicecast_engine::error::RenderError;
 use slicecast_engine::image::Frame;
 use slicecast_engine::perspective::Camera;
-use slicecast_engine::splat::Splatted;
 use slicecast_model::splat::{Rounding, Splat};
 use slicecast_model::{Affine, ModelImage};
 use slicecast_scene::Scene;
+use slicecast_splat::Splatted;
 use slicecast_volume::Volume;
 
 /// What a comparison found.

@@ -15,11 +15,12 @@ use slicecast::warp::Warp;
 
 use crate::error::{CameraError, SPACING, SPACING_RATIO_MAX};
 use crate::geometry::Geometry;
+use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::{Borders, CameraAxes, Frame, Highlight, Interpolation, Light, Lighting, Scene};
 use slicecast_volume::Volume;
 
 /// Refuses spacings that leave no view.
-pub(crate) fn check_spacing(spacing: [f64; 3]) -> Result<(), CameraError> {
+pub fn check_spacing(spacing: [f64; 3]) -> Result<(), CameraError> {
     let least = spacing.iter().copied().fold(f64::INFINITY, f64::min);
     let fits = |s: &f64| SPACING.contains(s) && *s <= SPACING_RATIO_MAX * least;
     if spacing.iter().all(fits) {
@@ -377,6 +378,15 @@ pub struct Shape {
     pub dims: [usize; 3],
     /// Distance between voxels along x, y and z.
     pub spacing: [f64; 3],
+}
+
+impl From<&RgbaVolume> for Shape {
+    fn from(volume: &RgbaVolume) -> Self {
+        Self {
+            dims: volume.dims,
+            spacing: volume.spacing,
+        }
+    }
 }
 
 impl From<&Volume> for Shape {

@@ -2,24 +2,30 @@
 
 use slicecast::integral::Length;
 use slicecast::modulate::Modulation;
+use slicecast::slice::Slice;
 use slicecast_scene::{Classification, Interpolation, PrecisionName, Scene};
 use slicecast_volume::Volume;
 
+use crate::base::{base_image, new_image};
 use crate::camera::{Setup, set_up};
 use crate::error::RenderError;
 use crate::fineness::{self, Finest};
+use crate::folds::Frames;
 use crate::image::{BaseImage, Frame};
 use crate::modulation;
 use crate::oriented::{Oriented, Turned};
 use crate::parameters::Parameters;
 use crate::picture::Shown;
 use crate::pipelines::{compile, rendering, rendering_of_segments};
+use crate::progress::Progress;
 use crate::rendering::Framing;
 use crate::segments::{self, Segments};
 use crate::shard::Shard;
 use crate::simd::Simd;
 use crate::source::Source;
+use crate::stream::fold_stream;
 use crate::table::Table;
+use crate::tiles::fold_tiles;
 
 /// A scene on a volume, ready to be rendered.
 #[derive(Clone, Debug)]
@@ -49,6 +55,41 @@ pub enum Layer {
     Tiles(usize),
     /// The stream layer, one slice at a time on one thread.
     Stream,
+}
+
+/// The frame of any pipeline: all planes of slices, as the view meets them, folded in whole rows.
+///
+/// # Errors
+/// [`RenderError::Memory`] before anything too large is allocated, [`RenderError::Stream`] if the stream layer refuses a slice.
+pub fn rows_of<F: Frames + ?Sized>(
+    pipeline: &F,
+    slices: &[Slice<'_, F::Voxel>],
+    setup: &Setup,
+    behind: [f64; 3],
+    layer: Layer,
+    simd: Simd,
+    progress: Progress<'_>,
+) -> Result<Frame, RenderError> {
+    let (plan, geometry) = (&setup.plan, setup.geometry());
+    let mut image = new_image(plan, pipeline)?;
+    match layer {
+        Layer::Tiles(rows) => {
+            fold_tiles(
+                geometry,
+                pipeline,
+                (slices, None),
+                &mut image,
+                rows.into(),
+                simd,
+                progress,
+            );
+        }
+        Layer::Stream => fold_stream(geometry, pipeline, slices, &mut image, progress, None)?,
+    }
+    Ok(Frame {
+        base: base_image(plan, pipeline, &image),
+        picture: pipeline.picture(&Shown::new(&setup.picture, behind, simd), plan, &image),
+    })
 }
 
 impl<'a> Prepared<'a> {

@@ -145,15 +145,16 @@ const TOGETHER: usize = 32;
 
 /// What a plan holds of a volume, along x, y and z.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Held {
+pub struct Held {
     /// The first voxel.
-    pub(crate) first: [usize; 3],
+    pub first: [usize; 3],
     /// How many.
-    pub(crate) dims: [usize; 3],
+    pub dims: [usize; 3],
 }
 
 impl Held {
-    pub(crate) fn of(plan: &Plan) -> Self {
+    /// What a plan holds.
+    pub fn of(plan: &Plan) -> Self {
         let ([i, j, mut k], dims) = (plan.first(), plan.dims());
         if plan.view().reversed() {
             k = plan.volume()[2] - dims[2] - k;

@@ -15,11 +15,11 @@ use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::{BaseImage, Rgb};
 use slicecast_engine::perspective::{InPerspective, samples as samples_in_perspective};
 use slicecast_engine::progress::Progress;
-use slicecast_engine::splat::{BAND_ROWS, Splatted};
 use slicecast_engine::tile::TILE_ROWS;
 use slicecast_model::splat::Rounding;
 use slicecast_model::{Affine, Model, ModelImage};
 use slicecast_scene::{Classification, Scene};
+use slicecast_splat::{BAND_ROWS, Splatted};
 use slicecast_volume::Volume;
 
 use crate::clock::{one_thread, worked};

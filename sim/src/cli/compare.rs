@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
+use slicecast_colours::Coloured;
 use slicecast_compare::colours::{CONVERGED, compare_colours, compare_sampling};
 use slicecast_compare::exchange;
 use slicecast_compare::image::ImageFigures;
@@ -11,15 +12,14 @@ use slicecast_compare::splat::compare as compare_splatted;
 use slicecast_compare::stages::StageReport;
 use slicecast_compare::statistics::Figures;
 use slicecast_compare::{Comparison, ModelPositions, Split, compare, split};
-use slicecast_engine::colours::Coloured;
 use slicecast_engine::error::RenderError;
 use slicecast_engine::frame::Prepared;
 use slicecast_engine::perspective::InPerspective;
-use slicecast_engine::splat::Splatted;
 use slicecast_engine::threads::on_threads;
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::perspective::Perspective;
 use slicecast_scene::{AlphaCodeName, Interpolation, LookupName, Scene};
+use slicecast_splat::Splatted;
 
 use slicecast_volume::Volume;
 

@@ -7,9 +7,9 @@ use slicecast::splat::Layout;
 use slicecast_compare::image::base_figures;
 use slicecast_compare::splat::model;
 use slicecast_engine::error::RenderError;
-use slicecast_engine::splat::Splatted;
 use slicecast_model::splat::Rounding;
 use slicecast_scene::{PrecisionName, Scene, View};
+use slicecast_splat::Splatted;
 use slicecast_volume::Volume;
 
 /// What the default record rounds.

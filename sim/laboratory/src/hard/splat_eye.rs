@@ -8,10 +8,10 @@ use slicecast::splat::Layout;
 use slicecast_compare::image::base_figures;
 use slicecast_compare::splat::model;
 use slicecast_engine::error::RenderError;
-use slicecast_engine::splat::Splatted;
 use slicecast_scene::clip::ClipUnit;
 use slicecast_scene::perspective::{Eye, Perspective};
 use slicecast_scene::{PrecisionName, Scene, View};
+use slicecast_splat::Splatted;
 use slicecast_volume::Volume;
 
 /// A field of view, an eye, and the view's azimuth and elevation.

@@ -8,14 +8,14 @@ use slicecast::fast::fold::{Offsets, folded};
 use slicecast::fast::table::root_of;
 use slicecast::precision::Fast;
 use slicecast::project::{Projection, Sum};
+use slicecast_engine::camera::Material;
+use slicecast_engine::error::CameraError;
+use slicecast_engine::fast::{Owned, table};
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::image::BaseImage;
+use slicecast_scene::Blend;
 
 use super::{Cells, Ray, Rays, Unobserved};
-use crate::camera::Material;
-use crate::error::CameraError;
-use crate::fast::{Owned, table};
-use crate::frame::Prepared;
-use crate::image::BaseImage;
-use slicecast_scene::Blend;
 
 /// `(a b + 2^14) >> 15`.
 fn rounded(a: i64, b: i64) -> i64 {

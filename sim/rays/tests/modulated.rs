@@ -2,8 +2,8 @@
 
 use slicecast_engine::frame::{Layer, Prepared};
 use slicecast_engine::image::BaseImage;
-use slicecast_engine::rays::{Unobserved, render};
 use slicecast_engine::simd::Simd;
+use slicecast_rays::{Unobserved, render};
 use slicecast_scene::file::built_in;
 use slicecast_scene::modulation::Modulation;
 use slicecast_scene::reflectance::{Filter, Reflectance};

@@ -19,25 +19,23 @@ use slicecast::slice::RowRange;
 use slicecast::splat::{BLOCK, Bands, Bins, Kernel, Layout, Needed, PIXELS, Sheets, Splatting, Voxels, measure_layer};
 use slicecast::view::View;
 use slicecast::warp::Warp;
+use slicecast_engine::camera::{Material, PICTURE_SIDE_MAX, Picture, check_spacing, extent, fitting_pixel, size_at};
+use slicecast_engine::error::{CameraError, RenderError};
+use slicecast_engine::expanded::Expanded;
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::image::{BaseImage, Frame};
+use slicecast_engine::perspective::Camera;
+use slicecast_engine::picture::of_base;
+use slicecast_engine::pipelines::{compile, early};
+use slicecast_engine::progress::Progress;
+use slicecast_engine::simd::{OverLanes, Simd, with_lanes};
+use slicecast_engine::table::Table;
+use slicecast_engine::with_precision;
 use slicecast_scene::perspective::Perspective;
 use slicecast_scene::{
     Blend, CameraAxes, Classification, Frame as Frames, Interpolation, Light, Lighting, PrecisionName, Scene,
 };
 use slicecast_volume::Volume;
-
-use crate::camera::{Material, PICTURE_SIDE_MAX, Picture, check_spacing, extent, fitting_pixel, size_at};
-use crate::error::CameraError;
-use crate::error::RenderError;
-use crate::expanded::Expanded;
-use crate::frame::Prepared;
-use crate::image::{BaseImage, Frame};
-use crate::perspective::Camera;
-use crate::picture::of_base;
-use crate::pipelines::{compile, early};
-use crate::progress::Progress;
-use crate::simd::{OverLanes, Simd, with_lanes};
-use crate::table::Table;
-use crate::with_precision;
 
 /// Rows of a band.
 pub const BAND_ROWS: u32 = 16;

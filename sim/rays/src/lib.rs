@@ -30,18 +30,17 @@ use slicecast::project::{Extreme, Maximum, Minimum, Projection, Sum, pixel, reso
 use slicecast::quadratic::{self, triquadratic};
 use slicecast::shade::Phong;
 use slicecast::shade::map::Mapped;
+use slicecast_engine::error::CameraError;
+use slicecast_engine::frame::Prepared;
+use slicecast_engine::image::BaseImage;
+use slicecast_engine::reflectance;
+use slicecast_engine::segments::Segments;
+use slicecast_engine::table::AnyTable;
+use slicecast_engine::with_precision;
+use slicecast_scene::{Blend, Interpolation, PrecisionName};
 
 use self::grid::Grid;
 use self::locate::{Located, Ray, Segment};
-use crate::error::CameraError;
-use crate::frame::Prepared;
-use crate::image::BaseImage;
-use crate::reflectance;
-use crate::segments::Segments;
-use crate::table::AnyTable;
-use slicecast_scene::{Blend, Interpolation, PrecisionName};
-
-use crate::with_precision;
 
 /// A sample of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,33 +11,16 @@ use slicecast::plane::{ChannelOf, Filter, Rgba, Triquadratic};
 use slicecast::precision::{Compact, Precision, Wide};
 use slicecast::shade::Shader;
 use slicecast::slice::{RowRange, Slice, SliceError};
+use slicecast_engine::camera::{Setup, set_up};
+use slicecast_engine::error::{CameraError, ColourError, RenderError};
+use slicecast_engine::folds::Frames;
+use slicecast_engine::frame::{Layer, rows_of};
+use slicecast_engine::image::Frame;
+use slicecast_engine::oriented::Held;
+use slicecast_engine::progress::Progress;
+use slicecast_engine::simd::Simd;
 use slicecast_pyramid::volume::RgbaVolume;
 use slicecast_scene::{Blend, Interpolation, PrecisionName, Scene};
-
-use crate::base::base_image;
-use crate::base::new_image;
-use crate::camera::{Setup, Shape, set_up};
-use crate::error::CameraError;
-use crate::error::ColourError;
-use crate::error::RenderError;
-use crate::folds::Frames;
-use crate::frame::Layer;
-use crate::image::Frame;
-use crate::oriented::Held;
-use crate::picture::Shown;
-use crate::progress::Progress;
-use crate::simd::Simd;
-use crate::stream::fold_stream;
-use crate::tiles::fold_tiles;
-
-impl From<&RgbaVolume> for Shape {
-    fn from(volume: &RgbaVolume) -> Self {
-        Self {
-            dims: volume.dims,
-            spacing: volume.spacing,
-        }
-    }
-}
 
 /// The scale of a volume's extinctions over a step.
 ///
@@ -234,29 +217,12 @@ impl<'a> Coloured<'a> {
         S: Shader<P> + Send,
         F: Filter + Send,
     {
-        let plan: &Plan = &self.setup.plan;
         if let Some(bits) = self.scene.early_termination {
             pipeline = pipeline.with_early_termination(bits);
         }
         let pipeline: &dyn Frames<Voxel = Rgba15, Element = ChannelOf<P>> = &pipeline;
-        let mut image = new_image(plan, pipeline)?;
-        match layer {
-            Layer::Tiles(rows) => fold_tiles(
-                self.setup.geometry(),
-                pipeline,
-                (slices, None),
-                &mut image,
-                rows.into(),
-                self.simd,
-                progress,
-            ),
-            Layer::Stream => fold_stream(self.setup.geometry(), pipeline, slices, &mut image, progress, None)?,
-        }
         let behind = self.scene.image.background;
-        Ok(Frame {
-            base: base_image(plan, pipeline, &image),
-            picture: pipeline.picture(&Shown::new(&self.setup.picture, behind, self.simd), plan, &image),
-        })
+        rows_of(pipeline, slices, &self.setup, behind, layer, self.simd, progress)
     }
 }
 
