@@ -23,6 +23,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::mpsc::channel;
+use std::thread;
 
 use clap::Parser;
 use slicecast_firmware_shared::angles;
@@ -129,31 +131,35 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             line(machine, "core with all features", "", None);
         }
     }
-    for machine in &machines {
-        let renders_head = machine.name == exported::MACHINE;
-        let mut names = vec!["bits", "segments", "colours", "perspective", "fast", "bands", "queue"];
-        names.extend(renders_head.then_some("exported"));
-        let programs = workshop.images(machine, "release", &names)?;
-        failed += bits(&programs, machine, &references)?;
-        failed += bands(&programs, machine, &references)?;
-        failed += queue(&programs, machine, &references)?;
-        let library = proofs::library(
-            &workshop.toolchain,
-            &workshop.root,
-            "firmware",
-            machine.target,
-            machine.cpu,
-        )?;
-        failed += segments.check(&workshop, &programs, machine, &library)?;
-        failed += colours.check(&programs, machine)?;
-        failed += perspective.check(&programs, machine)?;
-        failed += fast.check(&programs, machine)?;
-        failed += proofs::prove(&workshop, machine, &library)?;
-        failed += c::on_machine(&workshop, machine, &library)?;
-        if renders_head {
-            failed += exported::on_machine(&workshop, machine, &programs, &library, head)?;
+    let (send, built) = channel();
+    thread::scope(|scope| {
+        // A failure ends this scope and what it waits by: the other thread then builds no more.
+        let (workshop, machines, built) = (&workshop, &machines, built);
+        // The next machine's programs are built while this one's run.
+        scope.spawn(move || {
+            machines
+                .iter()
+                .all(|machine| send.send(Built::of(workshop, machine)).is_ok())
+        });
+        for machine in machines {
+            let Built { programs, library } = built
+                .recv()
+                .unwrap_or_else(|_| fail(format!("{}: nothing was built", machine.name)))?;
+            failed += bits(&programs, machine, &references)?;
+            failed += bands(&programs, machine, &references)?;
+            failed += queue(&programs, machine, &references)?;
+            failed += segments.check(workshop, &programs, machine, &library)?;
+            failed += colours.check(&programs, machine)?;
+            failed += perspective.check(&programs, machine)?;
+            failed += fast.check(&programs, machine)?;
+            failed += proofs::prove(workshop, machine, &library)?;
+            failed += c::on_machine(workshop, machine, &library)?;
+            if machine.name == exported::MACHINE {
+                failed += exported::on_machine(workshop, machine, &programs, &library, head)?;
+            }
         }
-    }
+        Ok::<(), Failure>(())
+    })?;
     failed += c::on_host(&workshop)?;
     for target in BUILT_ONLY {
         proofs::library(&workshop.toolchain, &workshop.root, "firmware", target, None)?;
@@ -163,6 +169,31 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         return fail(format!("{failed} checks"));
     }
     Ok(())
+}
+
+/// What is built for a machine.
+struct Built {
+    /// The directory of its programs.
+    programs: PathBuf,
+    /// The C library.
+    library: PathBuf,
+}
+
+impl Built {
+    fn of(workshop: &Workshop, machine: &Machine) -> Result<Self, Failure> {
+        let mut names = vec!["bits", "segments", "colours", "perspective", "fast", "bands", "queue"];
+        names.extend((machine.name == exported::MACHINE).then_some("exported"));
+        Ok(Self {
+            programs: workshop.images(machine, "release", &names)?,
+            library: proofs::library(
+                &workshop.toolchain,
+                &workshop.root,
+                "firmware",
+                machine.target,
+                machine.cpu,
+            )?,
+        })
+    }
 }
 
 fn chosen(names: &[String]) -> Result<Vec<Machine>, Failure> {
