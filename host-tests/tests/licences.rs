@@ -8,10 +8,9 @@ use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package, Package
 use spdx::{Expression, ParseMode};
 
 /// Licences that a package which slicecast links may be under: they ask for their text beside the program and no more.
-const LINKED: [&str; 8] = [
+const LINKED: [&str; 7] = [
     "Apache-2.0",
     "Apache-2.0 WITH LLVM-exception",
-    "BSD-2-Clause",
     "BSD-3-Clause",
     "MIT",
     "Unicode-3.0",
