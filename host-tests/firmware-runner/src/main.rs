@@ -133,7 +133,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let (send, built) = channel();
     thread::scope(|scope| {
-        // A failure ends this scope and what it waits by: the other thread then builds no more.
+        // A failure drops `built` with this scope; the other thread cannot send then, and builds no more.
         let (workshop, machines, built) = (&workshop, &machines, built);
         // The next machine's programs are built while this one's run.
         scope.spawn(move || {

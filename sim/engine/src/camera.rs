@@ -20,6 +20,9 @@ use slicecast_scene::{Borders, CameraAxes, Frame, Highlight, Interpolation, Ligh
 use slicecast_volume::Volume;
 
 /// Refuses spacings that leave no view.
+///
+/// # Errors
+/// [`CameraError`] for a length that is none, or lengths too far apart.
 pub fn check_spacing(spacing: [f64; 3]) -> Result<(), CameraError> {
     let least = spacing.iter().copied().fold(f64::INFINITY, f64::min);
     let fits = |s: &f64| SPACING.contains(s) && *s <= SPACING_RATIO_MAX * least;
